@@ -1,0 +1,1 @@
+"""Flight and Gaussian-process mapping (the paper's sub-problem 4)."""

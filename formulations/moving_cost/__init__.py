@@ -1,0 +1,1 @@
+"""Moving costs between tasks in a wind field (the paper's sub-problem 2)."""

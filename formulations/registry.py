@@ -1,0 +1,69 @@
+"""The registry of solvers: name → "module:Class", imported only when asked for.
+
+Third parties add solvers through the entry-point group ``mmmdmtsp_workbench.solvers``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+from importlib.metadata import entry_points
+from typing import Any
+
+from formulations.solver import Solver
+from instances.errors import InputError, suggestion
+
+ENTRY_POINT_GROUP = "mmmdmtsp_workbench.solvers"
+
+SOLVERS: dict[str, tuple[str, str]] = {
+    "milp": ("formulations.routing.milp:Milp", "the paper's MILP on CP-SAT, subtour cuts added lazily"),
+    "circuit": ("formulations.routing.circuit:Circuit", "CP-SAT circuit constraints, one giant circuit"),
+    "ga": ("formulations.routing.ga:GeneticAlgorithm", "the paper's genetic algorithm (Ombuki-Berman & Hanshar 2009)"),
+    "routing-library": ("formulations.routing.routing_library:RoutingLibrary", "OR-Tools routing, the off-the-shelf choice"),
+    "greedy": ("formulations.routing.greedy:Greedy", "nearest-addition construction, the floor"),
+}
+"""Built-in solvers: name → (``"module:Class"``, one line on what it is)."""
+
+
+def solver_targets() -> dict[str, tuple[str, str]]:
+    """Return every registered solver, built in or third party: name → (target, one line)."""
+    targets = dict(SOLVERS)
+    for entry in entry_points(group=ENTRY_POINT_GROUP):
+        targets.setdefault(entry.name, (entry.value, f"third party ({entry.value})"))
+    return targets
+
+
+def solver_class(name: str) -> type[Solver]:
+    """Import and return the class registered as `name`.
+
+    Raises InputError for an unknown name (with the near miss), ImportError where its package is not installed.
+    """
+    targets = solver_targets()
+    if name not in targets:
+        raise InputError(f"unknown solver '{name}'{suggestion(name, targets)} (workbench solvers lists them)")
+    module, _, attribute = targets[name][0].partition(":")
+    cls: type[Solver] = getattr(importlib.import_module(module), attribute)
+    return cls
+
+
+def make_solver(name: str, options: dict[str, Any] | None = None) -> Solver:
+    """Return the solver registered as `name` with `options` (its dataclass fields).
+
+    Raises InputError for an unknown solver, option or option value.
+    """
+    cls = solver_class(name)
+    options = options or {}
+    known = [f.name for f in dataclasses.fields(cls)] if dataclasses.is_dataclass(cls) else []
+    for key in options:
+        if key not in known:
+            raise InputError(f"solver {name} has no option '{key}'{suggestion(key, known)} (it has: {', '.join(known) or 'none'})")
+    return cls(**options)
+
+
+def why_unavailable(name: str) -> str | None:
+    """Return why the solver cannot be imported here, in a sentence, or None where it can."""
+    try:
+        solver_class(name)
+    except ImportError as error:
+        return f"not installed: {error}"
+    return None

@@ -1,0 +1,145 @@
+"""The Solver protocol and what a solver says: Status, Event, Limits, Result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, ClassVar, Protocol
+
+from instances import InputError, Instance, Routes
+
+
+class Status(StrEnum):
+    """What is known at the end. Which limit ended the run is another field, ``Result.stopped_by``."""
+
+    OPTIMAL = "OPTIMAL"
+    """Routes, and a proof that none is shorter by more than ``Result.tolerance``."""
+    FEASIBLE = "FEASIBLE"
+    """Routes without that proof."""
+    INFEASIBLE = "INFEASIBLE"
+    """A proof that no routes exist. An MMMDMTSP always has some; only a third-party restriction ends here."""
+    NO_SOLUTION = "NO_SOLUTION"
+    """A limit was hit before any routes were found."""
+    KILLED = "KILLED"
+    """The run ignored its limit, or was ended from outside, and was killed; what it had streamed is kept."""
+    ERROR = "ERROR"
+    """The run crashed, or claimed something that the independent check refutes."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a solve may use.
+
+    time : seconds of wall clock, > 0.
+    threads : worker threads, ≥ 1.
+    iterations : the method's own iterations (GA generations, search steps), or None for no limit. A solve ended
+        by it is deterministic for a seed; one ended by the clock need not be.
+    """
+
+    time: float = 60.0
+    threads: int = 1
+    iterations: int | None = None
+
+    def __post_init__(self) -> None:
+        if not self.time > 0:
+            raise InputError(f"time limit must be positive [s], got {self.time}")
+        if self.threads < 1:
+            raise InputError(f"threads must be at least 1, got {self.threads}")
+        if self.iterations is not None and self.iterations < 0:
+            raise InputError(f"iterations must not be negative, got {self.iterations}")
+
+
+@dataclass(frozen=True)
+class Event:
+    """One point of the anytime trace.
+
+    elapsed [s] since the solve began; objective [s] of the best routes so far, or None; bound [s], the best valid
+    lower bound so far, or None; routes of a new incumbent, so that a killed run keeps them, else None.
+    """
+
+    elapsed: float
+    objective: float | None
+    bound: float | None
+    routes: Routes | None = None
+
+
+Observer = Callable[[Event], None]
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a solve ended.
+
+    status : what is known.
+    objective [s] : C_max of `routes`, or None.
+    bound [s] : a valid lower bound on the optimum of the float instance, or None.
+    elapsed [s] : wall clock of the solve alone; imports and compilation belong to ``Solver.prepare``.
+    routes : the best routes, or None.
+    trace : events in order, without routes.
+    stopped_by : "proof", "time", "iterations", "memory", "finished" (a method that just ends), "killed", "error".
+    message : one sentence for people, or "".
+    tolerance [s] : OPTIMAL means objective − bound ≤ tolerance (CP-SAT's integer scaling included).
+    statistics : the method's own figures (rounds, cuts, columns, which part proved it), JSON values only.
+    """
+
+    status: Status
+    objective: float | None = None
+    bound: float | None = None
+    elapsed: float = 0.0
+    routes: Routes | None = None
+    trace: tuple[Event, ...] = ()
+    stopped_by: str = ""
+    message: str = ""
+    tolerance: float = 0.0
+    statistics: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def gap(self) -> float | None:
+        """(objective − bound) / objective, dimensionless; 0 where the objective is 0; None where one is unknown."""
+        if self.objective is None or self.bound is None:
+            return None
+        return (self.objective - self.bound) / self.objective if self.objective > 0 else 0.0
+
+    def summary(self) -> str:
+        """One line for people."""
+        value = "no routes" if self.objective is None else f"longest tour {self.objective:.6g} s"
+        bound = "" if self.bound is None else f", bound {self.bound:.6g} s (gap {self.gap or 0:.2%})"
+        return f"{self.status}: {value}{bound}, {self.elapsed:.2f} s, stopped by {self.stopped_by or 'nothing'}"
+
+
+def ignore(event: Event) -> None:
+    """Observe nothing."""
+
+
+class Solver(Protocol):
+    """A method for the MMMDMTSP. Options are the fields of the (dataclass) implementation, each with a default.
+
+    Subclass it explicitly to inherit the defaults of `accepts` and `prepare`.
+    """
+
+    proves: ClassVar[bool]
+    """Whether the method can end OPTIMAL."""
+
+    def accepts(self, instance: Instance) -> str | None:
+        """Return why this method does not take `instance`, in a sentence, or None where it does."""
+        return None
+
+    def prepare(self, instance: Instance) -> None:
+        """Do what is not part of the solve: imports, compilation of kernels. Not timed."""
+
+    def solve(
+        self,
+        instance: Instance,
+        *,
+        limits: Limits,
+        seed: int = 0,
+        observe: Observer = ignore,
+        start: Routes | None = None,
+    ) -> Result:
+        """Solve `instance` within `limits`, streaming events to `observe`.
+
+        start : feasible routes to begin from; methods that cannot use them ignore them, none may end worse than
+            them, and a bad start must never change what an exact method proves.
+        """
+        ...

@@ -1,0 +1,1 @@
+"""Task locations that maximise mutual information (the paper's sub-problem 1)."""

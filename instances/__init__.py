@@ -1,0 +1,7 @@
+"""What is given: instances, routes and their independent check, file formats, generators, the environment."""
+
+from instances.errors import InputError
+from instances.instance import Instance
+from instances.routes import Routes, as_routes, check_routes, makespan, tour_costs
+
+__all__ = ["InputError", "Instance", "Routes", "as_routes", "check_routes", "makespan", "tour_costs"]

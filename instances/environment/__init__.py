@@ -1,0 +1,1 @@
+"""The environment a mission is flown in: region, terrain, wind, radio."""

@@ -1,0 +1,143 @@
+"""Region: the bounded, possibly non-convex area A that is surveyed, with holes (no-fly zones).
+
+Coordinates are metres in a local plane, x east and y north. Files are GeoJSON: a Polygon (or a Feature or
+FeatureCollection holding one), its coordinates read as local metres.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+from shapely.geometry import Polygon, mapping, shape
+from shapely.ops import nearest_points
+from shapely.validation import explain_validity
+
+from instances.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A polygon with holes [m]; valid and with a non-empty interior, else InputError."""
+
+    polygon: Polygon
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.polygon, Polygon):
+            raise InputError(f"region: must be one polygon, got {self.polygon.geom_type}")
+        if not self.polygon.is_valid:
+            raise InputError(f"region: the polygon is not valid: {explain_validity(self.polygon)}")
+        if not self.polygon.area > 0:
+            raise InputError("region: the polygon has an empty interior")
+        shapely.prepare(self.polygon)
+
+    @classmethod
+    def rectangle(cls, width: float, height: float) -> Region:
+        """Return the rectangle of `width` × `height` [m] with its lower left corner at the origin."""
+        if not (width > 0 and height > 0):
+            raise InputError(f"region: size must be positive [m], got [{width}, {height}]")
+        return cls(shapely.box(0.0, 0.0, width, height))
+
+    @classmethod
+    def read(cls, path: Path | str) -> Region:
+        """Read a GeoJSON polygon; InputError names the file and what is wrong."""
+        try:
+            return cls(single_polygon(json.loads(Path(path).read_text(encoding="utf-8"))))
+        except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+            raise InputError(f"{path}: cannot be read as GeoJSON ({error})") from None
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+
+    def write(self, path: Path | str) -> None:
+        """Write the region as a GeoJSON feature."""
+        feature = {"type": "Feature", "properties": {}, "geometry": mapping(self.polygon)}
+        Path(path).write_text(json.dumps(feature), encoding="utf-8")
+
+    def minus(self, zones: list[Polygon]) -> Region:
+        """Return the region without `zones` (no-fly zones); InputError where that leaves no single polygon."""
+        rest = self.polygon.difference(shapely.union_all(zones)) if zones else self.polygon
+        if rest.geom_type == "MultiPolygon":
+            raise InputError(f"region: the no-fly zones cut it into {len(rest.geoms)} parts")
+        return Region(rest)
+
+    @property
+    def area(self) -> float:
+        """Area [m²]."""
+        return float(self.polygon.area)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """x_min, y_min, x_max, y_max [m]."""
+        x0, y0, x1, y1 = self.polygon.bounds
+        return float(x0), float(y0), float(x1), float(y1)
+
+    @cached_property
+    def rings(self) -> list[NDArray[np.float64]]:
+        """Outer ring, then holes; each closed, shape (k, 2) [m]."""
+        return [np.asarray(r.coords)[:, :2] for r in (self.polygon.exterior, *self.polygon.interiors)]
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Return which of `points` (k, 2) [m] lie inside or on the border, shape (k,)."""
+        p = np.asarray(points, dtype=float).reshape(-1, 2)
+        return np.asarray(shapely.covers(self.polygon, shapely.points(p)), dtype=bool)
+
+    def signed_distance(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Return the distance to the border [m], positive inside and negative outside, shape (k,)."""
+        p = np.asarray(points, dtype=float).reshape(-1, 2)
+        d = np.asarray(shapely.distance(self.polygon.boundary, shapely.points(p)))
+        return np.where(self.contains(p), d, -d)
+
+    def snap(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Return `points` (k, 2) [m] with those outside moved to the nearest point of the region."""
+        p = np.array(points, dtype=float).reshape(-1, 2)
+        for i in np.flatnonzero(~self.contains(p)):
+            near, _ = nearest_points(self.polygon, shapely.Point(p[i]))
+            p[i] = near.x, near.y
+        return p
+
+    def sample(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Return `count` points uniform in the region, shape (count, 2) [m]."""
+        x0, y0, x1, y1 = self.bounds
+        found = np.empty((0, 2))
+        while len(found) < count:
+            p = rng.uniform((x0, y0), (x1, y1), (2 * count + 16, 2))
+            found = np.concatenate([found, p[self.contains(p)]])
+        return found[:count]
+
+    def cell_centres(self, columns: int, rows: int) -> NDArray[np.float64]:
+        """Return the centres of columns × rows equal cells of the bounding box, those inside, shape (k, 2) [m]."""
+        x0, y0, x1, y1 = self.bounds
+        xs = x0 + (np.arange(columns) + 0.5) * (x1 - x0) / columns
+        ys = y0 + (np.arange(rows) + 0.5) * (y1 - y0) / rows
+        grid = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
+        return grid[self.contains(grid)]
+
+
+def polygons(data: Any) -> list[Polygon]:
+    """Return every polygon in GeoJSON `data` (geometry, Feature or FeatureCollection)."""
+    kind = data.get("type") if isinstance(data, dict) else None
+    if kind == "FeatureCollection":
+        return [p for feature in data.get("features", []) for p in polygons(feature)]
+    if kind == "Feature":
+        return polygons(data.get("geometry"))
+    if kind not in ("Polygon", "MultiPolygon"):
+        raise InputError(f"GeoJSON type must be a Polygon, MultiPolygon, Feature or FeatureCollection, got {kind!r}")
+    try:
+        geometry = shape(data)
+    except (ValueError, TypeError, KeyError, IndexError) as error:
+        raise InputError(f"GeoJSON coordinates cannot be read as polygons ({error})") from None
+    return list(geometry.geoms) if geometry.geom_type == "MultiPolygon" else [geometry]
+
+
+def single_polygon(data: Any) -> Polygon:
+    """Return the one polygon in GeoJSON `data`."""
+    found = polygons(data)
+    if len(found) != 1:
+        raise InputError(f"GeoJSON must hold one polygon, got {len(found)}")
+    return found[0]

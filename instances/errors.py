@@ -1,0 +1,19 @@
+"""What is wrong with something a person gave us, in one sentence."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from collections.abc import Iterable
+
+
+class InputError(ValueError):
+    """A file, field or value given by the user cannot be used; the message is one sentence naming it.
+
+    The command line prints the message and exits with code 2.
+    """
+
+
+def suggestion(wrong: str, known: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the near miss of `wrong` among `known`, or ``""``."""
+    near = get_close_matches(wrong, list(known), n=1)
+    return f"; did you mean '{near[0]}'?" if near else ""

@@ -1,0 +1,133 @@
+"""Instance: the data of one min-max multi-depot multiple TSP (paper, §Mathematical Formulation)."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from instances.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Instance:
+    """One MMMDMTSP: moving costs between n tasks and m depots, one UAV at each depot.
+
+    Nodes are numbered as in the paper, from 0: tasks ``0..n-1``, then depots ``n..n+m-1``. Several UAVs at
+    one place are several depots at that place.
+
+    Parameters
+    ----------
+    name : short name, used in file and report names.
+    cost : ``cost[i, j]`` [s] of flying from node i to node j, shape (n+m, n+m), finite, non-negative, zero
+        diagonal, in general asymmetric (paper: c_ij differs from c_ji because of the wind). Entries between
+        two depots are carried but never used: E excludes D × D.
+    n_tasks : n ≥ 1.
+    n_depots : m ≥ 1.
+    coordinates : positions [m], shape (n+m, 2), or None where only costs are known.
+    provenance : where the numbers come from: family, parameters, seed, source file.
+
+    Raises
+    ------
+    InputError
+        with one sentence that names the offending entry.
+    """
+
+    name: str
+    cost: NDArray[np.float64]
+    n_tasks: int
+    n_depots: int
+    coordinates: NDArray[np.float64] | None = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InputError(f"instance: name must be a non-empty text, got {self.name!r}")
+        for label in ("n_tasks", "n_depots"):
+            value = getattr(self, label)
+            if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 1:
+                raise InputError(f"instance {self.name}: {label} must be a whole number of at least 1, got {value!r}")
+        object.__setattr__(self, "cost", _checked_cost(self.cost, self.n_nodes, self.name))
+        if self.coordinates is not None:
+            object.__setattr__(self, "coordinates", _checked_coordinates(self.coordinates, self.n_nodes, self.name))
+        object.__setattr__(self, "provenance", dict(self.provenance))
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes, n + m."""
+        return int(self.n_tasks) + int(self.n_depots)
+
+    @property
+    def tasks(self) -> range:
+        """The paper's T: node numbers of the tasks."""
+        return range(self.n_tasks)
+
+    @property
+    def depots(self) -> range:
+        """The paper's D: node numbers of the depots, one UAV at each."""
+        return range(self.n_tasks, self.n_nodes)
+
+    @cached_property
+    def digest(self) -> str:
+        """First 12 hexadecimal digits of the SHA-256 of the arrays (name and provenance left out)."""
+        h = hashlib.sha256(f"{self.n_tasks} {self.n_depots} ".encode())
+        h.update(np.ascontiguousarray(self.cost, dtype="<f8").tobytes())
+        if self.coordinates is not None:
+            h.update(np.ascontiguousarray(self.coordinates, dtype="<f8").tobytes())
+        return h.hexdigest()[:12]
+
+    @cached_property
+    def asymmetry(self) -> float:
+        """Mean of |c_ij − c_ji| / (c_ij + c_ji) over the edges in use (dimensionless, 0 where symmetric)."""
+        n = self.n_tasks
+        c, t = self.cost[:n, :], self.cost[:, :n].T
+        total = c + t
+        ratio = np.divide(np.abs(c - t), total, out=np.zeros_like(total), where=total > 0)
+        pairs = total.size - n
+        return float(ratio.sum() / pairs) if pairs else 0.0
+
+    def summary(self) -> str:
+        """One line for people: name, size, asymmetry, digest."""
+        return (
+            f"{self.name}: {self.n_tasks} tasks, {self.n_depots} depots, "
+            f"cost asymmetry {self.asymmetry:.1%}, digest {self.digest}"
+        )
+
+
+def _checked_cost(cost: ArrayLike, size: int, name: str) -> NDArray[np.float64]:
+    try:
+        c = np.array(cost, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"instance {name}: cost must be a square matrix of numbers") from None
+    if c.shape != (size, size):
+        raise InputError(
+            f"instance {name}: cost must have shape ({size}, {size}) for n_tasks + n_depots = {size}, got {c.shape}"
+        )
+    for bad, what in ((np.isnan(c), "not a number"), (np.isinf(c), "infinite"), (c < 0, "negative")):
+        if bad.any():
+            i, j = np.argwhere(bad)[0]
+            raise InputError(f"instance {name}: cost[{i}][{j}] is {what} ({c[i, j]})")
+    if np.diagonal(c).any():
+        i = int(np.flatnonzero(np.diagonal(c))[0])
+        raise InputError(f"instance {name}: cost[{i}][{i}] must be 0 (the diagonal), got {c[i, i]}")
+    c.setflags(write=False)
+    return c
+
+
+def _checked_coordinates(coordinates: ArrayLike, size: int, name: str) -> NDArray[np.float64]:
+    try:
+        xy = np.array(coordinates, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"instance {name}: coordinates must be pairs of numbers [m]") from None
+    if xy.shape != (size, 2):
+        raise InputError(f"instance {name}: coordinates must have shape ({size}, 2), got {xy.shape}")
+    if not np.isfinite(xy).all():
+        i = int(np.argwhere(~np.isfinite(xy))[0][0])
+        raise InputError(f"instance {name}: coordinates[{i}] is not finite ({xy[i].tolist()})")
+    xy.setflags(write=False)
+    return xy

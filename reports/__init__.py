@@ -1,0 +1,1 @@
+"""Frames in, pages out: metrics, figures, tables and one self-contained page."""

@@ -1,0 +1,1 @@
+"""The machinery and the face: study, runner, store, mission, command line."""

@@ -71,13 +71,10 @@ class Recorder:
         A bound is reported where the method gave one (or proved), cut off at the objective: within the tolerance
         rounding can put it a hair above.
         """
-        if self.routes is None:
-            status = Status.NO_SOLUTION
-        else:
-            status = Status.OPTIMAL if proved else Status.FEASIBLE
+        found = Status.OPTIMAL if proved else Status.FEASIBLE
         has_bound = proved or self.bound > 0
         return Result(
-            status=status,
+            status=Status.NO_SOLUTION if self.routes is None else found,
             objective=None if self.routes is None else self.objective,
             bound=min(self.bound, self.objective) if has_bound else None,
             elapsed=self.elapsed,

@@ -19,7 +19,10 @@ SOLVERS: dict[str, tuple[str, str]] = {
     "milp": ("formulations.routing.milp:Milp", "the paper's MILP on CP-SAT, subtour cuts added lazily"),
     "circuit": ("formulations.routing.circuit:Circuit", "CP-SAT circuit constraints, one giant circuit"),
     "ga": ("formulations.routing.ga:GeneticAlgorithm", "the paper's genetic algorithm (Ombuki-Berman & Hanshar 2009)"),
-    "routing-library": ("formulations.routing.routing_library:RoutingLibrary", "OR-Tools routing, the off-the-shelf choice"),
+    "routing-library": (
+        "formulations.routing.routing_library:RoutingLibrary",
+        "OR-Tools routing, the off-the-shelf choice",
+    ),
     "greedy": ("formulations.routing.greedy:Greedy", "nearest-addition construction, the floor"),
 }
 """Built-in solvers: name → (``"module:Class"``, one line on what it is)."""
@@ -53,10 +56,12 @@ def make_solver(name: str, options: dict[str, Any] | None = None) -> Solver:
     """
     cls = solver_class(name)
     options = options or {}
-    known = [f.name for f in dataclasses.fields(cls)] if dataclasses.is_dataclass(cls) else []
+    known: list[str] = [f.name for f in dataclasses.fields(cls)] if dataclasses.is_dataclass(cls) else []
     for key in options:
         if key not in known:
-            raise InputError(f"solver {name} has no option '{key}'{suggestion(key, known)} (it has: {', '.join(known) or 'none'})")
+            raise InputError(
+                f"solver {name} has no option '{key}'{suggestion(key, known)} (it has: {', '.join(known) or 'none'})"
+            )
     return cls(**options)
 
 

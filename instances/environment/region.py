@@ -62,8 +62,8 @@ class Region:
     def minus(self, zones: list[Polygon]) -> Region:
         """Return the region without `zones` (no-fly zones); InputError where that leaves no single polygon."""
         rest = self.polygon.difference(shapely.union_all(zones)) if zones else self.polygon
-        if rest.geom_type == "MultiPolygon":
-            raise InputError(f"region: the no-fly zones cut it into {len(rest.geoms)} parts")
+        if not isinstance(rest, Polygon):
+            raise InputError("region: the no-fly zones cut it into parts or leave nothing of it")
         return Region(rest)
 
     @property
@@ -132,7 +132,7 @@ def polygons(data: Any) -> list[Polygon]:
         geometry = shape(data)
     except (ValueError, TypeError, KeyError, IndexError) as error:
         raise InputError(f"GeoJSON coordinates cannot be read as polygons ({error})") from None
-    return list(geometry.geoms) if geometry.geom_type == "MultiPolygon" else [geometry]
+    return [part for part in shapely.get_parts(geometry) if isinstance(part, Polygon)]
 
 
 def single_polygon(data: Any) -> Polygon:

@@ -1,0 +1,78 @@
+"""The command line: `workbench COMMAND`. Each command is imported only when it is called.
+
+Exit codes: 0 fine, 1 a problem was found, 2 unusable input, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from typing import Any
+
+import click
+
+COMMANDS = {
+    "generate": "make instances of a family",
+    "solve": "solve one instance",
+    "check": "verify routes, or every run of a store, independently",
+    "compare": "run solvers on instances and report",
+    "report": "make pages and tables from stored runs",
+    "convert": "translate between file formats",
+    "place": "choose task locations of most information",
+    "costs": "compute moving costs of a scenario in wind",
+    "bound": "print lower bounds of an instance",
+    "mission": "run the paper's whole chain",
+    "status": "say how far a study has got",
+    "solvers": "list solvers and their options",
+    "families": "list instance families and their parameters",
+}
+"""Command → one line of help; the command itself is ``workbench.commands.<name>:command``."""
+
+
+class LazyCommands(click.Group):
+    """A group that knows its commands' names and imports each only when asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the commands in their natural order."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import and return one command."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f"workbench.commands.{cmd_name}").command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Suggest the near miss of an unknown command."""
+        if args and not args[0].startswith("-") and args[0] not in COMMANDS:
+            from instances.errors import suggestion
+
+            ctx.fail(f"unknown command '{args[0]}'{suggestion(args[0], COMMANDS)}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands without importing one."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=LazyCommands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="mmmdmtsp-workbench")
+def commands() -> None:
+    """Plan tours for several UAVs in wind, and compare the solvers that do it."""
+
+
+def main(args: list[str] | None = None) -> Any:
+    """Run the command line; turn an InputError into one sentence on stderr and exit code 2."""
+    from instances.errors import InputError
+
+    try:
+        return commands.main(args=args, standalone_mode=True)
+    except InputError as error:
+        click.echo(f"workbench: {error}", err=True)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -67,11 +67,13 @@ def commands() -> None:
 
 def main(args: list[str] | None = None) -> Any:
     """Run the command line; turn an InputError into one sentence on stderr and exit code 2."""
-    from instances.errors import InputError
-
     try:
         return commands.main(args=args, standalone_mode=True)
-    except InputError as error:
+    except ValueError as error:
+        from instances.errors import InputError  # here, not above: --help must not import numpy
+
+        if not isinstance(error, InputError):
+            raise
         click.echo(f"workbench: {error}", err=True)
         sys.exit(2)
     except KeyboardInterrupt:

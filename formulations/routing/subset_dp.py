@@ -1,0 +1,239 @@
+"""`subset-dp`: Held–Karp over every subset of tasks per depot, then the best min-max partition. The oracle.
+
+Three recursions over sets of tasks, none of which needs the triangle inequality or symmetry:
+
+    f_k({j}, j) = c_kj,   f_k(S, j) = min_{i ∈ S∖j} f_k(S∖j, i) + c_ij     cheapest path k → … → j through S
+    t_k(S)      = min_{j ∈ S} f_k(S, j) + c_jk,   t_k(∅) = 0               cheapest tour of UAV k over S
+    g_1 = t_1,   g_k(S) = min_{R ⊆ S} max(g_{k−1}(S∖R), t_k(R))            best longest tour of UAVs 1..k
+
+and the optimum is g_m(T) (paper, eqs. c_max and const1–const6). The first two are Held & Karp, "A dynamic
+programming approach to sequencing problems", J. SIAM 10 (1962), in 2ⁿn² steps a depot; the third is a subset
+convolution in the semiring (min, max), 3ⁿ steps for each UAV but the first and the last, done block by block over the
+low bits so that it stays in cache, and skipping blocks that cannot beat known routes. Memory: 8·n·2ⁿ bytes for f,
+used again by every depot, and 8·2ⁿ for each t_k and g_k.
+
+Floating point: a tour is a sum of at most n + 1 non-negative costs, so the recursion is within a relative
+(n + 1)·2⁻⁵³ of the exact value; the bound reported is lowered by more than that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.recorder import Recorder
+from formulations.solver import Limits, Observer, Result, Solver, ignore
+from instances import Instance, Routes
+
+LARGEST = 22
+"""Tasks beyond which the tables pass about a gigabyte and the partition a minute."""
+
+_BLOCK_BITS = 5
+_PATH_CHUNK = 1 << 17
+_BLOCK_CHUNK = 16
+_RELATIVE_ROUNDING = 1e-13  # > 2·(LARGEST + 1)·2⁻⁵³
+
+
+@dataclass(frozen=True)
+class SubsetDp(Solver):
+    """Dynamic programming over all subsets: exact, n ≤ 22, time and memory known beforehand."""
+
+    proves: ClassVar[bool] = True
+
+    def accepts(self, instance: Instance) -> str | None:
+        """Refuse instances whose tables do not fit."""
+        n = instance.n_tasks
+        if n <= LARGEST:
+            return None
+        need = 8 * 2.0**n * (n + 2 * instance.n_depots) / 1e9
+        return (
+            f"subset-dp has a table of all 2^n subsets: at most {LARGEST} tasks, not {n} (that would be {need:.3g} GB)"
+        )
+
+    def prepare(self, instance: Instance) -> None:
+        """Compile the kernels."""
+        tiny = Instance("warm-up", np.ones((5, 5)) - np.eye(5), 2, 3)
+        self.solve(tiny, limits=Limits(time=3600.0))
+
+    def solve(
+        self,
+        instance: Instance,
+        *,
+        limits: Limits,
+        seed: int = 0,
+        observe: Observer = ignore,
+        start: Routes | None = None,
+    ) -> Result:
+        """Solve exactly; `start` only lets blocks be skipped. Deterministic, so `seed` is not used."""
+        recorder = Recorder(instance, limits, observe, start)
+        recorder.incumbent(_nearest_task_to_the_shortest_tour(instance))
+        tours = []
+        for k in range(instance.n_depots):
+            table = tour_table(instance, k, recorder)
+            if table is None:
+                return recorder.result("time", message="The clock ran out in the tables of tours.")
+            tours.append(table)
+        best = _partition_tables(tours, recorder)
+        if best is None:
+            return recorder.result("time", message="The clock ran out in the partition.")
+        value = float(best[-1][-1])
+        if value < recorder.objective:
+            recorder.incumbent(_recover(instance, tours, best))
+        tolerance = 2 * _RELATIVE_ROUNDING * recorder.objective
+        recorder.raise_bound(min(value, recorder.objective) * (1 - _RELATIVE_ROUNDING))
+        return recorder.result("proof", proved=True, tolerance=tolerance, subsets=1 << instance.n_tasks)
+
+
+def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> NDArray[np.float64] | None:
+    """Return t_k(S) [s] for every set S of tasks (bit i is task i), shape (2ⁿ,); None when the clock runs out."""
+    n, c = instance.n_tasks, instance.cost
+    to_task, home = c[n + k, :n].copy(), c[:n, n + k].copy()
+    between = np.ascontiguousarray(c[:n, :n].T)
+    path = np.empty((1 << n, n))
+    tour = np.zeros(1 << n)
+    for low in range(1, 1 << n, _PATH_CHUNK):
+        if clock is not None and clock.remaining <= 0:
+            return None
+        _extend_paths(low, min(low + _PATH_CHUNK, 1 << n), to_task, between, home, path, tour)
+    return tour
+
+
+@numba.njit(cache=True)
+def _extend_paths(low, high, to_task, between, home, path, tour):  # type: ignore[no-untyped-def]
+    """Fill f and t of the sets low..high−1; every subset of a set has a smaller number. between[j, i] = c_ij."""
+    n = to_task.size
+    members = np.empty(n, np.int64)
+    for s in range(low, high):
+        size = 0
+        for j in range(n):
+            if s >> j & 1:
+                members[size] = j
+                size += 1
+        best_tour = np.inf
+        for a in range(size):
+            j = members[a]
+            if size == 1:
+                best = to_task[j]
+            else:
+                best = np.inf
+                before = path[s ^ (1 << j)]
+                for b in range(size):
+                    i = members[b]
+                    if i != j:
+                        best = min(best, before[i] + between[j, i])
+            path[s, j] = best
+            best_tour = min(best_tour, best + home[j])
+        tour[s] = best_tour
+
+
+def _partition_tables(tours: list[NDArray[np.float64]], recorder: Recorder) -> list[NDArray[np.float64]] | None:
+    """Return g_1..g_m; entries not below the incumbent may be too high, and only g_m(T) is filled in g_m."""
+    best = [tours[0]]
+    bits = min(_BLOCK_BITS, tours[0].size.bit_length() - 1)
+    blocks = tours[0].size >> bits
+    for k in range(1, len(tours)):
+        g = np.full(tours[0].size, np.inf)
+        first, last = best[-1], k == len(tours) - 1
+        first_low, second_low = first.reshape(blocks, -1).min(axis=1), tours[k].reshape(blocks, -1).min(axis=1)
+        for low in range(blocks - 1 if last else 0, blocks, _BLOCK_CHUNK):
+            if recorder.remaining <= 0:
+                return None
+            high = min(low + _BLOCK_CHUNK, blocks)
+            _convolve(low, high, bits, first, tours[k], first_low, second_low, recorder.objective, g)
+        best.append(g)
+    return best
+
+
+@numba.njit(cache=True)
+def _convolve(low, high, bits, first, second, first_low, second_low, cutoff, out):  # type: ignore[no-untyped-def]
+    """out(S) = min_{R ⊆ S} max(first(S∖R), second(R)) for the blocks low..high−1 of 2^bits sets that share high bits.
+
+    Pairs of blocks whose smallest entries reach the cutoff are skipped: no set of theirs is part of better routes.
+    """
+    width = 1 << bits
+    for block in range(low, high):
+        base = block << bits
+        part = block
+        while True:
+            if max(first_low[block ^ part], second_low[part]) < cutoff:
+                left, right = (block ^ part) << bits, part << bits
+                for s in range(width):
+                    best = out[base + s]
+                    r = s
+                    while True:
+                        best = min(best, max(first[left + (s ^ r)], second[right + r]))
+                        if r == 0:
+                            break
+                        r = (r - 1) & s
+                    out[base + s] = best
+            if part == 0:
+                break
+            part = (part - 1) & block
+
+
+def _recover(instance: Instance, tours: list[NDArray[np.float64]], best: list[NDArray[np.float64]]) -> Routes:
+    """Walk back from g_m(T): the part R of each UAV, then its cheapest order."""
+    rest = tours[0].size - 1
+    parts = [0] * len(tours)
+    for k in range(len(tours) - 1, 0, -1):
+        parts[k] = int(_best_part(rest, best[k - 1], tours[k]))
+        rest ^= parts[k]
+    parts[0] = rest
+    return tuple(
+        cheapest_order(instance, k, [i for i in instance.tasks if part >> i & 1]) for k, part in enumerate(parts)
+    )
+
+
+@numba.njit(cache=True)
+def _best_part(rest, first, second):  # type: ignore[no-untyped-def]
+    """Return the R ⊆ rest that minimises max(first(rest∖R), second(R))."""
+    best, arg, part = np.inf, rest, rest
+    while True:
+        value = max(first[rest ^ part], second[part])
+        if value < best:
+            best, arg = value, part
+        if part == 0:
+            return arg
+        part = (part - 1) & rest
+
+
+def cheapest_order(instance: Instance, k: int, tasks: list[int]) -> tuple[int, ...]:
+    """Return `tasks` (at most 22 or so) in the order of UAV k's cheapest tour, by Held–Karp on these alone."""
+    if not tasks:
+        return ()
+    depot = instance.n_tasks + k
+    to_task, home = instance.cost[depot, tasks], instance.cost[tasks, depot]
+    between = np.ascontiguousarray(instance.cost[np.ix_(tasks, tasks)].T)
+    path, tour = np.empty((1 << len(tasks), len(tasks))), np.zeros(1 << len(tasks))
+    _extend_paths(1, 1 << len(tasks), to_task, between, home, path, tour)
+    order, rest = [], (1 << len(tasks)) - 1
+    j = min(range(len(tasks)), key=lambda a: float(path[rest, a] + home[a]))
+    while rest:
+        order.append(tasks[j])
+        rest ^= 1 << j
+        members = [i for i in range(len(tasks)) if rest >> i & 1]
+        if members:
+            following = between[j]
+            before = path[rest]
+            j = min(members, key=lambda i: float(before[i] + following[i]))
+    return tuple(reversed(order))
+
+
+def _nearest_task_to_the_shortest_tour(instance: Instance) -> Routes:
+    """First routes, so that a run cut short has some: the shortest tour so far takes its cheapest next task."""
+    routes: list[list[int]] = [[] for _ in instance.depots]
+    spent = np.zeros(instance.n_depots)
+    open_tasks = set(instance.tasks)
+    while open_tasks:
+        k = int(spent.argmin())
+        depot = instance.n_tasks + k
+        here = routes[k][-1] if routes[k] else depot
+        task = min(open_tasks, key=lambda i: float(instance.cost[here, i] + instance.cost[i, depot]))
+        spent[k] += instance.cost[here, task]
+        routes[k].append(task)
+        open_tasks.remove(task)
+    return tuple(tuple(route) for route in routes)

@@ -35,11 +35,11 @@ class SquaredExponential:
     def __call__(self, a: ArrayLike, b: ArrayLike) -> NDArray[np.float64]:
         """Return k(a_i, b_j) for points `a` (p, 2) and `b` (q, 2) [m], shape (p, q)."""
         scales = np.asarray(self.length_scales)
-        a = np.asarray(a, dtype=float).reshape(-1, 2) / scales
-        b = np.asarray(b, dtype=float).reshape(-1, 2) / scales
-        # one pass per dimension rather than the expanded square: coincident points give exactly σ_f²
-        exponent = np.subtract.outer(a[:, 0], b[:, 0]) ** 2
-        exponent += np.subtract.outer(a[:, 1], b[:, 1]) ** 2
+        p = np.asarray(a, dtype=float).reshape(-1, 2) / scales
+        q = np.asarray(b, dtype=float).reshape(-1, 2) / scales
+        # difference by difference, not the expanded square: coincident points give exactly σ_f²
+        exponent: NDArray[np.float64] = np.subtract.outer(p[:, 0], q[:, 0]) ** 2
+        exponent += np.subtract.outer(p[:, 1], q[:, 1]) ** 2
         exponent *= -0.5
         np.exp(exponent, out=exponent)
         exponent *= self.signal_sd**2

@@ -1,6 +1,7 @@
 """The registry of solvers: name → "module:Class", imported only when asked for.
 
-Third parties add solvers through the entry-point group ``mmmdmtsp_workbench.solvers``.
+Third parties add solvers through the entry-point group ``mmmdmtsp_workbench.solvers``, or name the target itself,
+``"module:Class"``, wherever a solver's name is asked for.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ ENTRY_POINT_GROUP = "mmmdmtsp_workbench.solvers"
 SOLVERS: dict[str, tuple[str, str]] = {
     "milp": ("formulations.routing.milp:Milp", "the paper's MILP on CP-SAT, subtour cuts added lazily"),
     "circuit": ("formulations.routing.circuit:Circuit", "CP-SAT circuit constraints, one giant circuit"),
+    "subset-dp": ("formulations.routing.subset_dp:SubsetDp", "Held–Karp over all subsets, then a min-max partition"),
     "ga": ("formulations.routing.ga:GeneticAlgorithm", "the paper's genetic algorithm (Ombuki-Berman & Hanshar 2009)"),
     "routing-library": (
         "formulations.routing.routing_library:RoutingLibrary",
@@ -42,10 +44,13 @@ def solver_class(name: str) -> type[Solver]:
     Raises InputError for an unknown name (with the near miss), ImportError where its package is not installed.
     """
     targets = solver_targets()
-    if name not in targets:
+    if name not in targets and ":" not in name:
         raise InputError(f"unknown solver '{name}'{suggestion(name, targets)} (workbench solvers lists them)")
-    module, _, attribute = targets[name][0].partition(":")
-    cls: type[Solver] = getattr(importlib.import_module(module), attribute)
+    target = targets[name][0] if name in targets else name
+    module, _, attribute = target.partition(":")
+    cls: type[Solver] | None = getattr(importlib.import_module(module), attribute, None)
+    if cls is None:
+        raise InputError(f"solver {name}: module {module} has no '{attribute}'")
     return cls
 
 
@@ -56,13 +61,28 @@ def make_solver(name: str, options: dict[str, Any] | None = None) -> Solver:
     """
     cls = solver_class(name)
     options = options or {}
-    known: list[str] = [f.name for f in dataclasses.fields(cls)] if dataclasses.is_dataclass(cls) else []
-    for key in options:
+    defaults = option_defaults(cls)
+    known = list(defaults)
+    for key, value in options.items():
         if key not in known:
             raise InputError(
                 f"solver {name} has no option '{key}'{suggestion(key, known)} (it has: {', '.join(known) or 'none'})"
             )
+        kind = type(defaults[key])
+        fits = kind not in (bool, int, float, str) or type(value) is kind or (kind is float and type(value) is int)
+        if not fits:
+            raise InputError(f"solver {name}: option {key} must be of type {kind.__name__}, got {value!r}")
     return cls(**options)
+
+
+def option_defaults(cls: type[Solver]) -> dict[str, Any]:
+    """Return the options of a solver and their defaults: its dataclass fields."""
+    if not dataclasses.is_dataclass(cls):
+        return {}
+    made = {
+        f.name: f.default_factory() for f in dataclasses.fields(cls) if f.default_factory is not dataclasses.MISSING
+    }
+    return {f.name: made.get(f.name, f.default) for f in dataclasses.fields(cls)}
 
 
 def why_unavailable(name: str) -> str | None:

@@ -79,7 +79,7 @@ class Flight:
 
         The first is one period after take-off; a tour shorter than the period has none.
         """
-        times = np.arange(1, int(self.duration / period + 1e-9) + 1) * period
+        times = period * np.arange(1, int(self.duration / period + 1e-9) + 1, dtype=np.float64)
         return times, self.poses(times * self.speed)[:, :2]
 
     def to_json(self) -> dict[str, Any]:
@@ -121,9 +121,13 @@ def plan_flight(legs: list[Array], *, speed: float = 100.0, radius: float = 50.0
     _, choice = dubins.closed_programme(dubins.heading_costs(waypoints, headings, radius))
     chosen = headings[np.arange(len(waypoints)), choice]
     starts = np.column_stack([waypoints, chosen])
-    flown = [dubins.dubins_path(*starts[k], *starts[(k + 1) % len(starts)], radius) for k in range(len(starts))]
+    flown = [dubins.dubins_path(a[0], a[1], a[2], b[0], b[1], b[2], radius) for a, b in _legs(starts)]
     words = np.array([f[0] for f in flown], dtype=np.int64)
     return Flight(starts, words, np.array([f[1:] for f in flown]), radius, speed)
+
+
+def _legs(starts: Array) -> list[tuple[Array, Array]]:
+    return list(zip(starts, np.roll(starts, -1, axis=0), strict=True))
 
 
 def reference_waypoints(legs: list[Array], spacing: float) -> tuple[Array, Array]:

@@ -1,0 +1,147 @@
+"""Survey: several UAVs fly, measure and map at the same time (paper, sub-problem 4 and §Numerical Example).
+
+Every `period` seconds each UAV still in the air measures the field with noise σ_n; the Gaussian process takes the
+samples in, and every `refit_every` ticks its (σ_f, l_x, l_y) are set anew by maximum likelihood (eq. GPR2). After
+each tick the map is judged against the truth, which only the judge sees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from formulations.kernel import SquaredExponential
+from formulations.mapping.flight import Flight
+from formulations.mapping.gaussian_process import GaussianProcess, Posterior
+from formulations.mapping.likelihood import fit_hyperparameters
+from instances import InputError
+
+Array = NDArray[np.float64]
+Field = Callable[[Array], Array]
+"""Value of the field at points [m] of shape (k, 2), shape (k,)."""
+
+Z95 = 1.959963984540054
+"""97.5 % quantile of the standard normal: a 95 % interval is mean ± Z95 sd."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """How good a map is, in the field's unit unless said.
+
+    rmse : root mean square error of the mean.
+    nlpd : mean negative log predictive density of a new noisy measurement at each map point [nats].
+    coverage : share of map points whose true value lies in the 95 % interval (0 to 1).
+    mean_sd, max_sd : mean and greatest posterior standard deviation.
+    """
+
+    rmse: float
+    nlpd: float
+    coverage: float
+    mean_sd: float
+    max_sd: float
+
+
+def score(posterior: Posterior, truth: ArrayLike, noise_sd: float) -> Score:
+    """Judge a map against the truth at its points.
+
+    NLPD is the expectation over the noise of a new measurement: ½ log 2πs² + ((f − f̄)² + σ_n²) / 2s², s² = sd² + σ_n².
+    """
+    error = np.asarray(truth, dtype=float) - posterior.mean
+    variance = posterior.sd**2 + noise_sd**2
+    nlpd = 0.5 * np.log(2 * np.pi * variance) + (error**2 + noise_sd**2) / (2 * variance)
+    return Score(
+        rmse=float(np.sqrt(np.mean(error**2))),
+        nlpd=float(nlpd.mean()),
+        coverage=float(np.mean(np.abs(error) <= Z95 * posterior.sd)),
+        mean_sd=float(posterior.sd.mean()),
+        max_sd=float(posterior.sd.max()),
+    )
+
+
+@dataclass(frozen=True)
+class Tick:
+    """The state of the map after one round of measurements.
+
+    time [s]; samples so far; information IG gathered so far [nats]; score; the kernel in use; posterior, kept for the
+    ticks asked for, else None.
+    """
+
+    time: float
+    samples: int
+    information: float
+    score: Score
+    kernel: SquaredExponential
+    posterior: Posterior | None = None
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What a survey produced: ticks in order and every sample with its UAV.
+
+    positions [m], shape (N, 2); values, shape (N,); uavs, shape (N,); times [s], shape (N,).
+    """
+
+    ticks: tuple[Tick, ...]
+    positions: Array
+    values: Array
+    uavs: NDArray[np.int64]
+    times: Array
+
+
+def fly_survey(
+    flights: Sequence[Flight],
+    field: Field,
+    points: Array,
+    *,
+    kernel: SquaredExponential,
+    noise_sd: float = 1.0,
+    period: float = 10.0,
+    refit_every: int = 10,
+    seed: int = 0,
+    keep: Callable[[int, int], bool] = lambda tick, last: True,
+    observe: Callable[[Tick], None] = lambda tick: None,
+) -> Survey:
+    """Fly `flights` together, measure `field` and map it at `points` [m], shape (p, 2).
+
+    kernel : what is believed before the first measurement; refit_every : ticks between maximum-likelihood fits,
+    0 for none (a last fit is made at the end). keep(tick, last) says which ticks keep their whole posterior.
+    Raises InputError where no flight lasts a sensing period.
+    """
+    schedule = _schedule(flights, period)
+    truth = field(points)
+    rng = np.random.default_rng(seed)
+    process = GaussianProcess(kernel, noise_sd, points)
+    ticks, record = [], []
+    for number, (time, uavs, positions) in enumerate(schedule):
+        values = field(positions) + rng.normal(0.0, noise_sd, len(uavs))
+        record.append((uavs, positions, values, np.full(len(uavs), time)))
+        process.extend(positions, values)
+        last = number == len(schedule) - 1
+        if refit_every and ((number + 1) % refit_every == 0 or last):
+            process = process.refitted(fit_hyperparameters(process.kernel, noise_sd, *process.samples))
+        posterior = process.posterior()
+        judged = score(posterior, truth, noise_sd)
+        tick = Tick(time, len(process.samples[1]), process.information(), judged, process.kernel, posterior)
+        observe(tick)
+        ticks.append(tick if keep(number, len(schedule) - 1) else replace(tick, posterior=None))
+    uav, position, value, when = (np.concatenate(parts) for parts in zip(*record, strict=True))
+    return Survey(tuple(ticks), position, value, uav, when)
+
+
+def _schedule(flights: Sequence[Flight], period: float) -> list[tuple[float, NDArray[np.int64], Array]]:
+    """Return (time [s], UAVs measuring, their positions [m]) of every tick, in order."""
+    if not period > 0:
+        raise InputError(f"the sensing period must be positive, got {period} s")
+    measured = [flight.measurements(period) for flight in flights]
+    longest = max((len(times) for times, _ in measured), default=0)
+    if longest == 0:
+        tour = max((flight.duration for flight in flights), default=0.0)
+        raise InputError(f"the sensing period ({period:g} s) is longer than the longest tour ({tour:.0f} s)")
+    schedule = []
+    for k in range(longest):
+        uavs = np.array([u for u, (times, _) in enumerate(measured) if k < len(times)], dtype=np.int64)
+        schedule.append(((k + 1) * period, uavs, np.array([measured[u][1][k] for u in uavs])))
+    return schedule

@@ -1,0 +1,230 @@
+"""circuit: the MMMDMTSP with CP-SAT's circuit constraint instead of subtour cuts.
+
+**One giant circuit** (the default; the best CP-SAT form measured). All tours in one circuit over tasks and depots,
+D_1, tour of UAV 1, D_2, tour of UAV 2, …, back to D_1: the arc into the next depot is the return of the UAV before.
+
+    x_ij ∈ {0, 1}   an arc of the circuit; no UAV index. add_circuit(x): one cycle through every node.
+    y_ik ∈ {0, 1}   UAV k visits task i; Σ_k y_ik = 1.
+                    x_ij ⇒ y_ik = y_jk (task to task);  x_{D_k} i ⇒ y_ik;  x_{i D_k+1} ⇒ y_ik
+    t_i             when task i is reached [scaled s]: x_ij ⇒ t_j ≥ t_i + c_ij;  x_{D_k} i ⇒ t_i ≥ c_ki
+    z               x_{i D_k+1} ⇒ z ≥ t_i + c_ik.   Minimise z.
+
+D_k → D_k+1 (UAV k stays home) is free: no cost between depots is ever used.
+
+**One circuit per UAV** (``per_uav``): θ_ijk as in the paper, add_circuit(θ_··k) with a loop at every node UAV k leaves
+out, Σ_k y_ik = 1, C_k ≤ z.
+
+Each pair of nodes has one literal, because parallel arcs with time rows make add_multiple_circuit crash.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import ClassVar
+
+import numpy as np
+from ortools.sat.python import cp_model
+
+from formulations.recorder import Recorder
+from formulations.routing.cpsat import Values, search
+from formulations.routing.greedy import greedy_routes
+from formulations.routing.scaling import ScaledCosts, scale_costs
+from formulations.routing.strengthening import in_order, shared_depots, used_arcs
+from formulations.routing.subtours import walk
+from formulations.solver import Limits, Observer, Result, Solver, ignore
+from instances import Instance, Routes, as_routes
+
+MOST_LITERALS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Circuit(Solver):
+    """CP-SAT with circuit constraints; ``limits.iterations`` counts CP-SAT's conflicts.
+
+    Options
+    -------
+    per_uav : one circuit per UAV instead of one giant circuit.
+    symmetry : order UAVs that share a depot by their first task.
+    """
+
+    proves: ClassVar[bool] = True
+
+    per_uav: bool = False
+    symmetry: bool = True
+
+    def accepts(self, instance: Instance) -> str | None:
+        """Return why the instance is too large, or None."""
+        size = instance.n_tasks**2 * instance.n_depots
+        return f"the model would have {size} clauses; it takes {MOST_LITERALS}" if size > MOST_LITERALS else None
+
+    def prepare(self, instance: Instance) -> None:
+        """Compile the construction of the first routes."""
+        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
+
+    def solve(
+        self,
+        instance: Instance,
+        *,
+        limits: Limits,
+        seed: int = 0,
+        observe: Observer = ignore,
+        start: Routes | None = None,
+    ) -> Result:
+        """Solve in one search."""
+        recorder = Recorder(instance, limits, observe, start)
+        recorder.incumbent(greedy_routes(instance))
+        if recorder.objective == 0 or recorder.routes is None:
+            return recorder.result("proof", proved=True)
+        scaled = scale_costs(instance, recorder.objective)
+        form = (CircuitPerUav if self.per_uav else GiantCircuit)(instance, scaled)
+        if self.symmetry:
+            form.break_symmetry()
+        form.hint(in_order(instance, recorder.routes) if self.symmetry else recorder.routes)
+        search(
+            form.model,
+            scaled,
+            recorder,
+            seed,
+            lambda value: recorder.incumbent(form.routes(value)),
+            conflicts=limits.iterations,
+        )
+        proved = recorder.objective - recorder.bound <= scaled.tolerance
+        stopped_by = "proof" if proved else "time" if recorder.remaining == 0 else "iterations"
+        return recorder.result(stopped_by, proved=proved, tolerance=scaled.tolerance)
+
+
+class GiantCircuit:
+    """The giant circuit of one instance: x, y, t and z as at the top of this file."""
+
+    def __init__(self, instance: Instance, scaled: ScaledCosts) -> None:
+        self.instance, self.scaled = instance, scaled
+        self.model = model = cp_model.CpModel()
+        T, D = instance.tasks, instance.depots
+        self.following = {k: D[(p + 1) % len(D)] for p, k in enumerate(D)}
+        self.y = {(i, k): model.new_bool_var(f"y[{i},{k}]") for i in T for k in D}
+        self.t = {i: model.new_int_var(0, scaled.upper, f"t[{i}]") for i in T}
+        self.z = model.new_int_var(0, scaled.upper, "z")
+        self.x = {(i, j): model.new_bool_var(f"x[{i},{j}]") for i, j in self._arcs()}
+        model.add_circuit([(i, j, x) for (i, j), x in self.x.items()])
+        for i in T:
+            model.add_exactly_one(self.y[i, k] for k in D)
+        self._same_uav()
+        self._times()
+        model.minimize(self.z)
+
+    def _arcs(self) -> list[tuple[int, int]]:
+        T, D = self.instance.tasks, self.instance.depots
+        inner = [(i, j) for i in T for j in T if i != j]
+        outer = [(k, i) for k in D for i in T] + [(i, k) for k in D for i in T]
+        return inner + outer + [(k, after) for k, after in self.following.items() if k != after]
+
+    def _same_uav(self) -> None:
+        T, D = self.instance.tasks, self.instance.depots
+        for i in T:
+            for k in D:
+                self.model.add_implication(self.x[k, i], self.y[i, k])
+                self.model.add_implication(self.x[i, self.following[k]], self.y[i, k])
+                for j in T:
+                    if i != j:
+                        self.model.add_bool_or(~self.x[i, j], ~self.y[i, k], self.y[j, k])
+                        self.model.add_bool_or(~self.x[i, j], self.y[i, k], ~self.y[j, k])
+
+    def _times(self) -> None:
+        T, D, cost = self.instance.tasks, self.instance.depots, self.scaled.cost
+        for i in T:
+            for j in T:
+                if i != j:
+                    self.model.add(self.t[j] >= self.t[i] + int(cost[i, j])).only_enforce_if(self.x[i, j])
+            for k in D:
+                self.model.add(self.t[i] >= int(cost[k, i])).only_enforce_if(self.x[k, i])
+                home = self.x[i, self.following[k]]
+                self.model.add(self.z >= self.t[i] + int(cost[i, k])).only_enforce_if(home)
+
+    def break_symmetry(self) -> None:
+        """Order UAVs at one depot by their smallest task: y_ik ≤ Σ_{l<i} y_l,k−1."""
+        _order_by_smallest_task(self.model, self.y, self.instance)
+
+    def hint(self, routes: Routes) -> None:
+        """Tell CP-SAT to try `routes` first."""
+        instance, cost = self.instance, self.scaled.cost
+        used = set()
+        longest = 0
+        for k, route in zip(instance.depots, routes, strict=True):
+            used |= set(pairwise([k, *route, self.following[k]]))
+            time, at = 0, k
+            for i in route:
+                time, at = time + int(cost[at, i]), i
+                self.model.add_hint(self.t[i], time)
+            longest = max(longest, time + int(cost[at, k]) if route else 0)
+        for arc, x in self.x.items():
+            self.model.add_hint(x, arc in used)
+        for (i, k), y in self.y.items():
+            self.model.add_hint(y, i in routes[k - instance.n_tasks])
+        self.model.add_hint(self.z, longest)
+
+    def routes(self, value: Values) -> Routes:
+        """Return the routes of a solution."""
+        first = self.instance.depots[0]
+        order = walk([arc for arc, x in self.x.items() if value(x)], first)
+        routes: list[list[int]] = []
+        for node in order:
+            if node in self.instance.depots:
+                routes.append([])
+            else:
+                routes[-1].append(node)
+        return as_routes(routes)
+
+
+class CircuitPerUav:
+    """One circuit per UAV: θ, y and z as at the top of this file."""
+
+    def __init__(self, instance: Instance, scaled: ScaledCosts) -> None:
+        self.instance, self.scaled = instance, scaled
+        self.model = model = cp_model.CpModel()
+        T, D = instance.tasks, instance.depots
+        self.y = {(i, k): model.new_bool_var(f"y[{i},{k}]") for i in T for k in D}
+        self.z = model.new_int_var(0, scaled.upper, "z")
+        self.theta: dict[tuple[int, int, int], cp_model.IntVar] = {}
+        for i in T:
+            model.add_exactly_one(self.y[i, k] for k in D)
+        for k in D:
+            arcs = [(i, j) for i in (*T, k) for j in (*T, k) if i != j]
+            self.theta |= {(i, j, k): model.new_bool_var(f"theta[{i},{j},{k}]") for i, j in arcs}
+            flies = model.new_bool_var(f"flies[{k}]")
+            loops = [(i, i, ~self.y[i, k]) for i in T]
+            model.add_circuit([*((i, j, self.theta[i, j, k]) for i, j in arcs), *loops, (k, k, ~flies)])
+            for i in T:  # else the circuit could leave the depot out
+                model.add_implication(self.y[i, k], flies)
+            costs = [int(scaled.cost[i, j]) for i, j in arcs]
+            model.add(cp_model.LinearExpr.weighted_sum([self.theta[i, j, k] for i, j in arcs], costs) <= self.z)
+        model.minimize(self.z)
+
+    def break_symmetry(self) -> None:
+        """Order UAVs at one depot by their smallest task: y_ik ≤ Σ_{l<i} y_l,k−1."""
+        _order_by_smallest_task(self.model, self.y, self.instance)
+
+    def hint(self, routes: Routes) -> None:
+        """Tell CP-SAT to try `routes` first."""
+        used = used_arcs(self.instance, routes)
+        for key, theta in self.theta.items():
+            self.model.add_hint(theta, key in used)
+        for (i, k), y in self.y.items():
+            self.model.add_hint(y, i in routes[k - self.instance.n_tasks])
+
+    def routes(self, value: Values) -> Routes:
+        """Return the routes of a solution."""
+        routes = []
+        for k in self.instance.depots:
+            arcs = [(i, j) for (i, j, of), theta in self.theta.items() if of == k and value(theta)]
+            routes.append(walk(arcs, k)[1:])
+        return as_routes(routes)
+
+
+def _order_by_smallest_task(
+    model: cp_model.CpModel, y: dict[tuple[int, int], cp_model.IntVar], instance: Instance
+) -> None:
+    for group in shared_depots(instance):
+        for before, k in pairwise(group):
+            for i in instance.tasks:
+                model.add_bool_or(~y[i, k], *(y[j, before] for j in range(i)))

@@ -1,0 +1,153 @@
+"""milp: the paper's MILP with subtour cuts added lazily.
+
+The paper on const6: "it is intractable to set up the subtour elimination constraint equation for every cases". So:
+solve eqs. const1–const5 (``paper_model.py``); find the subtours of the solution (``subtours.py``); add const6 for every
+set S found and every UAV; solve again, from the last solution repaired; stop when there is none. Each round solves a
+relaxation, so its bound is a bound of the problem, and a solution without subtours is optimal.
+
+CP-SAT cannot add rows during a search, hence the rounds. What is not in the paper is an option, on by default where
+it helps (``strengthening.py``), so that a report can show what each is worth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from formulations.recorder import Recorder
+from formulations.routing import strengthening
+from formulations.routing.cpsat import Values, search
+from formulations.routing.greedy import greedy_routes
+from formulations.routing.paper_model import PaperModel
+from formulations.routing.scaling import scale_costs
+from formulations.routing.subtours import Arc, find_subtours, repair
+from formulations.solver import Limits, Observer, Result, Solver, ignore
+from instances import Instance, Routes
+
+MOST_THETA = 300_000
+"""More θ than this take CP-SAT minutes to load; the paper's form is for small instances."""
+
+
+@dataclass(frozen=True)
+class Milp(Solver):
+    """The paper's MILP on CP-SAT; ``limits.iterations`` counts the rounds.
+
+    Options
+    -------
+    depot_linked : subtour cuts in the stronger depot-linked form too, not const6 alone.
+    two_cycles : cut all sets S of two tasks from the start.
+    every_solution : cut the subtours of every solution a round passes on its way, not only of its last.
+    symmetry : order UAVs that share a depot by their first task.
+    reach : C_max ≥ the way to each task and back from the UAV that visits it; drop θ that no tour within the
+        incumbent can use.
+    hint : start a round from the last solution repaired (its subtours spliced into tours).
+    """
+
+    proves: ClassVar[bool] = True
+
+    depot_linked: bool = True
+    two_cycles: bool = True
+    every_solution: bool = True
+    symmetry: bool = True
+    reach: bool = True
+    hint: bool = True
+
+    def accepts(self, instance: Instance) -> str | None:
+        """Return why the instance is too large for the three-index form, or None."""
+        size = instance.n_tasks * (instance.n_tasks + 1) * instance.n_depots
+        return f"the paper's form would need {size} variables; it takes {MOST_THETA}" if size > MOST_THETA else None
+
+    def prepare(self, instance: Instance) -> None:
+        """Compile the construction of the first routes."""
+        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
+
+    def solve(
+        self,
+        instance: Instance,
+        *,
+        limits: Limits,
+        seed: int = 0,
+        observe: Observer = ignore,
+        start: Routes | None = None,
+    ) -> Result:
+        """Solve by rounds until no subtour is left."""
+        recorder = Recorder(instance, limits, observe, start)
+        recorder.incumbent(greedy_routes(instance))
+        if recorder.objective == 0:
+            return recorder.result("proof", proved=True, rounds=0, cuts=0)
+        return _Rounds(self, instance, recorder, seed).run()
+
+
+class _Rounds:
+    """The rounds of one solve."""
+
+    def __init__(self, options: Milp, instance: Instance, recorder: Recorder, seed: int) -> None:
+        self.options, self.instance, self.recorder, self.seed = options, instance, recorder, seed
+        self.scaled = scale_costs(instance, recorder.objective)
+        self.paper = PaperModel(instance, self.scaled)
+        self.cuts: set[tuple[int, ...]] = set()
+        self.found: list[list[int]] = []
+        if options.two_cycles:
+            self.add_cuts([[i, j] for i in instance.tasks for j in range(i)])
+        if options.symmetry:
+            strengthening.symmetry(self.paper, instance)
+        if options.reach:
+            strengthening.reach(self.paper, instance)
+
+    def run(self) -> Result:
+        """Solve, separate, cut and solve again."""
+        recorder, rounds = self.recorder, 0
+        while True:
+            if recorder.remaining == 0:
+                return self.result("time", rounds)
+            if rounds == recorder.limits.iterations:
+                return self.result("iterations", rounds)
+            self.found = []
+            if self.options.hint and recorder.routes is not None:
+                strengthening.hint(self.paper, self.instance, recorder.routes)
+            outcome = search(self.paper.model, self.scaled, recorder, self.seed, self.on_solution)
+            rounds += 1
+            if recorder.objective - recorder.bound <= self.scaled.tolerance:
+                return self.result("proof", rounds)
+            if not outcome.optimal:
+                return self.result("time", rounds)
+            self.add_cuts(self.found)
+
+    def on_solution(self, value: Values) -> None:
+        """Offer the repaired routes of a solution and keep its subtours for the next round."""
+        arcs_of = [self.arcs(value, k) for k in self.instance.depots]
+        subtours = [
+            S
+            for k, arcs in zip(self.instance.depots, arcs_of, strict=True)
+            for S in find_subtours(arcs, k, self.instance.n_tasks)
+        ]
+        self.found = [*self.found, *subtours] if self.options.every_solution else subtours
+        self.recorder.incumbent(repair(self.instance, arcs_of))
+
+    def arcs(self, value: Values, k: int) -> list[Arc]:
+        """Return the arcs UAV k uses in a solution."""
+        return [(i, j) for i, j in self.paper.edges(k) if value(self.paper.theta[i, j, k])]
+
+    def add_cuts(self, sets: Sequence[Sequence[int]]) -> None:
+        """Add const6 for each set S that has none yet."""
+        for S in sets:
+            key = tuple(sorted(S))
+            if key in self.cuts:
+                continue
+            self.cuts.add(key)
+            self.paper.const6(key)
+            if self.options.depot_linked:
+                self.paper.const6_depot_linked(key)
+
+    def result(self, stopped_by: str, rounds: int) -> Result:
+        """Write the Result."""
+        return self.recorder.result(
+            stopped_by,
+            proved=stopped_by == "proof",
+            tolerance=self.scaled.tolerance,
+            rounds=rounds,
+            cuts=len(self.cuts),
+        )

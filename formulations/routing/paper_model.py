@@ -1,0 +1,125 @@
+r"""The paper's MILP of the MMMDMTSP on CP-SAT, equation by equation.
+
+Source: ``ipp_wind.tex``, §Mathematical Formulation (after Kivelevitch et al. 2014). T are the tasks, D the depots, one
+UAV at each, E = (V × V) \ (D × D); θ_ijk = 1 where UAV k flies the arc (i, j). Nodes are numbered from 0 here.
+
+    costsum   C_k = Σ_j θ_kjk c_kj + Σ_i Σ_j θ_ijk c_ij + Σ_i θ_ikk c_ik
+    c_max     minimise C_max
+    const1    Σ_k θ_kik + Σ_j Σ_k θ_jik = 1                                 every i ∈ T
+    const2    θ_kik + Σ_j θ_jik − (θ_ikk + Σ_j θ_ijk) = 0                   every i ∈ T, k ∈ D
+    const3    Σ_i θ_kik ≤ 1                                                 every k ∈ D
+    const4    Σ_i θ_kik − Σ_i θ_ikk = 0                                     every k ∈ D
+    const5    C_k ≤ C_max                                                   every k ∈ D
+    const6    Σ_{i∈S} Σ_{j∈S} θ_ijk ≤ |S| − 1                               every k ∈ D, S ⊆ T, |S| ≥ 2
+
+Two remarks. The paper lets |S| run to n − 1; |S| = n is needed too, or a cycle through all tasks and no depot passes
+const1–const5. A UAV never uses another one's depot, so θ_ijk with i or j in D \ {k} is not made, and neither is θ_iik,
+which the paper sets to zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ortools.sat.python import cp_model
+from ortools.sat.python.cp_model import LinearExpr
+
+from formulations.routing.scaling import ScaledCosts
+from formulations.routing.subtours import Arc
+from instances import Instance
+
+
+class PaperModel:
+    """θ, C_max and eqs. const1–const5 of one instance; const6 is added when a set S is found.
+
+    model : the CP-SAT model.
+    theta : ``theta[i, j, k]``, the paper's θ_ijk; i, j and k are node numbers, k ∈ D.
+    C_max : the integer objective, the longest scaled tour, between 0 and the incumbent.
+    """
+
+    def __init__(self, instance: Instance, scaled: ScaledCosts) -> None:
+        self.T, self.D = instance.tasks, instance.depots
+        self.scaled = scaled
+        self.model = cp_model.CpModel()
+        self.theta: dict[tuple[int, int, int], cp_model.IntVar] = {
+            (i, j, k): self.model.new_bool_var(f"theta[{i},{j},{k}]") for k in self.D for i, j in self.edges(k)
+        }
+        self.C_max = self.model.new_int_var(0, scaled.upper, "C_max")
+        self.c_max()
+        self.const1()
+        self.const2()
+        self.const3()
+        self.const4()
+        self.const5()
+
+    def edges(self, k: int) -> list[Arc]:
+        """Return the arcs of E that UAV k can use."""
+        inner = [(i, j) for i in self.T for j in self.T if i != j]
+        return [(k, i) for i in self.T] + inner + [(i, k) for i in self.T]
+
+    def entering(self, i: int, k: int) -> LinearExpr:
+        """Return θ_kik + Σ_j θ_jik: 1 where UAV k visits task i. Later files call it y_ik."""
+        return LinearExpr.sum(self.theta[k, i, k], *(self.theta[j, i, k] for j in self.T if j != i))
+
+    def leaving(self, i: int, k: int) -> LinearExpr:
+        """Return θ_ikk + Σ_j θ_ijk."""
+        return LinearExpr.sum(self.theta[i, k, k], *(self.theta[i, j, k] for j in self.T if j != i))
+
+    def costsum(self, k: int) -> LinearExpr:
+        """Eq. costsum: the scaled C_k."""
+        arcs = self.edges(k)
+        return LinearExpr.weighted_sum(
+            [self.theta[i, j, k] for i, j in arcs], [int(self.scaled.cost[i, j]) for i, j in arcs]
+        )
+
+    def c_max(self) -> None:
+        """Eq. c_max: minimise C_max."""
+        self.model.minimize(self.C_max)
+
+    def const1(self) -> None:
+        """Eq. const1: every task is visited exactly once."""
+        for i in self.T:
+            self.model.add(LinearExpr.sum(*(self.entering(i, k) for k in self.D)) == 1)
+
+    def const2(self) -> None:
+        """Eq. const2: a UAV leaves every task it enters."""
+        for i in self.T:
+            for k in self.D:
+                self.model.add(self.entering(i, k) - self.leaving(i, k) == 0)
+
+    def const3(self) -> None:
+        """Eq. const3: each UAV has at most one route."""
+        for k in self.D:
+            self.model.add(LinearExpr.sum(*(self.theta[k, i, k] for i in self.T)) <= 1)
+
+    def const4(self) -> None:
+        """Eq. const4: a UAV that leaves its depot returns to it."""
+        for k in self.D:
+            out = LinearExpr.sum(*(self.theta[k, i, k] for i in self.T))
+            back = LinearExpr.sum(*(self.theta[i, k, k] for i in self.T))
+            self.model.add(out - back == 0)
+
+    def const5(self) -> None:
+        """Eq. const5: no tour is longer than C_max."""
+        for k in self.D:
+            self.model.add(self.costsum(k) <= self.C_max)
+
+    def const6(self, S: Sequence[int]) -> None:
+        """Eq. const6 for the set S and every UAV: no subtour within S."""
+        for k in self.D:
+            self.model.add(self.within(S, k) <= len(S) - 1)
+
+    def const6_depot_linked(self, S: Sequence[int]) -> None:
+        """The stronger form of const6 for S, every UAV and every v ∈ S: Σ_{i,j∈S} θ_ijk ≤ Σ_{i∈S} y_ik − y_vk.
+
+        Equivalently Σ_{i∉S, j∈S} θ_ijk ≥ y_vk: a UAV that visits v must come into S from outside, in the end from its
+        depot. It implies const6, because Σ_{i∈S} y_ik − y_vk ≤ |S| − 1.
+        """
+        for k in self.D:
+            visits = {i: self.entering(i, k) for i in S}
+            for v in S:
+                self.model.add(self.within(S, k) <= LinearExpr.sum(*(visits[i] for i in S if i != v)))
+
+    def within(self, S: Sequence[int], k: int) -> LinearExpr:
+        """Return Σ_{i∈S} Σ_{j∈S} θ_ijk."""
+        return LinearExpr.sum(*(self.theta[i, j, k] for i in S for j in S if i != j))

@@ -1,0 +1,94 @@
+"""Rows that are not in the paper and cut off no optimum: what `milp` may add to the paper's model.
+
+y_ik stands for θ_kik + Σ_j θ_jik, 1 where UAV k visits task i.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import floyd_warshall
+
+from formulations.routing.paper_model import PaperModel
+from instances import Instance, Routes
+
+
+def shared_depots(instance: Instance) -> list[list[int]]:
+    """Return the groups of depots (node numbers, in order) that have the same costs from and to every task."""
+    n = instance.n_tasks
+    groups: dict[bytes, list[int]] = {}
+    for k in instance.depots:
+        groups.setdefault(instance.cost[k, :n].tobytes() + instance.cost[:n, k].tobytes(), []).append(k)
+    return list(groups.values())
+
+
+def in_order(instance: Instance, routes: Routes) -> Routes:
+    """Return `routes` with those of a shared depot ordered by their smallest task, empty ones last."""
+    ordered = list(routes)
+    for group in shared_depots(instance):
+        best = sorted((routes[k - instance.n_tasks] for k in group), key=lambda route: min(route, default=np.inf))
+        for k, route in zip(group, best, strict=True):
+            ordered[k - instance.n_tasks] = route
+    return tuple(ordered)
+
+
+def symmetry(paper: PaperModel, instance: Instance) -> None:
+    """Break the symmetry of UAVs at one depot: order them by their smallest task.
+
+    y_ik ≤ Σ_{l<i} y_l,k−1 for neighbours k − 1, k of a group: UAV k takes task i only if its predecessor has a
+    smaller one. Exchanging routes within a group changes no cost, so an optimum of this order exists.
+    """
+    for group in shared_depots(instance):
+        for before, k in pairwise(group):
+            for i in instance.tasks:
+                paper.model.add(paper.entering(i, k) <= sum(paper.entering(j, before) for j in range(i)))
+
+
+def shortest_ways(costs: NDArray[np.int64], n_tasks: int, k: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the cheapest ways (over any tasks) from depot k to each task and back, shape (n,) each.
+
+    Costs need not obey the triangle inequality, so the direct arc is no bound, but the cheapest way is.
+    """
+    nodes = [*range(n_tasks), k]
+    # +1: in a dense graph csgraph reads 0 as "no arc"; at most n arcs a way, so taking n + 1 off keeps it a bound
+    way = floyd_warshall(costs[np.ix_(nodes, nodes)].astype(float) + 1.0).astype(np.int64) - (n_tasks + 1)
+    return np.maximum(way[n_tasks, :n_tasks], 0), np.maximum(way[:n_tasks, n_tasks], 0)
+
+
+def reach(paper: PaperModel, instance: Instance) -> None:
+    """Use the way out to a task and back, which its UAV flies in any case.
+
+    C_max ≥ Σ_k (out_ki + back_ik) y_ik for every task i; θ_ijk = 0 where out_ki + c_ij + back_jk > the incumbent.
+    """
+    ways = {k: shortest_ways(paper.scaled.cost, instance.n_tasks, k) for k in instance.depots}
+    for i in instance.tasks:
+        paper.model.add(sum(int(ways[k][0][i] + ways[k][1][i]) * paper.entering(i, k) for k in paper.D) <= paper.C_max)
+    for (i, j, k), theta in paper.theta.items():
+        out, back = ways[k]
+        length = paper.scaled.cost[i, j] + (out[i] if i != k else 0) + (back[j] if j != k else 0)
+        if length > paper.scaled.upper:
+            paper.model.add(theta == 0)
+
+
+def hint(paper: PaperModel, instance: Instance, routes: Routes) -> None:
+    """Tell CP-SAT to try `routes` first."""
+    used = used_arcs(instance, in_order(instance, routes))
+    paper.model.clear_hints()
+    for key, theta in paper.theta.items():
+        paper.model.add_hint(theta, key in used)
+    costs = paper.scaled.cost
+    tours = [sum(int(costs[i, j]) for i, j, of in used if of == k) for k in instance.depots]
+    paper.model.add_hint(paper.C_max, min(max(tours), paper.scaled.upper))
+
+
+def used_arcs(instance: Instance, routes: Sequence[Sequence[int]]) -> set[tuple[int, int, int]]:
+    """Return the (i, j, k) with θ_ijk = 1 in `routes`."""
+    used = set()
+    for k, route in zip(instance.depots, routes, strict=True):
+        if route:
+            stops = [k, *route, k]
+            used |= {(i, j, k) for i, j in pairwise(stops)}
+    return used

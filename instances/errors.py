@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 
 
@@ -17,3 +18,12 @@ def suggestion(wrong: str, known: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` for the near miss of `wrong` among `known`, or ``""``."""
     near = get_close_matches(wrong, list(known), n=1)
     return f"; did you mean '{near[0]}'?" if near else ""
+
+
+@contextmanager
+def naming(path: object) -> Iterator[None]:
+    """Put the file's name in front of an InputError raised inside."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None

@@ -48,6 +48,11 @@ class Instance:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError(f"instance: name must be a non-empty text, got {self.name!r}")
+        if not self.name.isprintable() or set(self.name) & set("/\\") or self.name[0] == "." or len(self.name) > 120:
+            raise InputError(
+                "instance: name is used in file names, so it must be printable, without slashes or a leading dot, "
+                f"and of at most 120 characters, got {self.name[:130]!r}"
+            )
         for label in ("n_tasks", "n_depots"):
             value = getattr(self, label)
             if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 1:
@@ -76,9 +81,9 @@ class Instance:
     def digest(self) -> str:
         """First 12 hexadecimal digits of the SHA-256 of the arrays (name and provenance left out)."""
         h = hashlib.sha256(f"{self.n_tasks} {self.n_depots} ".encode())
-        h.update(np.ascontiguousarray(self.cost, dtype="<f8").tobytes())
-        if self.coordinates is not None:
-            h.update(np.ascontiguousarray(self.coordinates, dtype="<f8").tobytes())
+        for array in (self.cost, self.coordinates):
+            if array is not None:
+                h.update(np.ascontiguousarray(array, dtype="<f8").reshape(-1).view(np.uint8).data)
         return h.hexdigest()[:12]
 
     @cached_property
@@ -102,7 +107,7 @@ class Instance:
 def _checked_cost(cost: ArrayLike, size: int, name: str) -> NDArray[np.float64]:
     try:
         c = np.array(cost, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"instance {name}: cost must be a square matrix of numbers") from None
     if c.shape != (size, size):
         raise InputError(
@@ -122,7 +127,7 @@ def _checked_cost(cost: ArrayLike, size: int, name: str) -> NDArray[np.float64]:
 def _checked_coordinates(coordinates: ArrayLike, size: int, name: str) -> NDArray[np.float64]:
     try:
         xy = np.array(coordinates, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"instance {name}: coordinates must be pairs of numbers [m]") from None
     if xy.shape != (size, 2):
         raise InputError(f"instance {name}: coordinates must have shape ({size}, 2), got {xy.shape}")

@@ -1,0 +1,158 @@
+"""Wind on a rectangular grid, bilinear between nodes: what data files bring and what flow models make.
+
+Along a straight line a bilinear field is quadratic inside a cell, so two Gauss points per crossed cell integrate
+it exactly; the loop over cells is the grid walk of Amanatides & Woo (Eurographics 1987). Outside the grid the
+field continues constant.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from instances.environment.wind import Floats, only_fields, points_of
+from instances.errors import InputError
+
+GAUSS = 0.5 / math.sqrt(3.0)
+
+
+@njit(cache=True)
+def _at(fx: float, fy: float, u: Floats, v: Floats) -> tuple[float, float]:
+    """Velocity at grid coordinates (column, row), constant outside."""
+    rows, columns = u.shape
+    fx = min(max(fx, 0.0), columns - 1.0)
+    fy = min(max(fy, 0.0), rows - 1.0)
+    i, j = min(int(fx), columns - 2), min(int(fy), rows - 2)
+    s, t = fx - i, fy - j
+    a, b, c, d = (1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t
+    return (
+        a * u[j, i] + b * u[j, i + 1] + c * u[j + 1, i] + d * u[j + 1, i + 1],
+        a * v[j, i] + b * v[j, i + 1] + c * v[j + 1, i] + d * v[j + 1, i + 1],
+    )
+
+
+@njit(cache=True)
+def _next_line(f: float, df: float, now: float, last: int) -> float:
+    """Parameter at which f + t·df next meets a grid line 0..last after `now`, or 2 for none."""
+    if df == 0.0:
+        return 2.0
+    here = f + now * df
+    line = math.floor(here + 1e-12) + 1 if df > 0 else math.ceil(here - 1e-12) - 1
+    line = max(line, 0) if df > 0 else min(line, last)
+    if line < 0 or line > last:
+        return 2.0
+    return (line - f) / df
+
+
+@njit(cache=True)
+def _line_integrals(a: Floats, b: Floats, x0: float, y0: float, dx: float, dy: float, u: Floats, v: Floats) -> Floats:
+    out = np.zeros(len(a))
+    rows, columns = u.shape
+    for k in range(len(a)):
+        fx, fy = (a[k, 0] - x0) / dx, (a[k, 1] - y0) / dy
+        dfx, dfy = (b[k, 0] - a[k, 0]) / dx, (b[k, 1] - a[k, 1]) / dy
+        gx, gy = dfx * dx, dfy * dy
+        now, total = 0.0, 0.0
+        while now < 1.0:
+            then = min(_next_line(fx, dfx, now, columns - 1), _next_line(fy, dfy, now, rows - 1), 1.0)
+            middle, half = 0.5 * (now + then), GAUSS * (then - now)
+            for t in (middle - half, middle + half):
+                wu, wv = _at(fx + t * dfx, fy + t * dfy, u, v)
+                total += 0.5 * (then - now) * (wu * gx + wv * gy)
+            now = max(then, now + 1e-13)
+        out[k] = total
+    return out
+
+
+@njit(cache=True)
+def _velocities(p: Floats, x0: float, y0: float, dx: float, dy: float, u: Floats, v: Floats) -> Floats:
+    out = np.empty((len(p), 2))
+    for k in range(len(p)):
+        out[k, 0], out[k, 1] = _at((p[k, 0] - x0) / dx, (p[k, 1] - y0) / dy, u, v)
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Bilinear wind: `u`, `v` [m/s], shape (rows, columns), node (0, 0) at `origin` [m], rows `spacing[1]` apart.
+
+    `spacing` (dx, dy) [m] is positive: columns go east, rows go north. `source` names the file it came from.
+    """
+
+    origin: tuple[float, float]
+    spacing: tuple[float, float]
+    u: NDArray[np.float64]
+    v: NDArray[np.float64]
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        where = f"wind grid {self.source}".strip()
+        for name in ("u", "v"):
+            array = np.ascontiguousarray(getattr(self, name), dtype=np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if self.u.ndim != 2 or self.u.shape != self.v.shape or min(self.u.shape) < 2:
+            raise InputError(
+                f"{where}: u and v must have one shape of at least 2 × 2, got {self.u.shape} and {self.v.shape}"
+            )
+        if not (self.spacing[0] > 0 and self.spacing[1] > 0):
+            raise InputError(f"{where}: spacing must be positive [m], got {self.spacing}")
+        bad = ~(np.isfinite(self.u) & np.isfinite(self.v))
+        if bad.any():
+            j, i = np.argwhere(bad)[0]
+            x, y = self.origin[0] + i * self.spacing[0], self.origin[1] + j * self.spacing[1]
+            raise InputError(
+                f"{where}: {int(bad.sum())} of {bad.size} values are missing or not finite, first at ({x:g}, {y:g}) m"
+            )
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """x_min, y_min, x_max, y_max [m] of the nodes."""
+        rows, columns = self.u.shape
+        (x, y), (dx, dy) = self.origin, self.spacing
+        return x, y, x + (columns - 1) * dx, y + (rows - 1) * dy
+
+    def __call__(self, points: ArrayLike) -> Floats:
+        """Return the velocity [m/s] at `points` (k, 2) [m]."""
+        return _velocities(points_of(points), *self.origin, *self.spacing, self.u, self.v)
+
+    def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
+        """Return ∫ w·dσ [m²/s] along the segments `a` → `b`, exact for the bilinear field."""
+        return _line_integrals(points_of(a), points_of(b), *self.origin, *self.spacing, self.u, self.v)
+
+    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
+        """Return the ``[wind]`` table and write the field as NetCDF ``wind.nc`` into `folder`."""
+        from instances.environment.wind_files import write_netcdf
+
+        if folder is None:
+            raise InputError("wind: a grid is data and needs a folder to write its file into")
+        name = "wind.nc"
+        write_netcdf(self, Path(folder) / name)
+        return {"kind": "grid", "file": name}
+
+    @classmethod
+    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Grid:
+        """Read the file of a ``[wind]`` table: NetCDF, or WindNinja's ``*_vel.asc`` beside its ``*_ang.asc``."""
+        from instances.environment.wind_files import read_wind
+
+        only_fields(table, "grid", ("file", "units", "crs"))
+        if not isinstance(table.get("file"), str):
+            raise InputError(f"wind: kind 'grid' needs the name of a file, got {table.get('file')!r}")
+        return read_wind(folder / table["file"], units=table.get("units"), crs=table.get("crs"))
+
+    @classmethod
+    def sampled(
+        cls, wind: Any, bounds: tuple[float, float, float, float], columns: int, rows: int, source: str = ""
+    ) -> Grid:
+        """Return `wind` sampled on columns × rows nodes over `bounds` (x_min, y_min, x_max, y_max) [m]."""
+        xs, ys = np.linspace(bounds[0], bounds[2], columns), np.linspace(bounds[1], bounds[3], rows)
+        w = wind(np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)).reshape(rows, columns, 2)
+        spacing = (float(xs[1] - xs[0]), float(ys[1] - ys[0]))
+        return cls((bounds[0], bounds[1]), spacing, w[..., 0], w[..., 1], source)

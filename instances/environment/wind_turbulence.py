@@ -1,0 +1,91 @@
+"""Stream-function turbulence: a seeded, divergence-free random wind with a von Kármán-like spectrum.
+
+w = (∂ψ/∂y, −∂ψ/∂x), ψ(x) = Σ_k a_k cos(k·x + p_k), with random directions and phases and wave numbers spread
+over the scales from L to L/16; energy falls as |k|^(−5/3) beyond 1/L. After R. H. Kraichnan, Phys. Fluids 13
+(1970). Every mode integrates along a straight segment in closed form:
+∫ w·dσ = −a (k × d) · sin(k·m + p) · sinc(k·d/2), m the midpoint, d the segment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike
+
+from instances.environment.wind import Floats, number, only_fields, points_of
+from instances.errors import InputError
+
+FIELDS = ("rms", "length_scale", "seed", "modes")
+
+
+@njit(cache=True)
+def _line_integrals(a: Floats, b: Floats, k: Floats, amplitude: Floats, phase: Floats) -> Floats:
+    out = np.zeros(len(a))
+    for i in range(len(a)):
+        dx, dy = b[i, 0] - a[i, 0], b[i, 1] - a[i, 1]
+        mx, my = 0.5 * (a[i, 0] + b[i, 0]), 0.5 * (a[i, 1] + b[i, 1])
+        for j in range(len(k)):
+            half = 0.5 * (k[j, 0] * dx + k[j, 1] * dy)
+            sinc = np.sin(half) / half if abs(half) > 1e-4 else 1.0 - half * half / 6.0
+            cross = k[j, 0] * dy - k[j, 1] * dx
+            out[i] += amplitude[j] * cross * np.sin(k[j, 0] * mx + k[j, 1] * my + phase[j]) * sinc
+    return out
+
+
+@dataclass(frozen=True)
+class Turbulence:
+    """Random wind of `rms` speed [m/s] and largest eddy size `length_scale` L [m], from `seed`, with `modes` waves."""
+
+    rms: float
+    length_scale: float
+    seed: int = 0
+    modes: int = 48
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rms", number(self.rms, "rms [m/s]"))
+        object.__setattr__(self, "length_scale", number(self.length_scale, "length_scale [m]"))
+        for name in ("seed", "modes"):
+            if not isinstance(getattr(self, name), int) or getattr(self, name) < 0:
+                raise InputError(f"wind: {name} must be a whole number ≥ 0, got {getattr(self, name)!r}")
+        if self.rms < 0 or self.length_scale <= 0 or self.modes < 1:
+            raise InputError("wind: turbulence needs rms ≥ 0, length_scale > 0 and modes ≥ 1")
+
+    @cached_property
+    def _waves(self) -> tuple[Floats, Floats, Floats]:
+        """Wave vectors (k, 2) [rad/m], amplitudes of ψ [m²/s], phases."""
+        rng = np.random.default_rng(self.seed)
+        size = 2 * np.pi / self.length_scale * np.exp(rng.uniform(0, np.log(16), self.modes))
+        angle = rng.uniform(0, 2 * np.pi, self.modes)
+        # Log-uniform wave numbers carry a weight |k|; the energy of a wave is a²k²/2.
+        energy = (size * self.length_scale) ** (-5 / 3) * size
+        speed = np.sqrt(2 * energy / energy.sum()) * self.rms
+        k = size[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+        return k, speed / size, rng.uniform(0, 2 * np.pi, self.modes)
+
+    def __call__(self, points: ArrayLike) -> Floats:
+        """Return the velocity [m/s] at `points` (k, 2) [m]."""
+        k, amplitude, phase = self._waves
+        slope = -amplitude * np.sin(points_of(points) @ k.T + phase)  # ∂ψ/∂(k·x)
+        return np.column_stack([slope @ k[:, 1], -slope @ k[:, 0]])
+
+    def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
+        """Return ∫ w·dσ [m²/s] along the segments `a` → `b`."""
+        return _line_integrals(points_of(a), points_of(b), *self._waves)
+
+    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
+        """Return the ``[wind]`` table."""
+        return {"kind": "turbulence", **{name: getattr(self, name) for name in FIELDS}}
+
+    @classmethod
+    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Turbulence:
+        """Return the field of a ``[wind]`` table."""
+        only_fields(table, "turbulence", FIELDS)
+        for name in ("rms", "length_scale"):
+            number(table.get(name), name)
+        return cls(**table)

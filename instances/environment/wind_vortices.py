@@ -1,0 +1,91 @@
+"""Vortices: the sum of Scully (Kaufmann) vortices, a standard model of a vortex with a viscous core.
+
+Tangential velocity Γ/(2π) · r/(r² + c²) at distance r from the centre; c = 0 is the point vortex. Vorticity
+Γ/π · c²/(r² + c²)². Source: M. P. Scully, MIT ASRL TR 178-1 (1975); W. Kaufmann, Ing.-Arch. 31 (1962).
+
+Along a straight line at signed distance h from the centre, with s the coordinate along it,
+∫ w·dσ = Γ/(2π) · h/√(h² + c²) · [atan(s/√(h² + c²))], so line integrals are elementary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from instances.environment.wind import Floats, number, only_fields, pair, points_of
+from instances.errors import InputError
+
+
+@dataclass(frozen=True)
+class Vortices:
+    """Vortices at `centres` [m] of `circulation` Γ [m²/s] (anticlockwise positive) and `core` radii c [m], each (k,)."""
+
+    centres: tuple[tuple[float, float], ...]
+    circulation: tuple[float, ...]
+    core: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("centres", "circulation", "core"):
+            if isinstance(getattr(self, name), str) or not hasattr(getattr(self, name), "__len__"):
+                raise InputError(f"wind: {name} of vortices must be a list, got {getattr(self, name)!r}")
+        object.__setattr__(self, "centres", tuple(pair(c, "a vortex centre [m]") for c in self.centres))
+        object.__setattr__(self, "circulation", tuple(number(g, "circulation [m²/s]") for g in self.circulation))
+        object.__setattr__(self, "core", tuple(number(c, "core [m]") for c in self.core))
+        if not len(self.centres) == len(self.circulation) == len(self.core) > 0:
+            raise InputError(
+                f"wind: vortices need as many centres, circulations and cores, at least one; got "
+                f"{len(self.centres)}, {len(self.circulation)} and {len(self.core)}"
+            )
+        if min(self.core) < 0:
+            raise InputError(f"wind: core [m] must not be negative, got {min(self.core)}")
+
+    def __call__(self, points: ArrayLike) -> Floats:
+        """Return the velocity [m/s] at `points` (k, 2) [m]; zero at the centre of a point vortex."""
+        p = points_of(points)
+        w = np.zeros_like(p)
+        for (x, y), g, c in zip(self.centres, self.circulation, self.core, strict=True):
+            dx, dy = p[:, 0] - x, p[:, 1] - y
+            r2 = dx * dx + dy * dy + c * c
+            k = np.divide(g / (2 * np.pi), r2, out=np.zeros_like(r2), where=r2 > 0)
+            w[:, 0] -= k * dy
+            w[:, 1] += k * dx
+        return w
+
+    def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
+        """Return ∫ w·dσ [m²/s] along the segments `a` → `b`."""
+        p, q = points_of(a), points_of(b)
+        d = q - p
+        length = np.hypot(d[:, 0], d[:, 1])
+        t = np.divide(d, length[:, None], out=np.zeros_like(d), where=length[:, None] > 0)
+        total = np.zeros(len(p))
+        for (x, y), g, c in zip(self.centres, self.circulation, self.core, strict=True):
+            dx, dy = p[:, 0] - x, p[:, 1] - y
+            h = dx * t[:, 1] - dy * t[:, 0]
+            start = dx * t[:, 0] + dy * t[:, 1]
+            rho = np.sqrt(h * h + c * c)
+            # One atan2 for atan(b/ρ) − atan(a/ρ), which lies within ±π.
+            swept = np.arctan2(rho * length, rho * rho + start * (start + length))
+            total += g / (2 * np.pi) * np.divide(h, rho, out=np.zeros_like(h), where=rho > 0) * swept
+        return total
+
+    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
+        """Return the ``[wind]`` table."""
+        return {
+            "kind": "vortices",
+            "centres": [list(c) for c in self.centres],
+            "circulation": list(self.circulation),
+            "core": list(self.core),
+        }
+
+    @classmethod
+    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Vortices:
+        """Return the field of a ``[wind]`` table; without `core` they are point vortices."""
+        only_fields(table, "vortices", ("centres", "circulation", "core"))
+        circulation = table.get("circulation", ())
+        core = table.get("core", [0.0] * len(circulation) if hasattr(circulation, "__len__") else ())
+        return cls(table.get("centres", ()), circulation, core)

@@ -1,0 +1,1 @@
+"""One file per file format; `instances.files` chooses by the ending."""

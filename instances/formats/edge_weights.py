@@ -1,0 +1,86 @@
+"""TSPLIB edge weights: the matrix from an EDGE_WEIGHT_SECTION, or the metric an EDGE_WEIGHT_TYPE names.
+
+Source: G. Reinelt, TSPLIB 95, 1995, §1.2 and §2. EUC_2D_FLOAT (unrounded) is an addition in use for min-max mTSP.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from instances.errors import InputError, suggestion
+
+METRIC_OF: dict[str, dict[str, Any]] = {
+    "EUC_2D": {"metric": "euclidean", "rounding": "nearest"},
+    "CEIL_2D": {"metric": "euclidean", "rounding": "up"},
+    "FLOOR_2D": {"metric": "euclidean", "rounding": "down"},
+    "EUC_2D_FLOAT": {"metric": "euclidean"},
+    "ATT": {"metric": "att"},
+}
+"""EDGE_WEIGHT_TYPE → its metric (`instances.metrics`)."""
+
+FORMATS = (
+    "FULL_MATRIX",
+    "UPPER_ROW",
+    "LOWER_ROW",
+    "UPPER_DIAG_ROW",
+    "LOWER_DIAG_ROW",
+    "UPPER_COL",
+    "LOWER_COL",
+    "UPPER_DIAG_COL",
+    "LOWER_DIAG_COL",
+)
+"""EDGE_WEIGHT_FORMAT of explicit weights."""
+
+
+def metric_of(edge_weight_type: str) -> dict[str, Any]:
+    """Return the metric of an EDGE_WEIGHT_TYPE; InputError where it is none we know."""
+    if edge_weight_type not in METRIC_OF:
+        known = ("EXPLICIT", *METRIC_OF)
+        raise InputError(
+            f"EDGE_WEIGHT_TYPE '{edge_weight_type[:40]}' is not supported{suggestion(edge_weight_type, known)} "
+            f"(supported: {', '.join(known)})"
+        )
+    return METRIC_OF[edge_weight_type]
+
+
+def explicit_weights(lines: list[str], edge_weight_format: str, size: int) -> NDArray[np.float64]:
+    """Return the (size, size) matrix in the `lines` of an EDGE_WEIGHT_SECTION; line breaks mean nothing in TSPLIB."""
+    if edge_weight_format not in FORMATS:
+        raise InputError(
+            f"EDGE_WEIGHT_FORMAT '{edge_weight_format[:40]}' is not supported"
+            f"{suggestion(edge_weight_format, FORMATS)} (supported: {', '.join(FORMATS)})"
+        )
+    words = " ".join(lines).split()
+    try:
+        weights = np.array(words, dtype=np.float64)
+    except ValueError:
+        bad = next(word for word in words if not _is_number(word))
+        raise InputError(f"EDGE_WEIGHT_SECTION holds {bad[:40]!r}, which is not a number") from None
+    full = edge_weight_format == "FULL_MATRIX"
+    diagonal = "DIAG" in edge_weight_format
+    expected = size * size if full else size * (size + (1 if diagonal else -1)) // 2
+    if weights.size != expected:
+        raise InputError(
+            f"EDGE_WEIGHT_SECTION holds {weights.size} numbers, must hold {expected} "
+            f"({edge_weight_format} of DIMENSION {size})"
+        )
+    if full:
+        return weights.reshape(size, size)
+    # the columns of one triangle are the rows of the other
+    upper = edge_weight_format.startswith("UPPER") == edge_weight_format.endswith("ROW")
+    matrix = np.zeros((size, size))
+    matrix[np.triu_indices(size, 0 if diagonal else 1) if upper else np.tril_indices(size, 0 if diagonal else -1)] = (
+        weights
+    )
+    return np.maximum(matrix, matrix.T) if (weights >= 0).all() else matrix + matrix.T - np.diag(np.diagonal(matrix))
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True

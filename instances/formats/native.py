@@ -1,0 +1,173 @@
+"""Native instance files: JSON, or JSON compressed by gzip.
+
+``schema`` (1), ``name``, ``n_tasks``, ``n_depots``, ``cost`` [s] as rows or as a named metric
+(`instances.metrics`), ``coordinates`` [m] (n+m pairs, or null), ``provenance`` (free). Floats are written with
+the shortest digits that read back as the same float64; the same instance gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import zlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from instances.disk import as_text, read_bytes, write_aside
+from instances.errors import InputError, naming, suggestion
+from instances.instance import Instance
+from instances.metrics import metric_cost
+
+SCHEMA = 1
+"""Version of the format that is written, and the newest that is read."""
+
+KEYS = ("schema", "name", "n_tasks", "n_depots", "cost", "coordinates", "provenance")
+"""Every key of a file; coordinates and provenance may be left out."""
+
+ROWS_UP_TO = 300
+"""Nodes up to which costs are written as rows, for other readers' sake; beyond, by metric where they have one."""
+
+
+def read_native(path: Path) -> Instance:
+    """Read a native file; InputError names the file, the field and the value that cannot be used."""
+    content = read_bytes(path)
+    if path.name.lower().endswith(".gz"):
+        try:
+            content = gzip.decompress(content)
+        except (OSError, EOFError, zlib.error) as error:
+            raise InputError(f"{path}: cannot be decompressed ({error})") from None
+    try:
+        document = json.loads(as_text(content, path), object_pairs_hook=_without_duplicates)
+    except InputError as error:
+        raise InputError(str(error) if str(error).startswith(str(path)) else f"{path}: {error}") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: is not valid JSON ({error})") from None
+    with naming(path):
+        return instance_of(document)
+
+
+def write_native(instance: Instance, path: Path) -> None:
+    """Write a native file, compressed where `path` ends in ``.gz``."""
+    with naming(path):
+        content = document_text(instance).encode("ascii")
+    write_aside(path, gzip.compress(content, mtime=0) if path.name.lower().endswith(".gz") else content)
+
+
+def instance_of(document: Any) -> Instance:
+    """Return the Instance a parsed native file describes; InputError names the field and the value."""
+    if not isinstance(document, dict):
+        raise InputError(f"must hold a JSON object, got {type(document).__name__}")
+    _check_schema(document.get("schema"))
+    for key in document:
+        if key not in KEYS:
+            raise InputError(f"unknown key '{key[:40]}'{suggestion(key, KEYS)}")
+    for key in ("name", "n_tasks", "n_depots", "cost"):
+        if key not in document:
+            raise InputError(f"the key '{key}' is missing")
+    for key in ("n_tasks", "n_depots"):
+        if not isinstance(document[key], int) or isinstance(document[key], bool) or document[key] < 1:
+            raise InputError(f"{key} must be a whole number of at least 1, got {_short(document[key])}")
+    nodes = document["n_tasks"] + document["n_depots"]
+    coordinates = document.get("coordinates")
+    if coordinates is not None:
+        coordinates = _rows(coordinates, "coordinates", nodes, 2)
+    provenance = document.get("provenance", {})
+    if not isinstance(provenance, dict):
+        raise InputError(f"provenance must be an object, got {_short(provenance)}")
+    cost = document["cost"]
+    if isinstance(cost, dict):
+        if coordinates is not None and not np.isfinite(coordinates).all():
+            raise InputError("coordinates must be finite")
+        provenance = {**provenance, "metric": cost}
+        matrix = metric_cost(cost, coordinates)
+    else:
+        matrix = _rows(cost, "cost", nodes, nodes)
+    return Instance(document["name"], matrix, document["n_tasks"], document["n_depots"], coordinates, provenance)
+
+
+def document_text(instance: Instance) -> str:
+    """Return the native file of `instance` as text, a row of numbers a line."""
+    coordinates = "null" if instance.coordinates is None else _row_lines(instance.coordinates)
+    metric = instance.provenance.get("metric")
+    by_metric = (
+        instance.n_nodes > ROWS_UP_TO
+        and isinstance(metric, dict)
+        and np.array_equal(metric_cost(metric, instance.coordinates), instance.cost)
+    )
+    parts = {
+        "schema": str(SCHEMA),
+        "name": json.dumps(instance.name),
+        "n_tasks": str(int(instance.n_tasks)),
+        "n_depots": str(int(instance.n_depots)),
+        "cost": _json(metric) if by_metric else _row_lines(instance.cost),
+        "coordinates": coordinates,
+        "provenance": _json(dict(instance.provenance)),
+    }
+    return "{\n" + ",\n".join(f'"{key}": {value}' for key, value in parts.items()) + "\n}\n"
+
+
+def _check_schema(schema: Any) -> None:
+    if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
+        raise InputError(f"schema must be a whole number from 1 to {SCHEMA}, got {_short(schema)}")
+    if schema > SCHEMA:
+        raise InputError(f"schema {_short(schema)} is of a newer version; this one reads up to {SCHEMA}")
+
+
+def _rows(value: Any, label: str, count: int, width: int) -> NDArray[np.float64]:
+    """Return `count` rows of `width` numbers; json has told numbers, texts and truth values apart: so do we."""
+    if not isinstance(value, list):
+        raise InputError(f"{label} must be a list of rows, got {_short(value)}")
+    if len(value) != count:
+        raise InputError(f"{label} has {len(value)} rows, must have n_tasks + n_depots = {_short(count)}")
+    for i, row in enumerate(value):
+        if not isinstance(row, list):
+            raise InputError(f"{label}[{i}] must be a list of numbers, got {_short(row)}")
+        if len(row) != width:
+            raise InputError(f"{label}[{i}] has {len(row)} entries, must have {width}")
+        if not {*map(type, row)} <= {int, float}:
+            j = next(j for j, entry in enumerate(row) if type(entry) not in (int, float))
+            raise InputError(f"{label}[{i}][{j}] must be a number, got {_short(row[j])}")
+    try:
+        return np.array(value, dtype=np.float64)
+    except OverflowError:
+        raise InputError(f"{label} holds a number too large for float64") from None
+
+
+def _row_lines(array: NDArray[np.float64]) -> str:
+    return "[\n" + ",\n".join(json.dumps(row, separators=(",", ":")) for row in array.tolist()) + "\n]"
+
+
+def _json(value: Any) -> str:
+    try:
+        return json.dumps(value, allow_nan=False, default=_plain)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise InputError(f"provenance cannot be written as JSON ({error})") from None
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is not a JSON value")
+
+
+def _short(value: Any) -> str:
+    """Return `value` for a sentence, cut where it is long."""
+    if isinstance(value, (list, dict)):
+        return "a list" if isinstance(value, list) else "an object"
+    if isinstance(value, int) and not isinstance(value, bool) and abs(value) >= 10**20:
+        return "a very large number"
+    text = json.dumps(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _without_duplicates(pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise InputError(f"the key '{key[:40]}' is given twice")
+        found[key] = value
+    return found

@@ -1,0 +1,84 @@
+"""Costs named by a metric on the coordinates, where storing (n+m)² numbers would be waste.
+
+A metric is a small dictionary, as it stands in an instance file's `cost`:
+
+* ``{"metric": "euclidean", "speed": v, "rounding": r}``: c_ij = r(|x_j − x_i| / v) with speed v [m/s], 1 if left
+  out, and r one of ``none`` (if left out), ``nearest`` (TSPLIB EUC_2D), ``up`` (CEIL_2D), ``down`` (FLOOR_2D);
+* ``{"metric": "att"}``: TSPLIB's pseudo-Euclidean distance;
+* ``{"metric": "wind", "airspeed": v0, "wind": {...}, "region": [ring, ...]}``: the closed forms of
+  `instances.environment.closed_form`, straight over the plane or, where a region is given, inside it.
+
+Source of the TSPLIB roundings: G. Reinelt, TSPLIB 95, 1995, §2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from instances.errors import InputError, suggestion
+
+ROUNDINGS: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {
+    "none": lambda d: d,
+    "nearest": lambda d: np.floor(d + 0.5),
+    "up": np.ceil,
+    "down": np.floor,
+}
+"""Name of a rounding → what it does to the distances."""
+
+
+def metric_cost(metric: Mapping[str, Any], coordinates: NDArray[np.float64] | None) -> NDArray[np.float64]:
+    """Return ``cost[i, j]`` [s], shape (k, k), of `metric` on `coordinates` (k, 2) [m]; else InputError."""
+    name = metric.get("metric")
+    if not isinstance(name, str) or name not in METRICS:
+        near = suggestion(name, METRICS) if isinstance(name, str) else ""
+        raise InputError(f"cost: unknown metric {name!r}{near} (known: {', '.join(METRICS)})")
+    if coordinates is None:
+        raise InputError(f"cost: the metric '{name}' needs coordinates")
+    compute, keys = METRICS[name]
+    for key in metric:
+        if key not in ("metric", *keys):
+            raise InputError(f"cost: unknown key '{key}' of the metric '{name}'{suggestion(str(key), keys)}")
+    return compute(coordinates, **{key: metric[key] for key in keys if key in metric})
+
+
+def distances(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return |x_j − x_i|, shape (k, k), of `points` (k, 2); symmetric to the last bit."""
+    squared = np.subtract.outer(points[:, 0], points[:, 0])
+    np.multiply(squared, squared, out=squared)
+    dy = np.subtract.outer(points[:, 1], points[:, 1])
+    np.multiply(dy, dy, out=dy)
+    squared += dy
+    return np.sqrt(squared, out=squared)
+
+
+def positive(value: Any, label: str) -> float:
+    """Return `value` as a positive finite float; InputError names `label`."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < float("inf"):
+        raise InputError(f"{label} must be a positive number, got {value!r}")
+    return float(value)
+
+
+def _euclidean(points: NDArray[np.float64], speed: Any = 1.0, rounding: Any = "none") -> NDArray[np.float64]:
+    if not isinstance(rounding, str) or rounding not in ROUNDINGS:
+        raise InputError(f"cost: unknown rounding {rounding!r} (known: {', '.join(ROUNDINGS)})")
+    d = distances(points)
+    d /= positive(speed, "cost: speed")
+    return ROUNDINGS[rounding](d)
+
+
+def _att(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    r = distances(points)
+    r /= np.sqrt(10.0)
+    t = np.floor(r + 0.5)
+    return np.where(t < r, t + 1.0, t)
+
+
+METRICS: dict[str, tuple[Callable[..., NDArray[np.float64]], tuple[str, ...]]] = {
+    "euclidean": (_euclidean, ("speed", "rounding")),
+    "att": (_att, ()),
+}
+"""Name of a metric → its function of the coordinates and the keys that parametrise it."""

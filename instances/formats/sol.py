@@ -30,14 +30,20 @@ def read_solution(path: Path, instance: Instance) -> tuple[Routes, float | None]
     InputError
         where the file is not a ``.sol``, or its routes do not visit every task of `instance` exactly once.
     """
-    text = read_text(path)
+    routes, claimed = read_claim(path, instance)
     with naming(path):
-        routes, claimed = _parse(text, instance)
         faults = check_routes(instance, routes)
         if faults:
             more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
             raise InputError(faults[0].rstrip(".") + more)
         return routes, claimed
+
+
+def read_claim(path: Path, instance: Instance) -> tuple[Routes, float | None]:
+    """Return what the file claims: routes, feasible or not, and their cost [s]; InputError where it is no ``.sol``."""
+    text = read_text(path)
+    with naming(path):
+        return _parse(text, instance)
 
 
 def write_solution(routes: Sequence[Sequence[int]], instance: Instance, path: Path) -> None:

@@ -83,7 +83,8 @@ def _velocities(p: Floats, x0: float, y0: float, dx: float, dy: float, u: Floats
 class Grid:
     """Bilinear wind: `u`, `v` [m/s], shape (rows, columns), node (0, 0) at `origin` [m], rows `spacing[1]` apart.
 
-    `spacing` (dx, dy) [m] is positive: columns go east, rows go north. `source` names the file it came from.
+    `spacing` (dx, dy) [m] is positive: columns go east, rows go north. `source` names the file it came from, `crs`
+    the map projection of its coordinates where the file says so.
     """
 
     origin: tuple[float, float]
@@ -91,6 +92,7 @@ class Grid:
     u: NDArray[np.float64]
     v: NDArray[np.float64]
     source: str = ""
+    crs: str = ""
 
     def __post_init__(self) -> None:
         where = f"wind grid {self.source}".strip()
@@ -139,13 +141,16 @@ class Grid:
 
     @classmethod
     def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Grid:
-        """Read the file of a ``[wind]`` table: NetCDF, or WindNinja's ``*_vel.asc`` beside its ``*_ang.asc``."""
+        """Read the file of a ``[wind]`` table: NetCDF, or WindNinja's ``*_vel.asc`` beside its ``*_ang.asc``.
+
+        `units` says what a WindNinja file holds ("m/s", "mph", "kph" or "knots"; "m/s" where it is not given).
+        """
         from instances.environment.wind_files import read_wind
 
-        only_fields(table, "grid", ("file", "units", "crs"))
+        only_fields(table, "grid", ("file", "units"))
         if not isinstance(table.get("file"), str):
             raise InputError(f"wind: kind 'grid' needs the name of a file, got {table.get('file')!r}")
-        return read_wind(folder / table["file"], units=table.get("units"), crs=table.get("crs"))
+        return read_wind(folder / table["file"], units=table.get("units"))
 
     @classmethod
     def sampled(

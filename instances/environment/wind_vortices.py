@@ -23,7 +23,7 @@ from instances.errors import InputError
 
 @dataclass(frozen=True)
 class Vortices:
-    """Vortices at `centres` [m] of `circulation` Γ [m²/s] (anticlockwise positive) and `core` radii c [m], each (k,)."""
+    """Vortices at `centres` [m], each with its `circulation` Γ [m²/s] (anticlockwise positive) and `core` c [m]."""
 
     centres: tuple[tuple[float, float], ...]
     circulation: tuple[float, ...]

@@ -1,0 +1,129 @@
+"""Rasters in files, what wind and terrain share: ESRI ASCII grids, NetCDF coordinates, map projections.
+
+Everything downstream works in metres of one map projection, so a raster in degrees, or in another projection
+than its neighbours, is refused rather than guessed at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from instances.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray
+
+METRES = ("m", "metre", "meter", "metres", "meters")
+DEGREES = ("degrees_east", "degrees_north", "degree", "degrees", "degree_east", "degree_north")
+
+
+@dataclass(frozen=True, eq=False)
+class AsciiGrid:
+    """An ESRI ASCII grid: `values` (rows, columns), rows going north, NaN for no data; `origin` is its first node."""
+
+    origin: tuple[float, float]
+    spacing: float
+    values: NDArray[np.float64]
+    crs: str
+
+
+def read_ascii_grid(path: Path) -> AsciiGrid:
+    """Read an ESRI ASCII grid, and the projection from the ``.prj`` beside it; InputError names what is wrong."""
+    try:
+        lines = path.read_text(encoding="ascii").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as an ASCII grid ({error})") from None
+    head: dict[str, float] = {}
+    start = 0
+    for line in lines:
+        words = line.split()
+        if len(words) != 2 or not words[0][:1].isalpha():
+            break
+        try:
+            head[words[0].lower()] = float(words[1])
+        except ValueError:
+            raise InputError(f"{path}: {words[0]} must be a number, got '{words[1]}'") from None
+        start += 1
+    for key in ("ncols", "nrows", "cellsize"):
+        if key not in head:
+            raise InputError(f"{path}: the header of the ASCII grid has no {key}")
+    try:
+        values = np.array(" ".join(lines[start:]).split(), dtype=float)
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
+    rows, columns, cell = int(head["nrows"]), int(head["ncols"]), head["cellsize"]
+    if values.size != rows * columns:
+        raise InputError(f"{path}: {rows} × {columns} values announced, {values.size} found")
+    values = values.reshape(rows, columns)[::-1].copy()  # the file's first row is the northern one
+    values[values == head.get("nodata_value", -9999.0)] = np.nan
+    x, y = (head.get(f"{axis}llcenter", head.get(f"{axis}llcorner", 0.0) + cell / 2) for axis in "xy")
+    prj = path.with_suffix(".prj")
+    crs = prj.read_text(encoding="utf-8").strip() if prj.exists() else ""
+    if crs.startswith("GEOGCS"):
+        raise InputError(f"{path}: the grid is in degrees ({prj.name}); project it to metres first")
+    return AsciiGrid((x, y), cell, values, crs)
+
+
+def open_netcdf(path: Path) -> xarray.Dataset:
+    """Open a NetCDF file; InputError where it cannot be read or the extra ``geo`` is not installed."""
+    try:
+        import xarray
+    except ImportError:
+        raise InputError(
+            f"{path}: reading NetCDF needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')"
+        ) from None
+    try:
+        return xarray.open_dataset(path, engine="netcdf4")
+    except (OSError, ValueError, KeyError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"{path}: cannot be read as NetCDF ({reason})") from None
+
+
+def coordinate(field: xarray.DataArray, axis: str, path: Path) -> xarray.DataArray:
+    """Return the one-dimensional coordinate of `field` along `axis` ("x" or "y"), equally spaced and in metres."""
+    dims = {"x": ("x", "lon", "longitude", "easting"), "y": ("y", "lat", "latitude", "northing")}[axis]
+    for name in field.dims:
+        found = field.coords.get(name)
+        if found is None:
+            continue
+        standard = found.attrs.get("standard_name", "")
+        if (
+            standard != f"projection_{axis}_coordinate"
+            and found.attrs.get("axis", "").lower() != axis
+            and name not in dims
+        ):
+            continue
+        unit = str(found.attrs.get("units", "m"))
+        if unit in DEGREES or name in dims[1:3]:
+            raise InputError(f"{path}: coordinate '{name}' is in degrees; project the grid to metres first")
+        if unit not in METRES:
+            raise InputError(f"{path}: coordinate '{name}' must be in metres, its units are '{unit}'")
+        step = np.diff(found.values.astype(float))
+        if len(step) == 0 or not np.allclose(step, step[0], rtol=1e-3) or step[0] == 0:
+            raise InputError(f"{path}: coordinate '{name}' must be equally spaced, at least 2 values")
+        return found
+    raise InputError(
+        f"{path}: variable '{field.name}' has no {axis} coordinate (its dimensions: {', '.join(map(str, field.dims))})"
+    )
+
+
+def projection(data: xarray.Dataset, field: xarray.DataArray) -> str:
+    """Return the projection the file states for `field` (CF grid mapping, or a global ``crs``), or ``""``."""
+    mapping = field.attrs.get("grid_mapping", field.encoding.get("grid_mapping"))
+    if mapping in data:
+        attributes = data[mapping].attrs
+        return str(
+            attributes.get("crs_wkt") or attributes.get("spatial_ref") or attributes.get("grid_mapping_name", "")
+        )
+    return str(data.attrs.get("crs", ""))
+
+
+def same_projection(one: str, other: str, what: str) -> None:
+    """Raise InputError where two rasters state different map projections."""
+    if one and other and "".join(one.split()) != "".join(other.split()):
+        raise InputError(f"{what}: different map projections, '{one[:60]}' and '{other[:60]}'")

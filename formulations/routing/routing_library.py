@@ -1,0 +1,114 @@
+"""routing-library: OR-Tools routing, what one takes off the shelf.
+
+The library minimises sums. C_max is asked for through a "distance" dimension d, whose value at the end of UAV k's
+route is C_k (scaled to whole numbers, ``scaling.py``), and the library's global span cost, as its documentation shows
+for min-max:
+
+    minimise  Σ_arcs c_ij + w · (max_k d_end(k) − min_k d_start(k)),   d_start(k) = 0.
+
+Search: guided local search, the documentation's advice, from the greedy routes (or `start`). A search ended by
+``limits.iterations`` is deterministic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from ortools.constraint_solver import pywrapcp, routing_enums_pb2
+
+from formulations.recorder import Recorder
+from formulations.routing.greedy import greedy_routes
+from formulations.routing.scaling import ScaledCosts, scale_costs
+from formulations.solver import Limits, Observer, Result, Solver, ignore
+from instances import InputError, Instance, Routes
+
+
+@dataclass(frozen=True)
+class RoutingLibrary(Solver):
+    """OR-Tools routing; ``limits.iterations`` counts the solutions its search accepts.
+
+    Options
+    -------
+    span_weight : w, the price of a second of C_max against a second of the sum of all tours.
+    """
+
+    proves: ClassVar[bool] = False
+
+    span_weight: int = 100
+
+    def __post_init__(self) -> None:
+        if self.span_weight < 1:
+            raise InputError(f"routing-library: span_weight must be at least 1, got {self.span_weight}")
+
+    def prepare(self, instance: Instance) -> None:
+        """Compile the construction of the first routes."""
+        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
+
+    def solve(
+        self,
+        instance: Instance,
+        *,
+        limits: Limits,
+        seed: int = 0,
+        observe: Observer = ignore,
+        start: Routes | None = None,
+    ) -> Result:
+        """Search until a limit is reached."""
+        recorder = Recorder(instance, limits, observe, start)
+        recorder.incumbent(greedy_routes(instance))
+        if recorder.objective == 0:
+            return recorder.result("finished", solutions=0)
+        if limits.iterations == 0:
+            return recorder.result("iterations", solutions=0)
+        solutions = _Search(self, scale_costs(instance, recorder.objective), recorder, seed).run()
+        if limits.iterations is not None and solutions >= limits.iterations:
+            return recorder.result("iterations", solutions=solutions)
+        return recorder.result("finished" if recorder.remaining > 0 else "time", solutions=solutions)
+
+
+class _Search:
+    """One search of the library from the recorder's routes; every accepted solution is offered to the recorder."""
+
+    def __init__(self, options: RoutingLibrary, scaled: ScaledCosts, recorder: Recorder, seed: int) -> None:
+        self.recorder = recorder
+        self.solutions = 0
+        instance = recorder.instance
+        depots = list(instance.depots)
+        self.manager = pywrapcp.RoutingIndexManager(instance.n_nodes, len(depots), depots, depots)
+        self.routing = pywrapcp.RoutingModel(self.manager)
+        transit = self.routing.RegisterTransitMatrix(scaled.cost.tolist())
+        self.routing.SetArcCostEvaluatorOfAllVehicles(transit)
+        horizon = (scaled.upper + 1) * (instance.n_tasks + 1)
+        self.routing.AddDimension(transit, 0, horizon, True, "distance")
+        self.routing.GetDimensionOrDie("distance").SetGlobalSpanCostCoefficient(options.span_weight)
+        self.routing.AddAtSolutionCallback(self._on_solution)
+        self.routing.solver().ReSeed(seed % 2**31)
+
+    def run(self) -> int:
+        """Search until a limit; return the number of accepted solutions."""
+        parameters = self._parameters()
+        self.routing.CloseModelWithParameters(parameters)
+        first = self.routing.ReadAssignmentFromRoutes([list(route) for route in self.recorder.routes or ()], True)
+        self.routing.SolveFromAssignmentWithParameters(first, parameters)
+        return self.solutions
+
+    def _parameters(self) -> Any:
+        parameters = pywrapcp.DefaultRoutingSearchParameters()
+        parameters.local_search_metaheuristic = routing_enums_pb2.LocalSearchMetaheuristic.GUIDED_LOCAL_SEARCH
+        parameters.time_limit.FromMilliseconds(max(1, int(1000 * self.recorder.remaining)))
+        if self.recorder.limits.iterations is not None:
+            parameters.solution_limit = self.recorder.limits.iterations
+        return parameters
+
+    def _on_solution(self) -> None:
+        self.solutions += 1
+        self.recorder.incumbent(tuple(self._route(k) for k in range(self.routing.vehicles())))
+
+    def _route(self, k: int) -> tuple[int, ...]:
+        route, index = [], self.routing.NextVar(self.routing.Start(k)).Value()
+        while not self.routing.IsEnd(index):
+            route.append(self.manager.IndexToNode(index))
+            index = self.routing.NextVar(index).Value()
+        return tuple(route)

@@ -6,7 +6,8 @@ A metric is a small dictionary, as it stands in an instance file's `cost`:
   out, and r one of ``none`` (if left out), ``nearest`` (TSPLIB EUC_2D), ``up`` (CEIL_2D), ``down`` (FLOOR_2D);
 * ``{"metric": "att"}``: TSPLIB's pseudo-Euclidean distance;
 * ``{"metric": "wind", "airspeed": v0, "wind": {...}, "region": [ring, ...]}``: the closed forms of
-  `instances.environment.closed_form`, straight over the plane or, where a region is given, inside it.
+  `instances.environment.closed_form` over open country or, where a region is given (the rings of a GeoJSON polygon),
+  of `instances.environment.corner_paths` inside it.
 
 Source of the TSPLIB roundings: G. Reinelt, TSPLIB 95, 1995, §2.
 """
@@ -77,8 +78,28 @@ def _att(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(t < r, t + 1.0, t)
 
 
+def _wind(
+    points: NDArray[np.float64], airspeed: Any = None, wind: Any = None, region: Any = None
+) -> NDArray[np.float64]:
+    # here, not above: files without wind need neither shapely nor the wind fields
+    from instances.environment.closed_form import cost_matrix
+    from instances.environment.corner_paths import corner_path_costs
+    from instances.environment.region import Region, single_polygon
+    from instances.environment.wind import wind_from_toml
+
+    v0 = positive(airspeed, "cost: airspeed")
+    if wind is not None and not isinstance(wind, Mapping):
+        raise InputError(f"cost: wind must be a table or null, got {wind!r}")
+    field = None if wind is None else wind_from_toml(wind)
+    if region is None:
+        return cost_matrix(points, v0, field)
+    polygon = single_polygon({"type": "Polygon", "coordinates": region})
+    return corner_path_costs(points, Region(polygon), v0, field)
+
+
 METRICS: dict[str, tuple[Callable[..., NDArray[np.float64]], tuple[str, ...]]] = {
     "euclidean": (_euclidean, ("speed", "rounding")),
     "att": (_att, ()),
+    "wind": (_wind, ("airspeed", "wind", "region")),
 }
 """Name of a metric → its function of the coordinates and the keys that parametrise it."""

@@ -1,0 +1,119 @@
+"""Moving costs in closed form: winds whose vorticity is the same everywhere, over the open plane.
+
+Cost of a path σ at constant airspeed v0 (paper, eq. moving_cost): C(σ) = τ − (1/v0²)∫w·dσ, with τ = length/v0.
+With d = |b − a|, ω = curl w constant and κ = |ω|/v0, the cheapest path is an arc of curvature κ (straight for ω = 0),
+and with φ = asin(κd/2) ≤ π/2 and R = 1/κ it costs, by Stokes' theorem between the arc and its chord,
+
+    uniform    C = d/v0 − w·(b − a)/v0²
+    rotation   C = 2φR/v0 − [Ω (a − c)×(b − c) + 2ΩA]/v0²,          ω = 2Ω
+    shear      C = 2φR/v0 − [α (ȳ − y0) Δx + |α| A]/v0²,             ω = −α
+
+where A = R²(φ − sin φ cos φ) is the area between the two. All three are one formula, the one computed here:
+
+    C = (d/v0)·g(κd/2) − (1/v0²)∫_chord w·dσ,    g(s) = (asin(s)/s + √(1 − s²))/2,    g(0) = 1.
+
+Valid where |w| < v0 (otherwise the cost is no metric: Randers) and κd/2 ≤ 1. Arcs bulge beyond the convex hull of their
+ends by at most R(1 − cos φ): this is the cost over open country, without walls. For walls see
+`instances.environment.corner_paths`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
+from instances.errors import InputError
+
+BLOCK = 2_000_000
+"""Pairs computed at a time: bounds the memory beside the matrix itself."""
+
+
+def vorticity(wind: WindField | None) -> float:
+    """Return the constant curl [1/s] of `wind`; InputError where it has none in closed form."""
+    match wind:
+        case None | Uniform():
+            return 0.0
+        case Rotation():
+            return 2.0 * wind.rate
+        case Shear():
+            return -wind.rate
+        case Sum():
+            return sum(vorticity(part) for part in wind.parts)
+    raise InputError(f"wind: there is no closed form for a {type(wind).__name__}, only for uniform, shear and rotation")
+
+
+def pair_costs(a: ArrayLike, b: ArrayLike, airspeed: float, wind: WindField | None) -> NDArray[np.float64]:
+    """Return the cost [s] of the cheapest path a → b over open country, shape (k,), for `a`, `b` (k, 2) [m].
+
+    InputError where a pair is too far apart for its arc: κd/2 > 1.
+    """
+    p, q = np.asarray(a, dtype=float).reshape(-1, 2), np.asarray(b, dtype=float).reshape(-1, 2)
+    d = np.sqrt(((q - p) ** 2).sum(axis=1))
+    costs = d / airspeed
+    curl = vorticity(wind)
+    if curl:
+        s = (0.5 * abs(curl) / airspeed) * d
+        if s.size and not s.max() <= 1.0:
+            raise InputError(
+                f"wind: its vorticity of {curl:g} 1/s is too strong for points {d.max():g} m apart at an airspeed of "
+                f"{airspeed:g} m/s: at most {2 * airspeed / abs(curl):g} m"
+            )
+        arc_over_chord = np.divide(np.arcsin(s), s, out=np.ones_like(s), where=s > 0)
+        costs *= 0.5 * (arc_over_chord + np.sqrt(1.0 - s * s))
+    if wind is not None:
+        costs -= wind.line_integral(p, q) / airspeed**2
+    return costs
+
+
+def cost_matrix(points: ArrayLike, airspeed: float, wind: WindField | None) -> NDArray[np.float64]:
+    """Return ``cost[i, j]`` [s], shape (k, k), of the cheapest paths between `points` (k, 2) [m] over open country.
+
+    Raises
+    ------
+    InputError
+        where the wind reaches the airspeed on an arc or among the points, or where an arc does not exist.
+    """
+    p = np.asarray(points, dtype=float).reshape(-1, 2)
+    check_wind(p, airspeed, wind)
+    k = len(p)
+    cost = np.empty((k, k))
+    step = max(1, BLOCK // k)
+    for i in range(0, k, step):
+        rows = p[i : i + step]
+        cost[i : i + step] = pair_costs(np.repeat(rows, k, axis=0), np.tile(p, (len(rows), 1)), airspeed, wind).reshape(
+            len(rows), k
+        )
+    np.fill_diagonal(cost, 0.0)
+    return cost
+
+
+def check_wind(points: NDArray[np.float64], airspeed: float, wind: WindField | None) -> None:
+    """Raise InputError where `wind` may reach `airspeed` in the bounding box of `points`, or where an arc bulges out.
+
+    |w| is convex for a linear field, so its corners decide for the box.
+    """
+    if wind is None:
+        return
+    (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
+    fastest = float(np.linalg.norm(wind([(x0, y0), (x0, y1), (x1, y0), (x1, y1)]), axis=1).max())
+    curl = vorticity(wind)
+    if curl:
+        radius = airspeed / abs(curl)
+        half = min(float(np.hypot(x1 - x0, y1 - y0)) / 2, radius)
+        bulge = radius - np.sqrt(radius**2 - half**2)
+        fastest += _gradient(wind) * float(bulge)
+    if not fastest < airspeed:
+        raise InputError(
+            f"wind: it reaches {fastest:g} m/s where legs may lead, but must stay below the airspeed {airspeed:g} m/s"
+        )
+
+
+def _gradient(wind: WindField) -> float:
+    """Return how fast |w| can grow with distance at most [1/s]."""
+    match wind:
+        case Rotation() | Shear():
+            return abs(wind.rate)
+        case Sum():
+            return sum(_gradient(part) for part in wind.parts)
+    return 0.0

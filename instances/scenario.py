@@ -1,0 +1,276 @@
+"""Scenario: a mission before its moving costs are known. It is read from and written to TOML; SI units.
+
+    name = "survey"                       # optional: the file's name if left out
+    airspeed = 100.0                      # v0 [m/s]
+    size = [20000, 20000]                 # [m], or region = "area.geojson"
+    no_fly = "zones.geojson"              # optional, any number of polygons
+    depots = [[x, y], ...]                # [m], one UAV at each
+    tasks = [[x, y], ...]                 # [m], or tasks = 40: that many are still to be placed
+    terrain = "dem.tif"                   # optional
+    [wind]                                # optional; see instances.environment.wind
+    kind = "uniform"
+    velocity = [u, v]                     # [m/s]
+    [radio]                               # optional; read by whoever makes the radio map
+
+Files are relative to the TOML file.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from shapely.geometry import MultiPolygon, Polygon, mapping
+
+from instances.disk import read_text, write_aside
+from instances.environment.region import Region, polygons
+from instances.environment.wind import WindField, wind_from_toml
+from instances.errors import InputError, naming, suggestion
+
+KEYS = ("name", "airspeed", "size", "region", "no_fly", "depots", "tasks", "terrain", "wind", "radio", "provenance")
+"""Every key of a scenario file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """A mission: where it is flown, from where, how fast, and to which tasks.
+
+    Parameters
+    ----------
+    name : short name.
+    region : the area A.
+    depots : (m, 2) [m], m ≥ 1, each in the region and outside the no-fly zones.
+    airspeed : v0 [m/s], positive.
+    wind : None where calm.
+    tasks : (n, 2) [m], or None where `n_tasks` of them are still to be placed.
+    n_tasks : n ≥ 1; may be left at 0 where `tasks` is given.
+    no_fly : polygons no leg may enter.
+    terrain : file of the elevation model, or None.
+    radio : the table that describes the radio source, or None.
+    provenance : where it comes from.
+
+    Raises
+    ------
+    InputError
+        with one sentence that names the field and the value.
+    """
+
+    name: str
+    region: Region
+    depots: NDArray[np.float64]
+    airspeed: float
+    wind: WindField | None = None
+    tasks: NDArray[np.float64] | None = None
+    n_tasks: int = 0
+    no_fly: Sequence[Polygon] = ()
+    terrain: Path | None = None
+    radio: Mapping[str, Any] | None = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InputError(f"name must be a non-empty text, got {self.name!r}")
+        object.__setattr__(self, "airspeed", _airspeed(self.airspeed))
+        object.__setattr__(self, "no_fly", tuple(self.no_fly))
+        free = self.free
+        object.__setattr__(self, "depots", _points(self.depots, "depots", free))
+        if self.tasks is not None:
+            object.__setattr__(self, "tasks", _points(self.tasks, "tasks", free))
+            if self.n_tasks not in (0, len(self.tasks)):
+                raise InputError(f"n_tasks is {self.n_tasks} but there are {len(self.tasks)} tasks")
+            object.__setattr__(self, "n_tasks", len(self.tasks))
+        elif isinstance(self.n_tasks, bool) or not isinstance(self.n_tasks, int) or self.n_tasks < 1:
+            raise InputError(f"tasks must be points or a whole number of at least 1, got {self.n_tasks!r}")
+
+    @property
+    def n_depots(self) -> int:
+        """Number of depots m, one UAV at each."""
+        return len(self.depots)
+
+    @property
+    def free(self) -> Region:
+        """The region without its no-fly zones."""
+        return self.region.minus(list(self.no_fly)) if self.no_fly else self.region
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Tasks, then depots, (n+m, 2) [m]: the instance's coordinates; InputError where tasks are still to be placed."""
+        if self.tasks is None:
+            raise InputError(f"scenario {self.name}: its {self.n_tasks} tasks are not placed yet")
+        return np.concatenate([self.tasks, self.depots])
+
+
+def read_scenario(path: Path | str) -> Scenario:
+    """Read a scenario file; InputError names the file, the key and the value that cannot be used."""
+    path = Path(path)
+    text = read_text(path)
+    try:
+        table = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        raise InputError(f"{path}: is not valid TOML ({error})") from None
+    with naming(path):
+        return scenario_of(table, path.parent, path.stem)
+
+
+def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
+    """Return the scenario a parsed TOML table describes, its files relative to `folder`; InputError names the key."""
+    for key in table:
+        if key not in KEYS:
+            raise InputError(f"unknown key '{key[:40]}'{suggestion(key, KEYS)}")
+    for key in ("airspeed", "depots", "tasks"):
+        if key not in table:
+            raise InputError(f"the key '{key}' is missing")
+    for key in ("wind", "radio", "provenance"):
+        if not isinstance(table.get(key, {}), dict):
+            raise InputError(f"[{key}] must be a table, got {table[key]!r}")
+    tasks = table["tasks"]
+    count = tasks if isinstance(tasks, int) and not isinstance(tasks, bool) else None
+    zones = _file(table, "no_fly", folder)
+    return Scenario(
+        name=table.get("name", name),
+        region=_region(table, folder),
+        depots=table["depots"],
+        airspeed=table["airspeed"],
+        wind=wind_from_toml(table["wind"], folder) if "wind" in table else None,
+        tasks=tasks if count is None else None,
+        n_tasks=count or 0,
+        no_fly=_read_polygons(zones) if zones else (),
+        terrain=_file(table, "terrain", folder),
+        radio=table.get("radio"),
+        provenance=table.get("provenance", {}),
+    )
+
+
+def write_scenario(scenario: Scenario, path: Path | str) -> None:
+    """Write a scenario file, and beside it ``<stem>-region.geojson`` and ``<stem>-no-fly.geojson`` where needed."""
+    path = Path(path)
+    table: dict[str, Any] = {"name": scenario.name, "airspeed": scenario.airspeed}
+    x0, y0, x1, y1 = scenario.region.bounds
+    if x0 == y0 == 0.0 and scenario.region.polygon.equals(Region.rectangle(x1, y1).polygon):
+        table["size"] = [x1, y1]
+    else:
+        table["region"] = f"{path.stem}-region.geojson"
+        scenario.region.write(path.with_name(table["region"]))
+    if scenario.no_fly:
+        table["no_fly"] = f"{path.stem}-no-fly.geojson"
+        zones = {"type": "Feature", "properties": {}, "geometry": mapping(MultiPolygon(list(scenario.no_fly)))}
+        write_aside(path.with_name(table["no_fly"]), json.dumps(zones))
+    table["depots"] = scenario.depots.tolist()
+    table["tasks"] = scenario.n_tasks if scenario.tasks is None else scenario.tasks.tolist()
+    if scenario.terrain is not None:
+        table["terrain"] = str(scenario.terrain)
+    if scenario.wind is not None:
+        table["wind"] = scenario.wind.to_toml(path.parent)
+    for key, value in (("radio", scenario.radio), ("provenance", scenario.provenance)):
+        if value:
+            table[key] = dict(value)
+    write_aside(path, toml_text(table))
+
+
+def toml_text(table: Mapping[str, Any]) -> str:
+    """Return `table` as TOML: its tables become sections, tables inside those are written inline."""
+    plain = {k: v for k, v in table.items() if not isinstance(v, Mapping)}
+    lines = [f"{_toml_key(key)} = {_toml(value)}" for key, value in plain.items()]
+    for key, section in table.items():
+        if isinstance(section, Mapping):
+            lines += [
+                "",
+                f"[{_toml_key(key)}]",
+                *(f"{_toml_key(k)} = {_toml(v)}" for k, v in section.items() if v is not None),
+            ]
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, (np.generic, np.ndarray)):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_toml_key(k)} = {_toml(v)}" for k, v in value.items() if v is not None) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    if isinstance(value, (str, Path)):
+        return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    raise InputError(f"scenario: {value!r} cannot be written as TOML")
+
+
+def _toml_key(key: str) -> str:
+    bare = key and key.isascii() and key.replace("_", "").replace("-", "").isalnum()
+    return key if bare else _toml(key)
+
+
+def _airspeed(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < math.inf:
+        raise InputError(f"airspeed must be a positive number [m/s], got {value!r}")
+    return float(value)
+
+
+def _region(table: Mapping[str, Any], folder: Path) -> Region:
+    if ("size" in table) == ("region" in table):
+        raise InputError(
+            "either 'size' or 'region' must be given, not both"
+            if "size" in table
+            else "the key 'size' or 'region' is missing"
+        )
+    file = _file(table, "region", folder)
+    if file:
+        return Region.read(file)
+    size = table["size"]
+    pair = isinstance(size, list) and len(size) == 2 and all(type(side) in (int, float) for side in size)
+    if not pair or not all(0 < side < math.inf for side in size):
+        raise InputError(f"size must be two positive numbers [m], got {size!r}")
+    return Region.rectangle(*map(float, size))
+
+
+def _file(table: Mapping[str, Any], key: str, folder: Path) -> Path | None:
+    if key not in table:
+        return None
+    value = table[key]
+    if not isinstance(value, str) or not value:
+        raise InputError(f"{key} must be the name of a file, got {value!r}")
+    return folder / value
+
+
+def _read_polygons(path: Path) -> list[Polygon]:
+    text = read_text(path)
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: cannot be read as GeoJSON ({error})") from None
+    with naming(path):
+        return polygons(data)
+
+
+def _points(value: ArrayLike, label: str, region: Region) -> NDArray[np.float64]:
+    """Return points (k, 2) [m] in `region`, k ≥ 1."""
+    if isinstance(value, Sequence):
+        for i, point in enumerate(value):
+            numbers = isinstance(point, Sequence) and all(type(c) in (int, float, np.float64) for c in point)
+            if isinstance(point, np.ndarray) or (numbers and len(point) == 2):
+                continue
+            raise InputError(f"{label}[{i}] must be two numbers [x, y] [m], got {point!r}")
+    try:
+        p = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{label} must be a list of points [x, y] [m]") from None
+    if p.ndim != 2 or p.shape[1] != 2 or len(p) < 1:
+        raise InputError(f"{label} must be a list of at least one point [x, y] [m], got shape {p.shape}")
+    finite = np.isfinite(p).all(axis=1)
+    inside = finite.copy()
+    inside[finite] = region.contains(p[finite])
+    if not inside.all():
+        i = int(np.flatnonzero(~inside)[0])
+        what = "lies outside the region or in a no-fly zone" if finite[i] else "is not finite"
+        raise InputError(f"{label}[{i}] = {p[i].tolist()} {what}")
+    p.setflags(write=False)
+    return p

@@ -33,6 +33,7 @@ from instances.disk import read_text, write_aside
 from instances.environment.region import Region, polygons
 from instances.environment.wind import WindField, wind_from_toml
 from instances.errors import InputError, naming, suggestion
+from instances.toml_text import toml_text
 
 KEYS = ("name", "airspeed", "size", "region", "no_fly", "depots", "tasks", "terrain", "wind", "radio", "provenance")
 """Every key of a scenario file."""
@@ -101,7 +102,7 @@ class Scenario:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """Tasks, then depots, (n+m, 2) [m]: the instance's coordinates; InputError where tasks are still to be placed."""
+        """Tasks, then depots, (n+m, 2) [m]: the instance's coordinates; InputError where tasks are not placed."""
         if self.tasks is None:
             raise InputError(f"scenario {self.name}: its {self.n_tasks} tasks are not placed yet")
         return np.concatenate([self.tasks, self.depots])
@@ -174,41 +175,6 @@ def write_scenario(scenario: Scenario, path: Path | str) -> None:
     write_aside(path, toml_text(table))
 
 
-def toml_text(table: Mapping[str, Any]) -> str:
-    """Return `table` as TOML: its tables become sections, tables inside those are written inline."""
-    plain = {k: v for k, v in table.items() if not isinstance(v, Mapping)}
-    lines = [f"{_toml_key(key)} = {_toml(value)}" for key, value in plain.items()]
-    for key, section in table.items():
-        if isinstance(section, Mapping):
-            lines += [
-                "",
-                f"[{_toml_key(key)}]",
-                *(f"{_toml_key(k)} = {_toml(v)}" for k, v in section.items() if v is not None),
-            ]
-    return "\n".join(lines) + "\n"
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, (np.generic, np.ndarray)):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_toml_key(k)} = {_toml(v)}" for k, v in value.items() if v is not None) + "}"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(_toml, value)) + "]"
-    if isinstance(value, (str, Path)):
-        return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (int, float)):
-        return repr(value)
-    raise InputError(f"scenario: {value!r} cannot be written as TOML")
-
-
-def _toml_key(key: str) -> str:
-    bare = key and key.isascii() and key.replace("_", "").replace("-", "").isalnum()
-    return key if bare else _toml(key)
-
-
 def _airspeed(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < math.inf:
         raise InputError(f"airspeed must be a positive number [m/s], got {value!r}")
@@ -216,12 +182,10 @@ def _airspeed(value: Any) -> float:
 
 
 def _region(table: Mapping[str, Any], folder: Path) -> Region:
-    if ("size" in table) == ("region" in table):
-        raise InputError(
-            "either 'size' or 'region' must be given, not both"
-            if "size" in table
-            else "the key 'size' or 'region' is missing"
-        )
+    if "size" in table and "region" in table:
+        raise InputError("either 'size' or 'region' must be given, not both")
+    if "size" not in table and "region" not in table:
+        raise InputError("the key 'size' or 'region' is missing")
     file = _file(table, "region", folder)
     if file:
         return Region.read(file)
@@ -265,12 +229,9 @@ def _points(value: ArrayLike, label: str, region: Region) -> NDArray[np.float64]
         raise InputError(f"{label} must be a list of points [x, y] [m]") from None
     if p.ndim != 2 or p.shape[1] != 2 or len(p) < 1:
         raise InputError(f"{label} must be a list of at least one point [x, y] [m], got shape {p.shape}")
-    finite = np.isfinite(p).all(axis=1)
-    inside = finite.copy()
-    inside[finite] = region.contains(p[finite])
-    if not inside.all():
-        i = int(np.flatnonzero(~inside)[0])
-        what = "lies outside the region or in a no-fly zone" if finite[i] else "is not finite"
-        raise InputError(f"{label}[{i}] = {p[i].tolist()} {what}")
+    for i in np.flatnonzero(~np.isfinite(p).all(axis=1)):
+        raise InputError(f"{label}[{i}] = {p[i].tolist()} is not finite")
+    for i in np.flatnonzero(~region.contains(p)):
+        raise InputError(f"{label}[{i}] = {p[i].tolist()} lies outside the region or in a no-fly zone")
     p.setflags(write=False)
     return p

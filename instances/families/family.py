@@ -50,9 +50,10 @@ class Family:
         values = self.values(given)
         region = self.region(values)
         for_tasks, for_depots = map(np.random.default_rng, np.random.SeedSequence(seed).spawn(2))
-        options = [values["wind"]] * (values["wind"] != "none") + [values["depots"]] * (values["depots"] != "spread")
+        wind = [] if values["wind"] == "none" else [f"{values['wind']}-wind"]
+        depots = [] if values["depots"] == "spread" else [f"{values['depots']}-depots"]
         return Scenario(
-            name="-".join([self.name, *options, f"n{n_tasks}", f"m{n_depots}", f"s{seed}"]),
+            name="-".join([self.name, *wind, *depots, f"n{n_tasks}", f"m{n_depots}", f"s{seed}"]),
             region=region,
             depots=place_depots(region, n_depots, for_depots, values),
             airspeed=values["airspeed"],

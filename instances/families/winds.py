@@ -14,11 +14,12 @@ from instances.environment.wind import Rotation, Shear, Uniform, WindField
 from instances.errors import InputError
 from instances.families.parameter import Parameter, Values
 
+KINDS = ("none", "uniform", "shear", "rotation")
+"""Winds to choose from."""
+
 PARAMETERS = (
     Parameter("airspeed", 20.0, "m/s", "speed of the UAVs through the air", at_least=1e-9),
-    Parameter(
-        "wind", "none", "", "kind of wind; all but none make costs asymmetric", ("none", "uniform", "shear", "rotation")
-    ),
+    Parameter("wind", "none", "", "kind of wind; all but none make costs asymmetric", KINDS),
     Parameter("wind_speed", 8.0, "m/s", "largest speed of the wind in the region", at_least=0.0),
     Parameter("wind_direction", 30.0, "degree", "where a uniform wind blows to, anticlockwise from east"),
 )

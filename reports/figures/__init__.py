@@ -1,0 +1,1 @@
+"""Figures: draw frames. Each returns a matplotlib figure with its caption in words."""

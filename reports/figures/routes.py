@@ -1,0 +1,153 @@
+"""Routes on the map: every UAV's tour from its depot, over the region and the wind, beside bars of the tours' costs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from instances import Instance, Routes, tour_costs
+from instances.environment.region import Region
+from reports.figures.style import COLOURS, DASHES, FAINT, INK, PAPER, RC
+from reports.figures.svg import save_figure
+
+Wind = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Wind velocity [m/s], shape (k, 2), at points [m], shape (k, 2)."""
+
+ARROWS_BELOW = 400
+"""Legs get an arrow each where there are fewer tasks than this; more would hide the tours."""
+
+
+def save_routes(
+    instance: Instance, routes: Routes, path: Path | str, *, region: Region | None = None, wind: Wind | None = None
+) -> None:
+    """Draw `routes` and write the picture to `path` (.svg, .png or .pdf); InputError where it cannot be written."""
+    save_figure(draw_routes(instance, routes, region=region, wind=wind), path)
+
+
+def draw_routes(
+    instance: Instance,
+    routes: Routes,
+    *,
+    region: Region | None = None,
+    wind: Wind | None = None,
+    title: str | None = None,
+) -> Figure:
+    """Return the tours on the map and, beside it, bars of their costs C_k [s].
+
+    Where the instance has no coordinates only the bars are drawn.
+    """
+    with rc_context(RC):
+        if instance.coordinates is None:
+            figure = Figure(figsize=(7.2, 1.2 + 0.24 * min(instance.n_depots, 40)), layout="constrained")
+            _bars(figure.add_subplot(), instance, routes)
+        else:
+            figure = Figure(figsize=(7.2, 4.6), layout="constrained")
+            plan, bars = figure.subplots(1, 2, width_ratios=[2.6, 1.0])
+            _map(plan, instance, routes, instance.coordinates, region, wind)
+            _bars(bars, instance, routes)
+        figure.suptitle(title if title is not None else _title(instance, routes), fontsize=10, color=INK)
+    return figure
+
+
+def _title(instance: Instance, routes: Routes) -> str:
+    flying = sum(1 for route in routes if len(route))
+    longest = tour_costs(instance, routes).max()
+    uavs = f"{flying} of {instance.n_depots} UAVs fly"
+    return f"{instance.name}: {instance.n_tasks} tasks, {uavs}, longest tour {longest:,.6g} s"
+
+
+def _map(
+    axes: Axes,
+    instance: Instance,
+    routes: Routes,
+    coordinates: NDArray[np.float64],
+    region: Region | None,
+    wind: Wind | None,
+) -> None:
+    scale, unit = (1e3, "km") if np.ptp(coordinates, axis=0).max() >= 5e3 else (1.0, "m")
+    xy = coordinates / scale
+    if region is not None:
+        axes.add_patch(_outline(region, scale))
+    corners = np.vstack([coordinates, *(region.rings if region is not None else [])])
+    if wind is not None:
+        _wind_arrows(axes, wind, region, corners, scale)
+    for k, route in enumerate(routes):
+        if len(route):
+            _tour(axes, xy[[instance.n_tasks + k, *route, instance.n_tasks + k]], k, instance.n_tasks < ARROWS_BELOW)
+    size = float(np.clip(30 - 5 * np.log(instance.n_tasks), 2, 20))
+    axes.scatter(xy[: instance.n_tasks, 0], xy[: instance.n_tasks, 1], s=size, color=INK, zorder=4, linewidths=0)
+    for k, depot in enumerate(xy[instance.n_tasks :]):
+        colour = COLOURS[k % len(COLOURS)]
+        axes.scatter(depot[0], depot[1], s=58, marker="s", color=colour, edgecolors=PAPER, linewidths=1.2, zorder=5)
+    axes.set(aspect="equal", xlabel=f"x, east [{unit}]", ylabel=f"y, north [{unit}]")
+    axes.grid(visible=False)
+    axes.margins(0.04)
+    for side in (axes.xaxis, axes.yaxis):
+        side.set_major_locator(MaxNLocator(6))
+
+
+def _outline(region: Region, scale: float) -> PathPatch:
+    rings = [Outline(ring / scale, closed=True) for ring in region.rings]
+    return PathPatch(Outline.make_compound_path(*rings), facecolor=FAINT, alpha=0.14, edgecolor=INK, linewidth=0.8)
+
+
+def _wind_arrows(axes: Axes, wind: Wind, region: Region | None, corners: NDArray[np.float64], scale: float) -> None:
+    """Draw the wind on a coarse grid, with a key that gives the length of its strongest arrow [m/s]."""
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    span = np.where(high > low, high - low, 1.0)
+    cells = np.maximum(2, np.round(11 * span / span.max()).astype(int))
+    grids = [lo + (np.arange(c) + 0.5) * s / c for lo, c, s in zip(low, cells, span, strict=True)]
+    points = np.stack(np.meshgrid(*grids), axis=-1).reshape(-1, 2)
+    if region is not None:
+        points = points[region.contains(points)]
+    velocity = np.asarray(wind(points))
+    strongest = float(np.hypot(*velocity.T).max(initial=0.0))
+    if strongest == 0:
+        return
+    arrows = axes.quiver(
+        *(points / scale).T, *velocity.T, color=FAINT, pivot="mid", width=0.0035, headwidth=4.5,
+        scale=strongest * 16, zorder=1,
+    )  # fmt: skip
+    rounded = float(f"{strongest:.1g}")
+    axes.quiverkey(arrows, 0.86, 1.035, rounded, f"wind {rounded:g} m/s", labelpos="W", color=FAINT, labelcolor=INK)
+
+
+def _tour(axes: Axes, stops: NDArray[np.float64], k: int, arrows: bool) -> None:
+    colour = COLOURS[k % len(COLOURS)]
+    axes.plot(*stops.T, color=colour, linestyle=DASHES[k // len(COLOURS) % len(DASHES)], linewidth=1.5, zorder=3)
+    if arrows:
+        legs = np.diff(stops, axis=0)
+        heads = stops[:-1] + 0.55 * legs
+        long = np.hypot(*legs.T) > 0
+        axes.quiver(
+            *heads[long].T, *(legs[long] / np.hypot(*legs[long].T)[:, None]).T, color=colour, angles="xy", pivot="mid",
+            scale=60, width=0.004, headwidth=6, headlength=6, headaxislength=5, minlength=0, zorder=3,
+        )  # fmt: skip
+
+
+def _bars(axes: Axes, instance: Instance, routes: Routes) -> None:
+    costs = tour_costs(instance, routes)
+    uavs = np.arange(len(costs))
+    axes.barh(uavs, costs, color=[COLOURS[k % len(COLOURS)] for k in uavs], height=0.72)
+    axes.axvline(costs.max(), color=INK, linewidth=0.9, linestyle=(0, (3, 2)))
+    if len(costs) <= 24:
+        top = costs.max() or 1.0
+        for k, (cost, route) in enumerate(zip(costs, routes, strict=True)):
+            inside = cost > 0.55 * top
+            words = f"{len(route)} tasks" if len(route) else "stays home"
+            place, align, colour = (cost - 0.03 * top, "right", "white") if inside else (cost + 0.03 * top, "left", INK)
+            axes.text(place, k, words, va="center", ha=align, fontsize=7.5, color=colour)
+        axes.set_yticks(uavs, [str(k) for k in uavs])
+    axes.invert_yaxis()
+    axes.set(xlabel="tour cost $C_k$ [s]", ylabel="UAV k")
+    axes.grid(axis="y", visible=False)
+    axes.xaxis.set_major_locator(MaxNLocator(4))

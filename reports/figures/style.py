@@ -1,0 +1,86 @@
+"""Style of every figure: sizes, ink, and one colour, dash and marker a method that tell methods apart without colour.
+
+Colours: M. Okabe and K. Ito, Color Universal Design (2008), safe for the colour-blind; their yellow is left out, being
+too pale on white, and their black is the ink. Dashes and markers repeat the distinction for print in grey.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+INK = "#1b1c1e"
+"""Text, axes and marks: becomes the page's text colour."""
+PAPER = "#fefefd"
+"""Background: becomes the page's."""
+FAINT = "#8a8c91"
+"""Grid, secondary marks."""
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a5195")
+DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.4)), (0, (5, 1.4, 1.2, 1.4)))
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
+
+WIDTH = 7.2
+"""Width of a full figure [inch]."""
+
+RC: Any = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.labelsize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "axes.facecolor": "none",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": FAINT,
+    "grid.alpha": 0.35,
+    "grid.linewidth": 0.5,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "lines.linewidth": 1.6,
+    "figure.facecolor": PAPER,
+    "svg.fonttype": "none",
+}
+
+
+class Style(NamedTuple):
+    """How one method is drawn in every figure."""
+
+    colour: str
+    dash: str | tuple[int, tuple[float, ...]]
+    marker: str
+
+
+def styles(methods: Iterable[str]) -> dict[str, Style]:
+    """Return a style for each of `methods`, the same for the same set of names; 7 colours × 4 dashes × 9 markers."""
+    return {
+        method: Style(COLOURS[i % len(COLOURS)], DASHES[i % len(DASHES)], MARKERS[i % len(MARKERS)])
+        for i, method in enumerate(sorted(set(methods)))
+    }
+
+
+def new_figure(width: float = WIDTH, height: float = 3.4) -> Figure:
+    """Return an empty figure of `width` × `height` [inch] in this style."""
+    with rc_context(RC):
+        return Figure(figsize=(width, height), layout="constrained")
+
+
+def legend_below(figure: Figure, axes: Axes, columns: int = 4) -> None:
+    """Put one legend below the figure, for the lines of `axes`."""
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        widest = max(len(label) for label in labels)
+        fitting = max(1, min(columns, len(labels), int(100 / (widest + 9))))
+        figure.legend(handles, labels, loc="outside lower center", ncols=fitting, handlelength=3.2)

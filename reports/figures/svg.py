@@ -1,0 +1,56 @@
+"""SVG: a matplotlib figure as markup that follows the page's light and dark colours, or as a file."""
+
+from __future__ import annotations
+
+import html
+import io
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from instances import InputError
+from instances.disk import write_aside
+from reports.figures.style import FAINT, INK, PAPER, RC
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure with its words: `title`, and `caption`, which says what is seen and how to read it."""
+
+    key: str
+    title: str
+    caption: str
+    figure: Figure
+
+
+def inline_svg(drawn: Drawn) -> str:
+    """Return `drawn` as an ``<svg>`` element: ink follows the page, ids are the figure's own, two decimals are kept."""
+    buffer = io.StringIO()
+    with rc_context(RC | {"svg.hashsalt": drawn.key}):
+        drawn.figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+    svg = buffer.getvalue()
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
+    svg = re.sub(r"(\d+\.\d{2})\d+", r"\1", svg)
+    svg = re.sub(r'(id="|url\(#|xlink:href="#)', rf"\g<1>{drawn.key}-", svg)
+    svg = svg.replace(INK, "currentColor").replace(PAPER, "var(--paper)").replace(FAINT, "var(--faint)")
+    svg = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", svg, count=1)
+    svg = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1)
+    label = html.escape(f"{drawn.title}. {drawn.caption}", quote=True)
+    width = drawn.figure.get_figwidth() * 96
+    return svg.replace("<svg", f'<svg role="img" aria-label="{label}" style="max-width:{width:.0f}px"', 1)
+
+
+def save_figure(figure: Figure, path: Path | str) -> None:
+    """Write `figure` to `path`, as SVG, PNG or PDF by its ending; InputError for any other or where it cannot be."""
+    target = Path(path)
+    kind = target.suffix.lower()
+    if kind not in (".svg", ".png", ".pdf"):
+        raise InputError(f"{target}: a picture must end in .svg, .png or .pdf")
+    buffer = io.BytesIO()
+    with rc_context(RC | {"svg.hashsalt": target.stem}):
+        figure.savefig(buffer, format=kind[1:], dpi=160, metadata={"Date": None} if kind == ".svg" else None)
+    write_aside(target, buffer.getvalue())

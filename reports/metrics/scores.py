@@ -1,0 +1,123 @@
+"""Scores: one row a method over all runs, or over the runs of each family, size or asymmetry; one row an instance."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from reports.metrics.gaps import with_gaps
+from reports.metrics.integrals import with_integrals
+from reports.metrics.means import penalised, shifted_geometric_mean
+from reports.metrics.targets import proved, time_to_proof, time_to_target
+from reports.stores import RELATIVE_ROUNDING
+
+CERTIFIED = 0.01
+"""Routes count as certified where the best bound of any run proves them within this share of the optimum."""
+
+GROUPINGS = {"family": "Family", "n_tasks": "Tasks n", "n_depots": "UAVs m", "asymmetry": "Cost asymmetry"}
+"""What scores are split by → its heading."""
+
+_TASK_BANDS = [0, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]
+_ASYMMETRY_BANDS = [0.0, 0.02, 0.05, 0.10, 0.20]
+
+
+def summary(runs: pd.DataFrame) -> pd.DataFrame:
+    """Return one row a method (index), best mean gap first.
+
+    runs, instances, seeds: how many; solved, proved: shares of runs; failed: runs KILLED or in ERROR; certified: share
+    of runs whose routes any run's bound proves within `CERTIFIED`; gap_known, gap_found, gap_bound: means over solved
+    runs; time: shifted geometric mean [s] of the solve, proof_time: until the proof, target_time: until within 1 % of
+    the best, each with a penalty for runs that failed; primal_integral: mean share of the limit, 0 to 1; memory:
+    greatest [bytes].
+    """
+    return scores(runs, [])
+
+
+def scores(runs: pd.DataFrame, by: list[str]) -> pd.DataFrame:
+    """Return the rows of `summary` for each group of the columns `by` and each method (index: by, then method)."""
+    known = _measured(runs)
+    keys = [*by, "method"]
+    rows = [
+        dict(zip(keys, of, strict=True)) | _score(group)
+        for of, group in known.groupby(keys, observed=True, sort=True)
+        if isinstance(of, tuple)
+    ]
+    table = pd.DataFrame(rows)
+    for key in by:  # bands keep their order
+        table[key] = table[key].astype(known[key].dtype)
+    return table.sort_values([*by, "gap_found", "time"], kind="stable").set_index(keys if by else "method")
+
+
+def banded(runs: pd.DataFrame) -> pd.DataFrame:
+    """Return `runs` with n and the asymmetry as bands ("11-20", "5-10 %"), for `scores` by them."""
+    n = pd.cut(runs["n_tasks"].astype(float), [*_TASK_BANDS, np.inf], labels=_task_labels())
+    edges = [-np.inf, *_ASYMMETRY_BANDS, np.inf]
+    labels = ["0 (symmetric)", *[f"{100 * a:g}-{100 * b:g} %" for a, b in _pairs(_ASYMMETRY_BANDS)]]
+    labels.append(f"over {100 * _ASYMMETRY_BANDS[-1]:g} %")
+    return runs.assign(
+        n_tasks=n, asymmetry=pd.cut(runs["asymmetry"].where(runs["asymmetry"] > 1e-9, 0.0), edges, labels=labels)
+    )
+
+
+def instance_table(runs: pd.DataFrame) -> pd.DataFrame:
+    """Return one row an instance (index: digest): what it is, best known, found and bound [s], the gap left, whether
+    it is proved, and the method that found the best routes first.
+    """
+    known = with_gaps(runs)
+    about = ["instance", "family", "n_tasks", "n_depots", "asymmetry", "best_known", "best_found", "best_bound"]
+    groups = known.groupby("digest")
+    table = groups[about].first()
+    table["gap"] = groups["gap_bound"].min()
+    table["proved"] = proved(known).groupby(known["digest"]).any()
+    right = known[known["value"] <= known["best_found"] * (1 + RELATIVE_ROUNDING)]
+    first = right.sort_values("elapsed").drop_duplicates("digest").set_index("digest")
+    table["best_method"] = first["method"]
+    table["runs"] = groups.size()
+    return table.sort_values(["family", "n_tasks", "n_depots", "instance"], kind="stable")
+
+
+def _measured(runs: pd.DataFrame) -> pd.DataFrame:
+    known = with_integrals(with_gaps(runs))
+    solved = known["value"].notna()
+    limits = known["time_limit"]
+    return known.assign(
+        _solved=solved,
+        _proved=proved(known),
+        _failed=known["status"].isin(["KILLED", "ERROR"]),
+        _certified=known["gap_bound"] <= CERTIFIED,
+        _time=penalised(known["elapsed"].where(solved), limits),
+        _proof=penalised(time_to_proof(known), limits),
+        _target=penalised(time_to_target(known, [0.01])[0.01], limits),
+        _primal=known["primal_integral"] / limits,
+    )
+
+
+def _score(group: pd.DataFrame) -> dict[str, Any]:
+    return {
+        "runs": len(group),
+        "instances": group["digest"].nunique(),
+        "seeds": group["seed"].nunique(),
+        "solved": group["_solved"].mean(),
+        "proved": group["_proved"].mean(),
+        "failed": int(group["_failed"].sum()),
+        "certified": group["_certified"].mean(),
+        "gap_known": group["gap_known"].mean(),
+        "gap_found": group["gap_found"].mean(),
+        "gap_bound": group["gap_bound"].mean(),
+        "time": shifted_geometric_mean(group["_time"]),
+        "proof_time": shifted_geometric_mean(group["_proof"]) if group["proves"].any() else np.nan,
+        "target_time": shifted_geometric_mean(group["_target"]),
+        "primal_integral": group["_primal"].mean(),
+        "memory": group["peak_memory"].max(),
+    }
+
+
+def _pairs(edges: list[float]) -> list[tuple[float, float]]:
+    return list(pairwise(edges))
+
+
+def _task_labels() -> list[str]:
+    return [f"{int(a) + 1}-{int(b)}" for a, b in _pairs([float(x) for x in _TASK_BANDS])] + [f"over {_TASK_BANDS[-1]}"]

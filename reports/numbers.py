@@ -1,0 +1,74 @@
+"""Numbers as words of a page or table: few digits, a unit where the heading has none, a dash for nothing."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+NOTHING = "–"
+
+
+def _missing(value: Any) -> bool:
+    return value is None or value != value or str(value) == "<NA>"
+
+
+def share(value: Any) -> str:
+    """Return a share of 1 as whole per cent, "100 %" and "0 %" only where exact."""
+    if _missing(value):
+        return NOTHING
+    rounded = round(100 * value)
+    if rounded in (0, 100) and value not in (0, 1):
+        return "< 1 %" if rounded == 0 else "> 99 %"
+    return f"{rounded} %"
+
+
+def gap(value: Any) -> str:
+    """Return a gap in per cent, two decimals below 10 %."""
+    if _missing(value):
+        return NOTHING
+    if math.isinf(value):
+        return "∞"
+    percent = 100 * float(value)
+    if abs(percent) < 5e-5:
+        return "0 %"
+    if abs(percent) < 0.005:
+        return "< 0.01 %" if percent > 0 else "> −0.01 %"
+    return f"{percent:.2f} %".replace("-", "−") if abs(percent) < 10 else f"{percent:.1f} %".replace("-", "−")
+
+
+def seconds(value: Any) -> str:
+    """Return a time [s], without its unit, in three digits or so."""
+    if _missing(value):
+        return NOTHING
+    if math.isinf(value):
+        return "∞"
+    if value >= 100:
+        return f"{value:,.0f}"
+    return f"{value:.1f}" if value >= 10 else f"{value:.2f}" if value >= 0.1 else f"{value:.3f}"
+
+
+def cost(value: Any) -> str:
+    """Return a cost [s], without its unit, in six digits."""
+    return NOTHING if _missing(value) else "∞" if math.isinf(value) else f"{value:,.6g}"
+
+
+def memory(value: Any) -> str:
+    """Return bytes as MB or GB."""
+    if _missing(value):
+        return NOTHING
+    return f"{value / 1e9:.2f} GB" if value >= 1e9 else f"{value / 1e6:.0f} MB"
+
+
+def count(value: Any) -> str:
+    """Return a whole number."""
+    return NOTHING if _missing(value) else f"{int(value):,}"
+
+
+def ratio(value: Any) -> str:
+    """Return a dimensionless figure with three decimals."""
+    return NOTHING if _missing(value) else f"{value:.3f}"
+
+
+def p_value(value: Any) -> str:
+    """Return a probability, never as 0."""
+    return NOTHING if _missing(value) else "< 0.001" if value < 0.001 else f"{value:.3f}"

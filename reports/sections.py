@@ -1,0 +1,134 @@
+"""Sections: what each part of the page says, as plain data for the template."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import pandas as pd
+
+from reports import numbers
+from reports.figures.style import styles
+from reports.metrics import summary
+from reports.metrics.means import PENALTY, SHIFT
+from reports.metrics.scores import GROUPINGS, banded, scores
+from reports.stores import Stores
+from reports.tables import SUMMARY_COLUMNS, Column, shown
+
+BEST_IS_LEAST = {"gap_known", "gap_found", "gap_bound", "time", "proof_time", "target_time", "primal_integral"}
+BEST_IS_MOST = {"solved", "proved", "certified"}
+
+
+def cell(text: str, sort: Any = None, *, best: bool = False, style: Any = None) -> dict[str, Any]:
+    """Return one cell: its text, the number it sorts by (None: its text), whether it is the best of its column."""
+    return {"text": text, "sort": sort, "best": best, "style": style}
+
+
+def number_cell(write: Any, value: Any, *, best: bool = False) -> dict[str, Any]:
+    """Return a cell of a number; a missing one sorts last."""
+    missing = value is None or value is pd.NA or value != value
+    return cell(numbers.NOTHING if missing else write(value), "" if missing else _sortable(value), best=best)
+
+
+def _sortable(value: Any) -> float:
+    return 1e300 if math.isinf(value) else float(value)
+
+
+def method_cell(method: str, methods: Sequence[str]) -> dict[str, Any]:
+    """Return a cell that names a method beside the line it has in every figure."""
+    look = styles(methods)[method]
+    dashes = " ".join(f"{2 * length:g}" for length in look.dash[1]) if len(look.dash) == 2 else ""
+    return cell(method, style=(look.colour, dashes))
+
+
+def summary_table(runs: pd.DataFrame) -> dict[str, Any]:
+    """Return the table of methods, the best of each column marked."""
+    table = summary(runs)
+    methods = [str(m) for m in table.index]
+    columns = shown(SUMMARY_COLUMNS, table)
+    rows = []
+    for method, row in table.iterrows():
+        marked = [number_cell(c.write, row[c.key], best=_is_best(c, row[c.key], table)) for c in columns]
+        rows.append([method_cell(str(method), methods), *marked])
+    caption = (
+        f"One row a method over {runs['digest'].nunique()} instances and {runs['seed'].nunique()} seeds. Times are "
+        f"shifted geometric means (shift {SHIFT:g} s); a run that failed counts {PENALTY:g} times its limit. The best "
+        "of each column is shaded. What each column means is said at the end of the page."
+    )
+    headings = ["Method", *[c.heading for c in columns]]
+    return {"key": "summary", "headings": headings, "texts": 1, "rows": rows, "caption": caption}
+
+
+def _is_best(column: Column, value: float, table: pd.DataFrame) -> bool:
+    if len(table) < 2 or value != value:
+        return False
+    if column.key in BEST_IS_LEAST:
+        return bool(value <= table[column.key].min())
+    return column.key in BEST_IS_MOST and value > 0 and bool(value >= table[column.key].max())
+
+
+def group_tables(runs: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return one table each by family, n, m and asymmetry: a column a method, mean gap to best found (share proved)."""
+    grouped = banded(runs)
+    methods = sorted(str(m) for m in runs["method"].unique())
+    tables = []
+    for key, title in GROUPINGS.items():
+        if grouped[key].nunique() < 2:
+            continue
+        table = scores(grouped, [key])
+        groups = list(dict.fromkeys(table.index.get_level_values(0).sort_values()))
+        rows = []
+        for group in groups:
+            instances = int(runs[grouped[key] == group]["digest"].nunique())
+            found = [_group_cell(table, group, method) for method in methods]
+            best = min((c["sort"] for c in found if c["sort"] != ""), default=None)
+            for c in found:
+                c["best"] = best is not None and c["sort"] == best and len(methods) > 1
+            rows.append([cell(str(group)), number_cell(numbers.count, instances), *found])
+        tables.append(
+            {"title": title, "headings": [title, "Instances", *methods], "texts": 1, "rows": rows, "caption": ""}
+        )
+    return tables
+
+
+def _group_cell(table: pd.DataFrame, group: Any, method: str) -> dict[str, Any]:
+    if (group, method) not in table.index:
+        return number_cell(numbers.gap, None)
+    row = table.loc[(group, method)]
+    made = number_cell(numbers.gap, row["gap_found"])
+    if row["proved"] > 0:
+        made["text"] += f" ({numbers.share(row['proved'])})"
+    return made
+
+
+def environment_section(runs: pd.DataFrame, stores: Stores) -> list[dict[str, Any]]:
+    """Return limits and, for each machine the runs were made on, what it is and the versions."""
+    limits = ", ".join(f"{limit:g} s" for limit in sorted(runs["time_limit"].dropna().unique()))
+    threads = ", ".join(f"{count:g}" for count in sorted(runs["threads"].dropna().unique()))
+    when = [text[:16].replace("T", " ") for text in (runs["created"].min(), runs["created"].max()) if text]
+    rows = [("Time limit of a run", limits), ("Threads of a run", threads)]
+    if when:
+        rows.append(("Made", when[0] if when[0] == when[-1] else f"{when[0]} to {when[-1]} (UTC)"))
+    parts = [{"title": "Limits", "rows": rows}]
+    for digest, group in runs.groupby("environment", sort=True):
+        about = stores.environments.get(str(digest), {})
+        title = f"Machine of {len(group):,} runs" if runs["environment"].nunique() > 1 else "Machine and versions"
+        found = [(str(k), _plain(v, str(k))) for part in ("machine", "versions") for k, v in _items(about.get(part))]
+        parts.append(
+            {"title": title, "rows": found or [("Machine", f"not stated in the store ({str(digest) or 'no digest'})")]}
+        )
+    return parts
+
+
+def _items(part: Any) -> list[tuple[Any, Any]]:
+    return list(part.items()) if isinstance(part, dict) else []
+
+
+def _plain(value: Any, key: str) -> str:
+    return numbers.memory(value) if key == "memory" and isinstance(value, (int, float)) else str(value)
+
+
+def meanings() -> list[tuple[str, str]]:
+    """Return what each column of the summary means."""
+    return [(c.heading, c.meaning) for c in SUMMARY_COLUMNS]

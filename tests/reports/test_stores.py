@@ -1,0 +1,95 @@
+"""Reading stores: what is there becomes a frame, what is damaged is named and left alone."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from instances import InputError, makespan
+from instances.files import read_instance
+from reports import load
+from reports.stores import COLUMNS, read_stores
+
+
+def test_a_row_a_run_with_recomputed_value(make_store):
+    root = make_store().study(count=2)
+    runs = load(root)
+    assert list(runs.columns) == list(COLUMNS)
+    assert len(runs) == len(list(root.glob("*/*-s*-t*.json")))
+    assert runs.attrs["warnings"] == []
+    for run in runs.itertuples():
+        record = json.loads(Path(run.path).read_text())
+        instance = read_instance(Path(run.path).with_name("instance.json"))
+        assert run.value == makespan(instance, record["routes"])
+        assert run.trace.shape == (len(record["trace"]), 3)
+    assert set(runs["method"]) == {"greedy", "ga", "memetic", "milp", "milp (cuts=false)"}
+
+
+def test_damaged_and_foreign_files_are_named_and_left_alone(make_store):
+    root = make_store().study(count=1, sizes=((6, 2),), seeds=2)
+    good = sorted(root.glob("*/ga-*.json"))
+    before = len(load(root))
+    good[0].write_text(good[0].read_text()[:200])
+    others = {
+        "empty.json": "",
+        "foreign.json": '{"hello": 1}',
+        "list.json": "[1, 2]",
+        "future.json": json.dumps(json.loads(good[1].read_text()) | {"schema": 99}),
+        "status.json": json.dumps(json.loads(good[1].read_text()) | {"status": "GREAT"}),
+        "routes.json": json.dumps(json.loads(good[1].read_text()) | {"routes": "none"}),
+        "trace.json": json.dumps(json.loads(good[1].read_text()) | {"trace": [[1, 2]]}),
+        "placement.json": json.dumps(json.loads(good[1].read_text()) | {"problem": "task_location"}),
+        "nan.json": good[1].read_text().replace('"objective": ', '"objective": NaN, "x": '),
+    }
+    for name, text in others.items():
+        (good[0].parent / name).write_text(text)
+    (good[0].parent / "binary.json").write_bytes(bytes(range(256)))
+    content = {path: path.read_bytes() for path in root.rglob("*.json")}
+    runs = load(root)
+    assert len(runs) == before - 1
+    for name in [*others, "binary.json", good[0].name]:
+        assert sum(name in warning for warning in runs.attrs["warnings"]) == 1, name
+    assert len(runs.attrs["warnings"]) == len(others) + 2
+    assert content == {path: path.read_bytes() for path in root.rglob("*.json")}
+
+
+def test_damaged_instance_is_named_and_its_runs_are_kept(make_store):
+    root = make_store().study(count=1, sizes=((6, 2),), seeds=1)
+    next(root.glob("*/instance.json")).write_text("{")
+    stores = read_stores(root)
+    assert any("instance.json" in warning for warning in stores.warnings)
+    assert stores.runs["recomputed"].isna().all()
+    np.testing.assert_array_equal(stores.runs["value"], stores.runs["objective"])
+
+
+def test_merging_counts_a_run_once_and_keeps_the_latest(make_store):
+    first, second = make_store("a").study(count=1, seeds=2), make_store("b").study(count=2, seeds=2)
+    path = sorted(second.glob("uniform*/ga-*.json"))[0]
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"created": "2027-01-01T00:00:00Z", "message": "new"}))
+    both, latter = load(first, second), load(second)
+    assert len(both) == len(latter)
+    assert (both["message"] == "new").sum() == 1
+    assert any("more than once" in warning for warning in both.attrs["warnings"])
+
+
+def test_several_limits_make_several_methods(make_store):
+    store = make_store()
+    root = store.study(count=1, sizes=((6, 2),), seeds=1)
+    path = next(root.glob("*/ga-*.json"))
+    record = json.loads(path.read_text()) | {"time_limit": 60.0}
+    path.with_name("ga-default-s0-t60.json").write_text(json.dumps(record))
+    assert {"ga @ 10 s", "ga @ 60 s", "greedy"} <= set(load(root)["method"])
+
+
+def test_missing_folder_is_an_input_error(tmp_path):
+    with pytest.raises(InputError, match="nowhere"):
+        load(tmp_path / "nowhere")
+
+
+def test_import_is_cheap():
+    import subprocess
+    import sys
+
+    code = "import sys, reports; sys.exit(any(m in sys.modules for m in ('pandas', 'numpy', 'matplotlib')))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 from shapely.geometry import MultiPolygon, Polygon, mapping
 
 from instances.disk import read_text, write_aside
-from instances.environment.region import Region, polygons
+from instances.environment.region import Region, polygons, read_geojson
 from instances.environment.wind import WindField, wind_from_toml
 from instances.errors import InputError, naming, suggestion
 from instances.toml_text import toml_text
@@ -206,13 +206,9 @@ def _file(table: Mapping[str, Any], key: str, folder: Path) -> Path | None:
 
 
 def _read_polygons(path: Path) -> list[Polygon]:
-    text = read_text(path)
-    try:
-        data = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: cannot be read as GeoJSON ({error})") from None
     with naming(path):
-        return polygons(data)
+        zones = polygons(read_geojson(path))
+        return [Region(zone).polygon for zone in zones]  # each must be valid
 
 
 def _points(value: ArrayLike, label: str, region: Region) -> NDArray[np.float64]:
@@ -229,9 +225,9 @@ def _points(value: ArrayLike, label: str, region: Region) -> NDArray[np.float64]
         raise InputError(f"{label} must be a list of points [x, y] [m]") from None
     if p.ndim != 2 or p.shape[1] != 2 or len(p) < 1:
         raise InputError(f"{label} must be a list of at least one point [x, y] [m], got shape {p.shape}")
-    for i in np.flatnonzero(~np.isfinite(p).all(axis=1)):
+    for i in np.flatnonzero(~np.isfinite(p).all(axis=1)).tolist():
         raise InputError(f"{label}[{i}] = {p[i].tolist()} is not finite")
-    for i in np.flatnonzero(~region.contains(p)):
+    for i in np.flatnonzero(~region.contains(p)).tolist():
         raise InputError(f"{label}[{i}] = {p[i].tolist()} lies outside the region or in a no-fly zone")
     p.setflags(write=False)
     return p

@@ -19,7 +19,8 @@ from shapely.geometry import Polygon, mapping, shape
 from shapely.ops import nearest_points
 from shapely.validation import explain_validity
 
-from instances.errors import InputError
+from instances.disk import read_text, write_aside
+from instances.errors import InputError, naming
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,20 +48,20 @@ class Region:
     @classmethod
     def read(cls, path: Path | str) -> Region:
         """Read a GeoJSON polygon; InputError names the file and what is wrong."""
-        try:
-            return cls(single_polygon(json.loads(Path(path).read_text(encoding="utf-8"))))
-        except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-            raise InputError(f"{path}: cannot be read as GeoJSON ({error})") from None
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
+        data = read_geojson(path)
+        with naming(path):
+            return cls(single_polygon(data))
 
     def write(self, path: Path | str) -> None:
-        """Write the region as a GeoJSON feature."""
+        """Write the region as a GeoJSON feature; every coordinate reads back as the same float64."""
         feature = {"type": "Feature", "properties": {}, "geometry": mapping(self.polygon)}
-        Path(path).write_text(json.dumps(feature), encoding="utf-8")
+        write_aside(path, json.dumps(feature))
 
     def minus(self, zones: list[Polygon]) -> Region:
         """Return the region without `zones` (no-fly zones); InputError where that leaves no single polygon."""
+        for zone in zones:
+            if not zone.is_valid:
+                raise InputError(f"region: a no-fly zone is not valid: {explain_validity(zone)}")
         rest = self.polygon.difference(shapely.union_all(zones)) if zones else self.polygon
         if not isinstance(rest, Polygon):
             raise InputError("region: the no-fly zones cut it into parts or leave nothing of it")
@@ -94,7 +95,7 @@ class Region:
         return np.where(self.contains(p), d, -d)
 
     def snap(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Return `points` (k, 2) [m] with those outside moved to the nearest point of the region."""
+        """Return `points` (k, 2) [m] with those outside moved to the nearest point of the region (up to rounding)."""
         p = np.array(points, dtype=float).reshape(-1, 2)
         for i in np.flatnonzero(~self.contains(p)):
             near, _ = nearest_points(self.polygon, shapely.Point(p[i]))
@@ -119,18 +120,30 @@ class Region:
         return grid[self.contains(grid)]
 
 
+def read_geojson(path: Path | str) -> Any:
+    """Return the parsed content of a GeoJSON file; InputError names the file where it is none."""
+    text = read_text(path)
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: cannot be read as GeoJSON ({error})") from None
+
+
 def polygons(data: Any) -> list[Polygon]:
     """Return every polygon in GeoJSON `data` (geometry, Feature or FeatureCollection)."""
     kind = data.get("type") if isinstance(data, dict) else None
     if kind == "FeatureCollection":
-        return [p for feature in data.get("features", []) for p in polygons(feature)]
+        features = data.get("features")
+        if not isinstance(features, list):
+            raise InputError("GeoJSON: a FeatureCollection must hold a list of features")
+        return [p for feature in features for p in polygons(feature)]
     if kind == "Feature":
         return polygons(data.get("geometry"))
     if kind not in ("Polygon", "MultiPolygon"):
         raise InputError(f"GeoJSON type must be a Polygon, MultiPolygon, Feature or FeatureCollection, got {kind!r}")
     try:
         geometry = shape(data)
-    except (ValueError, TypeError, KeyError, IndexError) as error:
+    except (ValueError, TypeError, LookupError, AttributeError, OverflowError, shapely.errors.ShapelyError) as error:
         raise InputError(f"GeoJSON coordinates cannot be read as polygons ({error})") from None
     return [part for part in shapely.get_parts(geometry) if isinstance(part, Polygon)]
 

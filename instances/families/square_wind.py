@@ -45,7 +45,7 @@ def straight_cost(p: NDArray[np.float64]) -> NDArray[np.float64]:
     dx, dy = q[None, :, 0] - q[:, None, 0], q[None, :, 1] - q[:, None, 1]
     cross = q[:, None, 0] * q[None, :, 1] - q[:, None, 1] * q[None, :, 0]
     along = VELOCITY[0] * dx + VELOCITY[1] * dy
-    cost = np.hypot(dx, dy) / AIRSPEED - along / AIRSPEED**2 - RATE * cross / AIRSPEED**2
+    cost = np.sqrt(dx * dx + dy * dy) / AIRSPEED - along / AIRSPEED**2 - RATE * cross / AIRSPEED**2
     np.fill_diagonal(cost, 0.0)
     return np.asarray(cost)
 

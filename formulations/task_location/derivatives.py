@@ -1,0 +1,116 @@
+"""Closed-form gradient and Hessian of the mutual information with respect to the task locations.
+
+I = ½ log det(K + σ²I) − ½ log det(C + σ²I) with two kernel matrices, k(x, y) and c(x, y) = k(x, y) − φ(x)ᵀφ(y)
+(criterion.py). For either one, with M = (matrix + σ²I)⁻¹, D^d_ij = ∂_{x^d} c(p_i, p_j) and unknowns (i, d), point i
+in direction d:
+
+    ∇[i, d]          = Σ_j M_ij D^d_ij
+    H[(i,d), (j,e)]  = M_ij c_xy^{de}(i, j) − (D^d M)_ij (D^e M)_ji − M_ij (D^d M D^{eᵀ})_ij
+                       + δ_ij Σ_k M_ik c_xx^{de}(i, k)
+
+where c_xy^{de} = ∂_{x^d} ∂_{y^e} c and c_xx^{de} = ∂_{x^d} ∂_{x^e} c. (Derivation: d½ log det C = ½ tr M dC, twice.)
+Points are in units of the length scales here, so that both directions are alike: z = x / l.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from formulations.task_location.criterion import Array, Criterion
+
+
+class Expansion:
+    """The mutual information around one placement: value, gradient and Hessian, sharing what they have in common.
+
+    points : (n, 2) [m].
+    """
+
+    def __init__(self, criterion: Criterion, points: Array) -> None:
+        self._criterion = criterion
+        self._scales = criterion.scales
+        z = points / self._scales
+        self._gaps = [z[:, d, None] - z[None, :, d] for d in (0, 1)]
+        self._test_gaps = [z[None, :, d] - criterion.tests[:, d, None] / self._scales[d] for d in (0, 1)]
+        variance = criterion.kernel.signal_sd**2
+        self._prior = variance * np.exp(-0.5 * (self._gaps[0] ** 2 + self._gaps[1] ** 2))
+        self._to_tests = variance * np.exp(-0.5 * (self._test_gaps[0] ** 2 + self._test_gaps[1] ** 2))
+
+    @cached_property
+    def _basis(self) -> Array:
+        """φ(p_i), shape (r, n)."""
+        return np.asarray(self._criterion.whitening @ self._to_tests)
+
+    @cached_property
+    def _slopes(self) -> tuple[list[Array], list[Array], list[Array]]:
+        """∂k, ∂φ and ∂c with respect to z_i of the first argument, for d = x, y."""
+        prior = [-gap * self._prior for gap in self._gaps]
+        stacked = self._criterion.whitening @ np.hstack([-gap * self._to_tests for gap in self._test_gaps])
+        basis = np.split(stacked, 2, axis=1)
+        return prior, basis, [p - b.T @ self._basis for p, b in zip(prior, basis, strict=True)]
+
+    @cached_property
+    def _inverses(self) -> tuple[Array, Array, float]:
+        """(K + σ²I)⁻¹, (C + σ²I)⁻¹ and I."""
+        noise = self._criterion.noise * np.eye(len(self._prior))
+        prior, log_prior = _inverse(self._prior + noise)
+        posterior, log_posterior = _inverse(self._prior - self._basis.T @ self._basis + noise)
+        return prior, posterior, 0.5 * (log_prior - log_posterior)
+
+    @property
+    def value(self) -> float:
+        """I [nats]."""
+        return self._inverses[2]
+
+    @cached_property
+    def gradient(self) -> Array:
+        """∇I [nats/m], shape (n, 2)."""
+        prior, posterior, _ = self._inverses
+        prior_slopes, _, posterior_slopes = self._slopes
+        parts = [
+            (prior * d).sum(axis=1) - (posterior * c).sum(axis=1)
+            for d, c in zip(prior_slopes, posterior_slopes, strict=True)
+        ]
+        return np.stack(parts, axis=1) / self._scales
+
+    @cached_property
+    def hessian(self) -> Array:
+        """∇²I [nats/m²], shape (2n, 2n), unknowns in the order x_0, y_0, x_1, y_1, …"""
+        n = len(self._prior)
+        gaps, far = self._gaps, self._test_gaps
+        prior_inverse, posterior_inverse, _ = self._inverses
+        slopes, basis_slopes, posterior_slopes = self._slopes
+        pairs = ((0, 0), (0, 1), (1, 1))
+        curvatures = np.split(
+            self._criterion.whitening @ np.hstack([(far[d] * far[e] - (d == e)) * self._to_tests for d, e in pairs]),
+            3,
+            axis=1,
+        )
+        result = np.zeros((n, 2, n, 2))
+        for (d, e), curvature in zip(pairs, curvatures, strict=True):
+            twice = self._prior * (gaps[d] * gaps[e] - (d == e))  # k_xx; k_xy = −k_xx: k depends on x − y alone
+            mixed = -twice - basis_slopes[d].T @ basis_slopes[e]
+            block = _block(prior_inverse, slopes[d], slopes[e], -twice, twice)
+            block -= _block(
+                posterior_inverse, posterior_slopes[d], posterior_slopes[e], mixed, twice - curvature.T @ self._basis
+            )
+            result[:, d, :, e] = block
+            result[:, e, :, d] = block.T
+        scales = np.tile(self._scales, n)
+        return np.asarray(result.reshape(2 * n, 2 * n) / scales / scales[:, None])
+
+
+def _block(inverse: Array, slope_d: Array, slope_e: Array, mixed: Array, own: Array) -> Array:
+    """Return H[(·, d), (·, e)] of ½ log det, shape (n, n), by the formula at the top."""
+    left = slope_d @ inverse
+    block = inverse * mixed - left * (slope_e @ inverse).T - inverse * (left @ slope_e.T)
+    block[np.diag_indices_from(block)] += (inverse * own).sum(axis=1)
+    return np.asarray(block)
+
+
+def _inverse(matrix: Array) -> tuple[Array, float]:
+    """Return the inverse and log det of a symmetric positive definite matrix."""
+    factor = np.linalg.cholesky(matrix)
+    half = np.linalg.inv(factor)
+    return half.T @ half, 2.0 * float(np.log(np.diagonal(factor)).sum())

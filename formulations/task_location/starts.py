@@ -1,0 +1,33 @@
+"""Where the local methods begin."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from formulations.solver import Limits
+from formulations.task_location.criterion import Array
+from formulations.task_location.greedy_swap import GreedySwap
+from formulations.task_location.placement import PlacementProblem, Progress, lattice
+
+COARSE = 21
+"""Points a side of the lattice for the greedy start."""
+
+
+def starts(problem: PlacementProblem, count: int, seed: int) -> Iterator[Array]:
+    """Yield `count` starts (n, 2) [m]: the greedy choice after exchanges first, then uniform random points.
+
+    The greedy start is over a coarse lattice where that has room for the tasks: the local method does the rest.
+    """
+    if len(lattice(problem.region, COARSE)) >= 2 * problem.n_tasks:
+        problem = dataclasses.replace(problem, candidates_per_axis=COARSE)
+    inner = Progress(Limits(time=math.inf))
+    GreedySwap().search(problem, inner, seed)
+    assert inner.best is not None
+    yield inner.best
+    rng = np.random.default_rng(seed)
+    for _ in range(count - 1):
+        yield problem.region.sample(problem.n_tasks, rng)

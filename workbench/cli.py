@@ -6,8 +6,9 @@ Exit codes: 0 fine, 1 a problem was found, 2 unusable input, 130 interrupted.
 from __future__ import annotations
 
 import importlib
+import os
 import sys
-from typing import Any
+from typing import NoReturn
 
 import click
 
@@ -65,10 +66,19 @@ def commands() -> None:
     """Plan tours for several UAVs in wind, and compare the solvers that do it."""
 
 
-def main(args: list[str] | None = None) -> Any:
-    """Run the command line; turn an InputError into one sentence on stderr and exit code 2."""
+def main(args: list[str] | None = None) -> NoReturn:
+    """Run the command line and exit; an InputError becomes one sentence on stderr and exit code 2."""
     try:
-        return commands.main(args=args, standalone_mode=True)
+        # click's own standalone mode would turn Ctrl-C into exit code 1
+        code = commands.main(args=args, standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        sys.exit(130)
+    except BrokenPipeError:  # the reader of our output, such as head, has gone
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
     except ValueError as error:
         from instances.errors import InputError  # here, not above: --help must not import numpy
 
@@ -76,5 +86,4 @@ def main(args: list[str] | None = None) -> Any:
             raise
         click.echo(f"workbench: {error}", err=True)
         sys.exit(2)
-    except KeyboardInterrupt:
-        sys.exit(130)
+    sys.exit(code if isinstance(code, int) else 0)

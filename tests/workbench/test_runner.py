@@ -1,0 +1,192 @@
+"""Whatever a solver does, the parent gets a Run in which every number has been verified."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import psutil
+import pytest
+
+from formulations.solver import Limits, Status
+from instances import Instance, makespan
+from workbench import child
+from workbench.child import InterruptedRunError, grace
+from workbench.job import Job, folder_of
+from workbench.run import Run
+from workbench.runner import run
+from workbench.verify import refute_bound, refute_cost, refute_proof
+
+
+@pytest.fixture
+def finish(instance, monkeypatch):
+    """Run a misbehaving solver, with the grace shortened to one second."""
+    monkeypatch.setattr(child, "grace", lambda limit: 1.0)
+
+    def go(name: str, time_limit: float = 0.5, **kwargs) -> Run:
+        job = Job(folder_of(instance), f"misbehaving:{name}", time_limit=time_limit)
+        found = run(job, instance, **kwargs)
+        assert Run.from_json(found.to_json()) == found  # whatever happened can be stored
+        return found
+
+    return go
+
+
+@pytest.fixture
+def all_with_first(instance) -> float:
+    return makespan(instance, [list(instance.tasks), []])
+
+
+def test_an_honest_run(finish, all_with_first):
+    found = finish("Honest")
+    assert (found.status, found.stopped_by) == (Status.FEASIBLE, "finished")
+    assert found.objective == found.claimed_objective == all_with_first
+    assert found.tour_costs == [all_with_first, 0.0]
+    assert [cost for _, cost, _ in found.trace] == [all_with_first]
+    assert found.wall_elapsed > found.prepare_elapsed > 0
+    assert found.peak_memory > 1e6
+    assert not found.proves
+
+
+def test_a_crash_keeps_what_was_streamed(finish, all_with_first):
+    found = finish("Crashes")
+    assert (found.status, found.stopped_by) == (Status.ERROR, "error")
+    assert found.message == "RuntimeError: the dog ate the basis matrix"
+    assert "Traceback" in found.log
+    assert (found.objective, found.bound) == (all_with_first, 1.0)
+
+
+def test_a_segmentation_fault(finish, all_with_first):
+    found = finish("Segfaults")
+    assert found.status is Status.ERROR
+    assert "SIGSEGV" in found.message
+    assert found.objective == all_with_first
+
+
+def test_an_exit_without_a_result(finish):
+    found = finish("ExitsQuietly")
+    assert (found.status, found.message) == (Status.ERROR, "ended with exit code 0 and without a result")
+
+
+def test_a_hang_is_killed_with_its_whole_group(finish, all_with_first):
+    found = finish("Hangs")
+    assert (found.status, found.stopped_by) == (Status.KILLED, "killed")
+    assert "ignored its time limit of 0.5 s" in found.message
+    assert (found.objective, found.bound) == (all_with_first, 1.0)
+    assert found.elapsed >= 1.5
+    grandchild = int(found.log.split("grandchild")[1])
+    assert not psutil.pid_exists(grandchild) or psutil.Process(grandchild).status() == psutil.STATUS_ZOMBIE
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("LiesAboutCost", "claimed a longest tour of"),
+        ("LiesWhileStreaming", "claimed a longest tour of 1.0 s, but its routes cost"),
+        ("ForgetsATask", "Task 0 is visited by no route"),
+        ("ClaimsOptimalWithGap", "claimed OPTIMAL, but its routes cost"),
+        ("BoundAboveRoutes", "claimed that no routes are shorter than"),
+        ("NoRoutes", "gave no routes"),
+        ("ReturnsRubbish", "TypeError: solve returned str 'banana', not a Result"),
+    ],
+)
+def test_a_false_claim_becomes_an_error(finish, name, words):
+    found = finish(name)
+    assert found.status is Status.ERROR
+    assert words in found.message
+    assert found.bound is None
+    assert all(bound is None for _, _, bound in found.trace)
+
+
+def test_a_wrong_cost_is_told_with_both_numbers(finish, all_with_first):
+    found = finish("LiesAboutCost")
+    assert repr(all_with_first) in found.message
+    assert repr(0.5 * all_with_first) in found.message
+    assert (found.objective, found.claimed_objective) == (all_with_first, 0.5 * all_with_first)
+
+
+def test_printed_rubbish_is_only_a_log(finish, all_with_first):
+    found = finish("PrintsRubbish")
+    assert (found.status, found.objective) == (Status.FEASIBLE, all_with_first)
+    assert found.log.endswith("the end")
+    assert len(found.log) <= child.LOG_KEPT
+
+
+def test_a_memory_eater_is_killed(finish, all_with_first):
+    found = finish("EatsMemory", 60, memory_limit=300 * 2**20)
+    assert (found.status, found.stopped_by) == (Status.KILLED, "memory")
+    assert found.objective == all_with_first
+    assert found.peak_memory > 300 * 2**20
+
+
+def test_a_solver_that_declines_says_why(finish):
+    found = finish("Declines")
+    assert (found.status, found.stopped_by) == (Status.NO_SOLUTION, "declined")
+    assert "it only likes prime numbers" in found.message
+
+
+def test_preparation_has_a_limit_of_its_own(finish, monkeypatch):
+    monkeypatch.setattr(child, "PREPARE_LIMIT", 0.01)
+    found = finish("Honest")
+    assert (found.status, found.routes) == (Status.KILLED, None)
+    assert "still preparing" in found.message
+
+
+def test_an_unknown_solver_is_an_error_of_the_run(instance):
+    found = run(Job(folder_of(instance), "no_such_module:Solver", time_limit=1), instance)
+    assert found.status is Status.ERROR
+    assert "no_such_module" in found.message
+
+
+def test_stop_kills_and_stores_nothing(finish):
+    began = time.monotonic()
+    with pytest.raises(InterruptedRunError):
+        finish("Hangs", 60, stop=lambda: time.monotonic() - began > 0.6)
+
+
+def test_a_child_dies_with_its_parent(instance_file, tmp_path):
+    """kill −9 of the parent leaves no solver behind."""
+    program = "import sys; from workbench.cli import main; main(sys.argv[1:])"
+    args = ["solve", str(instance_file), "--solver", "misbehaving:Honest", "--option", "delay=50"]
+    parent = subprocess.Popen([sys.executable, "-c", program, *args], cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    assert parent.stderr is not None
+    assert "longest tour" in parent.stderr.readline()
+    (solver,) = psutil.Process(parent.pid).children()
+    parent.kill()
+    parent.wait()
+    parent.stderr.close()
+    gone, _ = psutil.wait_procs([solver], timeout=10)
+    assert gone == [solver]
+
+
+def test_the_grace_is_five_seconds_and_a_tenth():
+    assert grace(100) == 15
+
+
+def test_verification_forgives_rounding_only():
+    assert refute_cost(100.0 + 1e-5, 100.0) is None
+    assert refute_cost(100.1, 100.0)
+    assert refute_cost(float("nan"), 100.0)
+    assert refute_cost(1e-6, 1.1e-6)
+    assert refute_bound(100.0 + 1e-5, 100.0, tolerance=0.0) is None
+    assert refute_bound(101.0, 100.0, tolerance=0.5)
+    assert refute_bound(float("inf"), None, tolerance=0.0)
+    assert refute_proof(Status.OPTIMAL, 99.5, 100.0, tolerance=0.5) is None
+    assert refute_proof(Status.OPTIMAL, 99.4, 100.0, tolerance=0.5)
+    assert refute_proof(Status.OPTIMAL, None, 100.0, tolerance=0.5)
+    assert refute_proof(Status.OPTIMAL, 99.9, 100.0, tolerance=float("nan"))
+
+
+def test_costs_of_any_size(monkeypatch):
+    for size in (1e-6, 1e9):
+        drawn = Instance("scaled", size * (1 - np.eye(3)), 2, 1)
+        found = run(Job(folder_of(drawn), "misbehaving:Honest", time_limit=1), drawn)
+        assert found.objective == pytest.approx(3 * size)
+        assert run(Job(folder_of(drawn), "misbehaving:LiesAboutCost", time_limit=1), drawn).status is Status.ERROR
+
+
+def test_limits_are_checked_before_a_process_is_started(instance):
+    with pytest.raises(ValueError, match="time limit must be positive"):
+        Limits(time=0)

@@ -1,0 +1,83 @@
+"""Cluster: the jobs of a study on a dask.distributed cluster (extra `cluster`).
+
+Each run is still in a killable process of its own, on the machine of the dask worker that takes it; a worker holds as
+many runs at once as it has threads. Results come back to this process, the only one that writes the store. A worker
+that dies takes its runs with it (they are killed with their parent) and the scheduler gives them to another.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from typing import Any
+
+import distributed
+
+from instances import InputError, Instance
+from workbench.execute import Finished
+from workbench.job import Job
+from workbench.machine import environment, usable_memory
+from workbench.run import Run
+from workbench.runner import run
+from workbench.store import Store
+
+dask: Any = distributed  # it has no type stubs
+CONNECT = 15
+"""Seconds to wait for the scheduler."""
+AHEAD = 2
+"""Jobs handed over per thread of the cluster: enough to keep it busy, few enough not to hold every instance."""
+
+
+def run_on_cluster(jobs: Iterable[Job], store: Store, address: str, finished: Finished) -> None:
+    """Run `jobs` on the cluster at `address`, storing each as it ends.
+
+    Raises InputError where the scheduler cannot be reached or has no workers, or where it gives a job up because
+    the workers that took it died, one after the other.
+    """
+    with _connected(address) as client:
+        workers = client.scheduler_info(n_workers=-1)["workers"].values()
+        threads = sum(worker["nthreads"] for worker in workers)
+        if not threads:
+            raise InputError(f"--scheduler: {address} has no workers")
+        waiting = iter(jobs)
+        given: dict[str, Job] = {}
+
+        def hand_over(count: int) -> list[Any]:
+            futures = []
+            for job in islice(waiting, count):
+                # Keyed by its path and pure=False: asked for once, and never taken from another study's results.
+                future = client.submit(run_there, job, store.instance(job.folder), pure=False)
+                given[future.key] = job
+                futures.append(future)
+            return futures
+
+        ending = dask.as_completed(hand_over(AHEAD * threads))
+        for future in ending:
+            job = given.pop(future.key)
+            if future.status != "finished":
+                raise InputError(f"--scheduler: {address} gave up {job.path}: {future.exception()}")
+            result, machine = future.result()
+            store.put_environment(result.environment, machine)
+            store.put(job.path, result)
+            future.release()
+            finished(job, result)
+            for more in hand_over(1):
+                ending.add(more)
+
+
+def run_there(job: Job, instance: Instance) -> tuple[Run, dict[str, Any]]:
+    """Run `job` in a process of its own on this worker's machine; return the run and this machine's description."""
+    return run(job, instance, memory_limit=usable_memory() // dask.get_worker().state.nthreads), environment()
+
+
+@contextlib.contextmanager
+def _connected(address: str) -> Iterator[Any]:
+    try:
+        client = dask.Client(address, timeout=CONNECT, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(f"--scheduler: {address} cannot be reached ({error})") from None
+    try:
+        yield client
+    finally:
+        client.close()

@@ -1,0 +1,51 @@
+"""`workbench check`: verify routes, or every run of a store, independently."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from instances.errors import InputError
+
+
+@click.command("check")
+@click.argument("target", metavar="INSTANCE|RUNS-DIR", type=click.Path(path_type=Path))
+@click.argument("routes_file", metavar="[ROUTES.sol]", required=False, type=click.Path(path_type=Path))
+@click.pass_context
+def command(context: click.Context, target: Path, routes_file: Path | None) -> None:
+    """Verify the routes of INSTANCE, or every run stored in RUNS-DIR. Exit code 1 where a problem is found."""
+    if target.is_dir():
+        if routes_file is not None:
+            raise InputError(f"{target}: is a folder of runs; routes are checked against an instance file")
+        looked_at, problems = _check_store(target)
+    else:
+        if routes_file is None:
+            raise InputError(f"{target}: give the routes to check as well (ROUTES.sol), or a folder of runs")
+        looked_at, problems = _check_routes(target, routes_file)
+    for problem in problems:
+        click.echo(problem)
+    click.echo(f"{looked_at}: " + (f"{len(problems)} problem(s) found" if problems else "all right"))
+    context.exit(1 if problems else 0)
+
+
+def _check_routes(instance_file: Path, routes_file: Path) -> tuple[str, list[str]]:
+    from instances import check_routes, makespan
+    from instances.files import read_instance
+    from instances.formats.sol import read_claim
+    from workbench.verify import refute_cost
+
+    instance = read_instance(instance_file)
+    routes, claimed = read_claim(routes_file, instance)
+    faults = check_routes(instance, routes)
+    if faults:
+        return "not feasible", [f"{routes_file}: {fault}" for fault in faults]
+    actual = makespan(instance, routes)
+    wrong = None if claimed is None else refute_cost(claimed, actual)
+    return f"feasible, longest tour {actual!r} s", [f"{routes_file}: {wrong}"] if wrong else []
+
+
+def _check_store(folder: Path) -> tuple[str, list[str]]:
+    from workbench.audit import audit
+
+    return audit(folder)

@@ -1,0 +1,164 @@
+"""`workbench compare`: run solvers on instances and report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from instances.errors import InputError, suggestion
+
+if TYPE_CHECKING:
+    from workbench.execute import Plan
+    from workbench.store import Store
+    from workbench.study import Study
+
+
+@click.command("compare")
+@click.argument("targets", nargs=-1, metavar="[STUDY] [INSTANCES]...")
+@click.option("--solvers", help="Comma-separated names, in place of the study's.")
+@click.option("--time-limit", type=float, help="Seconds for every run, in place of the study's.")
+@click.option("--seeds", type=int, help="So many seeds (0, 1, ...), in place of the study's.")
+@click.option("--threads", type=int, help="Threads of each solver, in place of the study's.")
+@click.option("--best-known", type=click.Path(path_type=Path), help="CSV with columns instance, best_known.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the runs.  [default: runs/<study>]")
+@click.option("--jobs", type=int, help="Runs at once.  [default: the cores of this machine]")
+@click.option("--retry", help="Run again what ended so: error, killed, no_solution (comma-separated).")
+@click.option("--shard", help="Run only part i of n: i/n. The parts may share a folder.")
+@click.option("--scheduler", metavar="tcp://...", help="Run on a dask.distributed cluster.")
+@click.option("--dry-run", is_flag=True, help="Say what would be run and how long it would take.")
+@click.pass_context
+def command(
+    context: click.Context,
+    targets: tuple[str, ...],
+    solvers: str | None,
+    time_limit: float | None,
+    seeds: int | None,
+    threads: int | None,
+    best_known: Path | None,
+    out: Path | None,
+    jobs: int | None,
+    retry: str | None,
+    shard: str | None,
+    scheduler: str | None,
+    dry_run: bool,
+) -> None:
+    """Run a study and report on it: STUDY.toml, the name of a shipped study, or INSTANCES with --solvers.
+
+    Without arguments the shipped study `quick`. What is already stored is not run again. Exit code 1 where files in
+    the folder are damaged.
+    """
+    from workbench.machine import available_cores
+
+    parallel = available_cores() if jobs is None else jobs
+    if parallel < 1:
+        raise InputError(f"--jobs: must be at least 1, got {jobs}")
+    changes = {"time_limit": time_limit, "seeds": seeds, "threads": threads}
+    study = _study(targets, solvers, best_known, {key: value for key, value in changes.items() if value is not None})
+    folder = out or Path("runs") / study.name
+    plan, store = _planned(study, folder, retry, shard, dry_run)
+    _warn(study, plan, parallel if scheduler is None else 1)
+    if dry_run:
+        _tell_plan(plan, parallel)
+        return
+    _execute(plan, store, parallel, scheduler)
+    from workbench.publish import publish  # here: pandas and matplotlib are not needed while solvers run
+
+    problems = publish(folder)
+    for problem in problems:
+        click.echo(problem, err=True)
+    click.echo(f"{folder / 'results.csv'}\n{folder / 'report.html'}")
+    context.exit(1 if problems else 0)
+
+
+def _study(targets: tuple[str, ...], solvers: str | None, best_known: Path | None, changes: dict[str, object]) -> Study:
+    """Return the study that the arguments name, with the changes that the flags make to it."""
+    from workbench.settings import names
+    from workbench.study import load_tables, shipped_studies, study_from
+
+    shipped = shipped_studies()
+    first = targets[0] if targets else "quick" if solvers is None else ""
+    if first in shipped or first.endswith(".toml"):
+        path, given = shipped.get(first, Path(first)), targets[1:]
+    else:
+        path, given = None, targets
+        if solvers is None:
+            near = suggestion(first, shipped)
+            raise InputError(f"compare: '{first}' is no study{near}; to run instances, name --solvers a,b")
+    tables = load_tables(path) if path else {}
+    if solvers is not None:
+        tables["solvers"] = [{"name": name} for name in names(solvers, "--solvers")]
+    for key, value in changes.items():
+        tables[key] = value
+        tables["solvers"] = [{k: v for k, v in entry.items() if k != key} for entry in tables.get("solvers", [])]
+    try:
+        study = study_from(tables, name=path.stem if path else "compare", base=path.parent if path else Path())
+    except InputError as error:
+        raise InputError(f"{path}: {error}" if path else str(error)) from None
+    return study.with_files([Path(target) for target in given], best_known)
+
+
+def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, dry_run: bool) -> tuple[Plan, Store]:
+    """Make the instances, state what is asked in the store (unless only a dry run), and return what is to do."""
+    from formulations.solver import Status
+    from workbench.execute import jobs_of, plan
+    from workbench.settings import names
+    from workbench.settings import shard as shard_of
+    from workbench.store import Store
+
+    again = [] if retry is None else [name.upper() for name in names(retry, "--retry")]
+    for name in again:
+        if name not in Status.__members__:
+            near = suggestion(name, Status.__members__)
+            raise InputError(f"--retry: '{name.lower()}' is no status{near.lower()}")
+    part = shard_of(shard) if shard else (1, 1)
+    store = Store(folder)
+    if dry_run:
+        jobs = jobs_of(study)
+    else:
+        store.create()
+        jobs = jobs_of(study, keep=store.put_instance)
+        store.put_study(study.asked, [job.path for job in jobs])
+    return plan(jobs, store, [Status(name) for name in again]).shard(*part), store
+
+
+def _warn(study: Study, plan: Plan, parallel: int) -> None:
+    from workbench.machine import available_cores
+
+    threads = max(entry.threads for entry in study.entries)
+    cores = available_cores()
+    if threads * parallel > cores:
+        asked = f"{parallel} runs at once with {threads} threads each"
+        click.echo(f"warning: {asked} on {cores} cores: times will be those of a crowded machine", err=True)
+    for sentence in plan.damaged:
+        click.echo(f"warning: {sentence}", err=True)
+
+
+def _tell_plan(plan: Plan, parallel: int) -> None:
+    from workbench.progress import Estimate, duration
+
+    for job in plan.todo:
+        click.echo(job.path)
+    longest = duration(Estimate(plan.todo, parallel).left())
+    done = len(plan.jobs) - len(plan.todo)
+    click.echo(
+        f"{len(plan.todo)} runs to do ({done} of {len(plan.jobs)} stored), at most {longest} with {parallel} at once"
+    )
+
+
+def _execute(plan: Plan, store: Store, parallel: int, scheduler: str | None) -> None:
+    from workbench.execute import run_locally
+    from workbench.progress import StudyProgress
+
+    if len(plan.todo) < len(plan.jobs):
+        click.echo(f"{len(plan.jobs) - len(plan.todo)} of {len(plan.jobs)} runs are stored already", err=True)
+    if not plan.todo:
+        return
+    with StudyProgress(plan.todo, parallel) as progress:
+        if scheduler is None:
+            run_locally(plan.todo, store, parallel, progress.finished)
+        else:
+            from workbench.cluster import run_on_cluster
+
+            run_on_cluster(plan.todo, store, scheduler, progress.finished)

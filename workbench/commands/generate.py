@@ -1,0 +1,41 @@
+"""`workbench generate`: make instances of a family."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from instances.errors import InputError
+
+
+@click.command("generate")
+@click.argument("family")
+@click.option("--tasks", default=20, show_default=True, help="Number of tasks n.")
+@click.option("--depots", default=3, show_default=True, help="Number of depots m, one UAV at each.")
+@click.option("--count", default=1, show_default=True, help="How many instances, with consecutive seeds.")
+@click.option("--seed", default=0, show_default=True, help="Seed of the first.")
+@click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="A parameter of the family; repeatable.")
+@click.option("--out", type=click.Path(path_type=Path), default=Path(), show_default="this folder", help="Folder.")
+def command(family: str, tasks: int, depots: int, count: int, seed: int, settings: tuple[str, ...], out: Path) -> None:
+    """Make instances of FAMILY, one file each, and print their paths (workbench families lists families)."""
+    from instances.files import write_instance
+    from workbench.making import make_instance
+    from workbench.settings import key_values
+
+    if count < 1:
+        raise InputError(f"--count: must be at least 1, got {count}")
+    parameters = key_values(settings, "--set")
+    for number in range(seed, seed + count):
+        instance = make_instance(family, tasks, depots, number, parameters)
+        _make_folder(out)
+        path = out / f"{instance.name}.json"
+        write_instance(instance, path)
+        click.echo(str(path))
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made a folder ({error.strerror})") from None

@@ -1,0 +1,105 @@
+"""`workbench solve`: solve one instance in a killable process of its own."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from formulations.solver import Event
+    from workbench.run import Run
+
+
+@click.command("solve")
+@click.argument("instance_file", metavar="INSTANCE", type=click.Path(path_type=Path))
+@click.option("--solver", default="milp", show_default=True, help="Name (workbench solvers lists them).")
+@click.option("--time-limit", default=60.0, show_default=True, help="Seconds of wall clock.")
+@click.option("--seed", default=0, show_default=True)
+@click.option("--threads", default=1, show_default=True, help="Worker threads of the solver.")
+@click.option("--iterations", type=int, help="Limit on the method's own iterations.")
+@click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the solver; repeatable.")
+@click.option("--start", type=click.Path(path_type=Path), help="Routes (.sol) to begin from.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@click.option("--out", type=click.Path(path_type=Path), help="Write the routes (.sol).")
+@click.option("--plot", type=click.Path(path_type=Path), help="Draw the routes (.svg).")
+@click.pass_context
+def command(
+    context: click.Context,
+    instance_file: Path,
+    solver: str,
+    time_limit: float,
+    seed: int,
+    threads: int,
+    iterations: int | None,
+    options: tuple[str, ...],
+    start: Path | None,
+    as_json: bool,
+    out: Path | None,
+    plot: Path | None,
+) -> None:
+    """Solve INSTANCE. Exit code 1 where that ends without routes, by a crash or by a kill."""
+    from formulations.solver import Limits, Status
+    from instances.files import read_instance, read_routes, write_routes
+    from workbench.job import Job, folder_of
+    from workbench.runner import run
+    from workbench.settings import key_values
+    from workbench.study import checked_entry
+
+    Limits(time=time_limit, threads=threads, iterations=iterations)
+    chosen = key_values(options, "--option")
+    entry = checked_entry(solver, chosen, seeds=(seed,), time_limits=(time_limit,))
+    instance = read_instance(instance_file)
+    begin = read_routes(start, instance) if start else None
+    for path, endings in ((out, (".sol",)), (plot, (".svg",))):
+        _check_target(path, endings)
+    job = Job(folder_of(instance), solver, entry.options, seed, time_limit, threads, iterations)
+    result = run(job, instance, start=begin, observe=_tell)
+    if out and result.routes is not None:
+        write_routes(result.routes, instance, out)
+    if plot and result.routes is not None:
+        from reports.figures.routes import save_routes  # here: matplotlib takes its time
+
+        save_routes(instance, result.routes, plot)
+    click.echo(json.dumps(_object(result)) if as_json else _text(result))
+    context.exit(0 if result.routes is not None and result.status in (Status.OPTIMAL, Status.FEASIBLE) else 1)
+
+
+def _check_target(path: Path | None, endings: tuple[str, ...]) -> None:
+    """Refuse before the solve what could not be written after it."""
+    from instances import InputError
+
+    if path is None:
+        return
+    if path.suffix not in endings:
+        raise InputError(f"{path}: must end in {' or '.join(endings)}")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: there is no folder {path.parent}")
+
+
+def _tell(event: Event) -> None:
+    objective = "-" if event.objective is None else f"{event.objective:.6g} s"
+    bound = "-" if event.bound is None else f"{event.bound:.6g} s"
+    click.echo(f"{event.elapsed:8.2f} s  longest tour {objective}  bound {bound}", err=True)
+
+
+def _object(run: Run) -> dict[str, object]:
+    named = ("solver", "status", "objective", "bound", "gap", "elapsed", "routes", "stopped_by", "message", "trace")
+    more = ("options", "seed", "time_limit", "threads", "tolerance", "tour_costs", "statistics", "cpu_seconds")
+    return {"instance": run.instance["name"], "digest": run.instance["digest"]} | {
+        name: getattr(run, name) for name in (*named, *more, "prepare_elapsed", "peak_memory", "log")
+    }
+
+
+def _text(run: Run) -> str:
+    value = "no routes" if run.objective is None else f"longest tour {run.objective:.6g} s"
+    bound = "" if run.bound is None or run.gap is None else f", bound {run.bound:.6g} s (gap {run.gap:.2%})"
+    lines = [f"{run.status}: {value}{bound}, {run.elapsed:.2f} s, stopped by {run.stopped_by or 'nothing'}"]
+    lines += [run.message] if run.message else []
+    costs = zip(run.routes or (), run.tour_costs, strict=False)
+    lines += [
+        f"UAV {k}: {cost:.6g} s, tasks {' '.join(map(str, route)) or '-'}" for k, (route, cost) in enumerate(costs)
+    ]
+    return "\n".join(lines)

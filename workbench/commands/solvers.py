@@ -1,0 +1,37 @@
+"""`workbench solvers`: list solvers and their options."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import click
+
+
+@click.command("solvers")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+def command(as_json: bool) -> None:
+    """List the solvers with their options and defaults, and why one is not available."""
+    from formulations.registry import solver_targets
+
+    found = {name: _described(name, about) for name, (_, about) in solver_targets().items()}
+    if as_json:
+        click.echo(json.dumps(found, indent=1, default=str))
+        return
+    for name, solver in found.items():
+        proof = ", proves" if solver["proves"] else ""
+        click.echo(f"{name}: {solver['about']}{proof}")
+        if solver["unavailable"]:
+            click.echo(f"    not available: {solver['unavailable']}")
+        for key, value in solver["options"].items():
+            click.echo(f"    {key} = {json.dumps(value, default=str)}")
+
+
+def _described(name: str, about: str) -> dict[str, Any]:
+    from formulations.registry import option_defaults, solver_class, why_unavailable
+
+    reason = why_unavailable(name)
+    if reason:
+        return {"about": about, "proves": None, "options": {}, "unavailable": reason}
+    cls = solver_class(name)
+    return {"about": about, "proves": bool(cls.proves), "options": option_defaults(cls), "unavailable": None}

@@ -1,0 +1,27 @@
+"""Make one instance of a family: in closed form directly, or through moving costs where it makes a Scenario."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from instances import Instance
+from instances.families import FAMILIES, generate
+
+
+def make_instance(family: str, n_tasks: int, n_depots: int, seed: int, parameters: dict[str, Any]) -> Instance:
+    """Return one instance of `family`; InputError for an unknown family, parameter or value."""
+    return generate(family, n_tasks, n_depots, seed, **parameters)
+
+
+def families() -> dict[str, dict[str, Any]]:
+    """Return every family's description and parameters (default, unit, meaning, choices), by name."""
+    return {
+        name: {
+            "about": family.description,
+            "parameters": {
+                p.name: {"default": p.default, "unit": p.unit, "meaning": p.meaning, "choices": list(p.choices)}
+                for p in family.parameters
+            },
+        }
+        for name, family in FAMILIES.items()
+    }

@@ -1,0 +1,82 @@
+"""Progress of a study on stderr: a bar with the time left on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Iterable
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from workbench.job import Job
+from workbench.run import Run
+
+STARTING = 2.0
+"""Seconds a process takes around its solve, until a run has shown how long."""
+
+
+class Estimate:
+    """Time left: what each remaining job is expected to take, by the mean of its solver so far, else by its limit."""
+
+    def __init__(self, jobs: Iterable[Job], parallel: int) -> None:
+        self._waiting = {job.path: job for job in jobs}
+        self._parallel = parallel
+        self._seen: dict[tuple[str, float], list[float]] = defaultdict(list)
+
+    def finished(self, job: Job, wall: float) -> None:
+        """Take note that `job` took `wall` [s]."""
+        self._waiting.pop(job.path, None)
+        self._seen[job.label, job.time_limit].append(wall)
+
+    def left(self) -> float:
+        """Return the time left [s]."""
+        total = 0.0
+        for job in self._waiting.values():
+            seen = self._seen.get((job.label, job.time_limit))
+            total += sum(seen) / len(seen) if seen else job.time_limit + STARTING
+        return total / self._parallel
+
+
+class StudyProgress:
+    """Shows each finished run; use as a context manager."""
+
+    def __init__(self, jobs: Iterable[Job], parallel: int) -> None:
+        jobs = list(jobs)
+        self._estimate = Estimate(jobs, parallel)
+        self._total, self._done, self._began = len(jobs), 0, time.monotonic()
+        self._bar: Progress | None = None
+        if sys.stderr.isatty():
+            columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+            self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(f"about {duration(self._estimate.left())} left", total=self._total)
+
+    def __enter__(self) -> StudyProgress:
+        if self._bar:
+            self._bar.start()
+        return self
+
+    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
+        if self._bar:
+            self._bar.stop()
+
+    def finished(self, job: Job, run: Run) -> None:
+        """Show that `job` has ended as `run`."""
+        self._done += 1
+        self._estimate.finished(job, run.wall_elapsed)
+        value = "no routes" if run.objective is None else f"{run.objective:.6g} s"
+        line = f"{run.instance['name']} {job.label} seed {job.seed}: {run.status} {value} in {run.elapsed:.1f} s"
+        left = f"about {duration(self._estimate.left())} left"
+        if self._bar:
+            self._bar.update(self._task, advance=1, description=f"{left}; {line}")
+        else:
+            print(f"[{self._done}/{self._total}] {line}; {left}", file=sys.stderr, flush=True)
+
+
+def duration(seconds: float) -> str:
+    """Return a time for people: 45 s, 12 min, 3.5 h."""
+    if seconds < 100:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"

@@ -1,0 +1,44 @@
+"""Settings typed on the command line: ``key=value``, lists ``a,b``, shards ``2/5``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import Any
+
+from instances.errors import InputError
+
+
+def key_values(given: Iterable[str], flag: str) -> dict[str, Any]:
+    """Return ``key=value`` pairs as a dict; a value is JSON (number, true, false ...) where it reads so, else text."""
+    settings: dict[str, Any] = {}
+    for text in given:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"{flag}: must be key=value, got '{text}'")
+        settings[key.strip()] = literal(value.strip())
+    return settings
+
+
+def literal(text: str) -> Any:
+    """Return what `text` says: a JSON value where it reads as one, else itself."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
+
+
+def names(text: str, flag: str) -> list[str]:
+    """Return the parts of a comma-separated list; InputError where there is none."""
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    if not parts:
+        raise InputError(f"{flag}: must be a comma-separated list, got '{text}'")
+    return parts
+
+
+def shard(text: str) -> tuple[int, int]:
+    """Return (i, n) of ``i/n`` with 1 ≤ i ≤ n."""
+    number, _, count = text.partition("/")
+    if not (number.isdigit() and count.isdigit() and 1 <= int(number) <= int(count)):
+        raise InputError(f"--shard: must be i/n with 1 ≤ i ≤ n, got '{text}'")
+    return int(number), int(count)

@@ -1,0 +1,85 @@
+"""Sources: where the instances of a study come from, before they are made: a file, or a family with its parameters."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import glob
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+from instances import InputError, Instance
+from instances.files import read_instance
+from workbench.making import make_instance
+
+ENDINGS = (".json", ".json.gz", ".mdm", ".mtsp", ".tsp", ".atsp", ".vrp")
+"""Endings by which instance files are found in a folder."""
+
+
+class Source(Protocol):
+    """Something that can make an Instance."""
+
+    def load(self) -> Instance:
+        """Read or generate the instance; InputError says why it cannot be."""
+        ...
+
+
+@dataclass(frozen=True)
+class FileSource:
+    """An instance file."""
+
+    path: Path
+
+    def load(self) -> Instance:
+        """Read the file."""
+        return read_instance(self.path)
+
+
+@dataclass(frozen=True)
+class FamilySource:
+    """One instance of a generator family."""
+
+    family: str
+    n_tasks: int
+    n_depots: int
+    seed: int
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+    def load(self) -> Instance:
+        """Generate the instance."""
+        return make_instance(self.family, self.n_tasks, self.n_depots, self.seed, self.parameters)
+
+
+def instance_files(given: Path) -> list[Path]:
+    """Return the instance files meant by a file, a folder (searched through) or a pattern; InputError if none."""
+    if given.is_dir():
+        found = sorted(path for path in given.rglob("*") if path.name.endswith(ENDINGS) and path.is_file())
+    elif any(sign in str(given) for sign in "*?["):
+        found = sorted(Path(path) for path in glob.glob(str(given), recursive=True))
+    else:
+        found = [given] if given.is_file() else []
+    if not found:
+        raise InputError(f"{given}: there is no instance file ({', '.join(ENDINGS)})")
+    return found
+
+
+def read_best_known(path: Path) -> dict[str, float]:
+    """Return best known values [s] by instance name, from a CSV with columns `instance` and `best_known`."""
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = csv.DictReader(file)
+            if not {"instance", "best_known"} <= set(rows.fieldnames or ()):
+                raise InputError(f"{path}: must have columns 'instance' and 'best_known'")
+            return {row["instance"]: float(row["best_known"]) for row in rows if row["best_known"]}
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: cannot be read as best known values ({error})") from None
+
+
+def with_best_known(instance: Instance, values: dict[str, float]) -> Instance:
+    """Return `instance` carrying its best known value [s], where there is one."""
+    if instance.name not in values:
+        return instance
+    return dataclasses.replace(instance, provenance={**instance.provenance, "best_known": values[instance.name]})

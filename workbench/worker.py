@@ -1,0 +1,160 @@
+"""The child process of one run: ``python -P -m workbench.worker FD``, started and watched by workbench.runner.
+
+It reads a pickled Assignment from standard input and writes one JSON object a line to the pipe FD:
+started, prepared, then any number of events, then result; or declined; or error. Whatever the solver prints on
+standard output or error is a log and cannot disturb this. The clock is kept here, not by the solver.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import pickle
+import resource
+import signal
+import sys
+import threading
+import time
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from formulations.registry import make_solver
+from formulations.solver import Event, Limits, Result, Status
+from instances import Instance, Routes, as_routes
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """Everything the child needs to know."""
+
+    instance: Instance
+    solver: str
+    options: dict[str, Any]
+    limits: Limits
+    seed: int
+    start: Routes | None
+
+
+class Channel:
+    """The pipe to the parent: one JSON object a line, from whichever thread of the solver speaks."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._pipe = os.fdopen(descriptor, "w", encoding="utf-8")
+        self._lock = threading.Lock()
+
+    def say(self, kind: str, **fields: Any) -> None:
+        """Send one message."""
+        line = json.dumps({"kind": kind, **fields}, default=_plain)
+        with self._lock:
+            self._pipe.write(line + "\n")
+            self._pipe.flush()
+
+
+def main() -> None:
+    """Prepare, solve, and tell the parent."""
+    descriptor = int(sys.argv[1])
+    os.set_inheritable(descriptor, False)
+    channel = Channel(descriptor)
+    _die_with_parent()
+    assignment: Assignment = pickle.load(sys.stdin.buffer)
+    try:
+        _carry_out(assignment, channel)
+    except Exception as error:  # the boundary to foreign code: whatever it raises is a finding about it
+        traceback.print_exc()
+        channel.say("error", message=f"{type(error).__name__}: {error}", peak_memory=peak_memory())
+
+
+def _carry_out(assignment: Assignment, channel: Channel) -> None:
+    solver = make_solver(assignment.solver, assignment.options)
+    channel.say("started", proves=bool(solver.proves))
+    instance = assignment.instance
+    reason = solver.accepts(instance)
+    if reason is not None:
+        channel.say("declined", reason=reason)
+        return
+    solver.prepare(instance)
+    channel.say("prepared", cpu=time.process_time())
+    began = time.perf_counter()
+
+    def observe(event: Event) -> None:
+        routes = None if event.routes is None else as_routes(event.routes)
+        elapsed = time.perf_counter() - began
+        channel.say(
+            "event", elapsed=elapsed, objective=_number(event.objective), bound=_number(event.bound), routes=routes
+        )
+
+    result = solver.solve(
+        instance, limits=assignment.limits, seed=assignment.seed, observe=observe, start=assignment.start
+    )
+    elapsed, cpu = time.perf_counter() - began, time.process_time()
+    if not isinstance(result, Result):
+        raise TypeError(f"solve returned {type(result).__name__} {str(result)[:80]!r}, not a Result")
+    channel.say(
+        "result",
+        status=Status(result.status),
+        objective=_number(result.objective),
+        bound=_number(result.bound),
+        elapsed=elapsed,
+        cpu=cpu,
+        routes=None if result.routes is None else as_routes(result.routes),
+        stopped_by=str(result.stopped_by),
+        message=str(result.message),
+        tolerance=float(result.tolerance),
+        statistics=_storable(dict(result.statistics)),
+        peak_memory=peak_memory(),
+    )
+
+
+def peak_memory() -> int:
+    """Return the most memory this process has held [bytes].
+
+    On Linux from VmHWM: ru_maxrss there starts from what the parent held when it started us.
+    """
+    status = Path("/proc/self/status")
+    if status.exists():
+        for line in status.read_text().splitlines():
+            if line.startswith("VmHWM:"):
+                return int(line.split()[1]) * 1024
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024
+
+
+def _number(value: Any) -> float | None:
+    return None if value is None else float(value)
+
+
+def _die_with_parent() -> None:
+    """On Linux: be killed when the parent is (kill −9 included), and be the kernel's first choice to free memory."""
+    if sys.platform != "linux":
+        return
+    set_parent_death_signal = 1
+    ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL)
+    Path("/proc/self/oom_score_adj").write_text("1000")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return str(value)
+
+
+def _storable(value: Any) -> Any:
+    """Return `value` with infinities and NaN, which JSON does not have, spelled out."""
+    if isinstance(value, dict):
+        return {str(key): _storable(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_storable(item) for item in value]
+    if isinstance(value, (float, np.floating)):
+        return float(value) if np.isfinite(value) else str(value)
+    return value
+
+
+if __name__ == "__main__":
+    main()

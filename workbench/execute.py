@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +14,6 @@ from workbench.job import Job, folder_of
 from workbench.machine import environment, environment_digest, usable_memory
 from workbench.run import Run
 from workbench.runner import run
-from workbench.sources import read_best_known, with_best_known
 from workbench.store import Store
 from workbench.study import Study
 
@@ -36,19 +35,13 @@ class Plan:
         return Plan(mine, tuple(job for job in self.todo if job.path in chosen), self.damaged)
 
 
-def instances_of(study: Study) -> Iterator[Instance]:
-    """Yield the study's instances one at a time, made or read, with their best known values."""
-    values = read_best_known(study.best_known) if study.best_known else {}
-    for source in study.sources:
-        yield with_best_known(source.load(), values)
-
-
 def jobs_of(study: Study, keep: Callable[[Instance], object] = lambda instance: None) -> tuple[Job, ...]:
     """Return every job of `study`, instance by instance; `keep` is given each instance as it is made."""
     if not study.sources:
         raise InputError(f"study {study.name}: names no instances; give files, folders or [[families]]")
     jobs: dict[str, Job] = {}
-    for instance in instances_of(study):
+    for source in study.sources:
+        instance = source.load()
         keep(instance)
         for entry in study.entries:
             for job in entry.jobs(folder_of(instance), int(instance.n_tasks)):

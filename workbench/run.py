@@ -9,6 +9,7 @@ from typing import Any
 
 from formulations.solver import Status
 from instances import Instance, Routes, as_routes
+from instances.best_known import best_known
 
 SCHEMA = 1
 
@@ -18,7 +19,7 @@ class Run:
     """One run, every number in it checked by the runner, in the order in which it is written.
 
     problem : "routing".
-    instance : name, digest, n_tasks, n_depots, family, asymmetry, and best_known [s] where the instance carries one.
+    instance : name, digest, n_tasks, n_depots, family, asymmetry, and best_known [s] where a value is known.
     label : solver name plus options that differ from the default.
     proves : whether the method can end OPTIMAL.
     objective, tour_costs [s] : recomputed from `routes`, never the solver's own; claimed_objective [s] is the solver's.
@@ -102,5 +103,5 @@ def describe(instance: Instance) -> dict[str, Any]:
         "family": str(instance.provenance.get("family", "file")),
         "asymmetry": instance.asymmetry,
     }
-    best_known = instance.provenance.get("best_known")
-    return described | ({"best_known": best_known} if best_known is not None else {})
+    known = best_known(instance.digest)
+    return described | ({"best_known": known.best_known} if known else {})

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import dataclasses
 import glob
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -62,24 +60,3 @@ def instance_files(given: Path) -> list[Path]:
     if not found:
         raise InputError(f"{given}: there is no instance file ({', '.join(ENDINGS)})")
     return found
-
-
-def read_best_known(path: Path) -> dict[str, float]:
-    """Return best known values [s] by instance name, from a CSV with columns `instance` and `best_known`."""
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = csv.DictReader(file)
-            if not {"instance", "best_known"} <= set(rows.fieldnames or ()):
-                raise InputError(f"{path}: must have columns 'instance' and 'best_known'")
-            return {row["instance"]: float(row["best_known"]) for row in rows if row["best_known"]}
-    except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: cannot be read as best known values ({error})") from None
-
-
-def with_best_known(instance: Instance, values: dict[str, float]) -> Instance:
-    """Return `instance` carrying its best known value [s], where there is one."""
-    if instance.name not in values:
-        return instance
-    return dataclasses.replace(instance, provenance={**instance.provenance, "best_known": values[instance.name]})

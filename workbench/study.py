@@ -5,7 +5,6 @@ seeds = 3                        # so many (0, 1, 2), or a list
 time_limit = 10                  # [s], or a list
 threads = 1
 files = ["sets/*.json"]          # instance files, folders and patterns, relative to this file
-best_known = "best_known.csv"    # columns instance, best_known [s]
 
 [[families]]                     # a grid: every list is tried in every combination
 family = "uniform"
@@ -44,7 +43,6 @@ STUDY_KEYS = (
     "threads",
     "iterations",
     "files",
-    "best_known",
     "families",
     "solvers",
 )
@@ -80,13 +78,12 @@ class Study:
     description: str
     sources: tuple[Source, ...]
     entries: tuple[Entry, ...]
-    best_known: Path | None = None
     asked: dict[str, Any] = field(default_factory=dict)
 
-    def with_files(self, paths: Iterable[Path], best_known: Path | None = None) -> Study:
-        """Return the study with more instances (files, or folders of them) and with other best known values."""
+    def with_files(self, paths: Iterable[Path]) -> Study:
+        """Return the study with more instances: files, or folders of them."""
         more = tuple(FileSource(path) for given in paths for path in instance_files(given))
-        return replace(self, sources=self.sources + more, best_known=best_known or self.best_known)
+        return replace(self, sources=self.sources + more)
 
 
 def shipped_studies() -> dict[str, Path]:
@@ -115,15 +112,11 @@ def study_from(data: dict[str, Any], *, name: str, base: Path) -> Study:
         entries += _entries(table, data, f"solvers[{number}]")
     if not entries:
         raise InputError("study: names no solvers ([[solvers]] with name = …)")
-    best_known = base / _typed(data["best_known"], str, "best_known") if "best_known" in data else None
-    if best_known is not None and not best_known.exists():
-        raise InputError(f"study: best_known: there is no file {best_known}")
     return Study(
         name=_typed(data.get("name", name), str, "name"),
         description=_typed(data.get("description", ""), str, "description"),
         sources=tuple(sources),
         entries=tuple(entries),
-        best_known=best_known,
         asked=data,
     )
 

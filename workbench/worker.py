@@ -8,6 +8,7 @@ standard output or error is a log and cannot disturb this. The clock is kept her
 from __future__ import annotations
 
 import ctypes
+import dataclasses
 import json
 import os
 import pickle
@@ -72,7 +73,7 @@ def main() -> None:
 def _carry_out(assignment: Assignment, channel: Channel) -> None:
     solver = make_solver(assignment.solver, assignment.options)
     channel.say("started", proves=bool(solver.proves))
-    instance = assignment.instance
+    instance = dataclasses.replace(assignment.instance)  # read-only again, which pickling forgets: kernels mind
     reason = solver.accepts(instance)
     if reason is not None:
         channel.say("declined", reason=reason)

@@ -139,16 +139,6 @@ def test_instances_with_solvers_make_a_study(workbench, instance_folder, tmp_pat
     ]
 
 
-def test_best_known_values_are_carried(workbench, instance_folder, tmp_path, stored_json):
-    (tmp_path / "best.csv").write_text("set,instance,best_known\nx,r4-2-1,123.5\nx,r4-2-2,\n")
-    args = ["compare", instance_folder, "--solvers", "misbehaving:Honest", "--best-known", "best.csv", "--out", "runs"]
-    assert workbench(*args).returncode == 0
-    known = {
-        run["instance"]["name"]: run["instance"].get("best_known") for run in stored_json(tmp_path / "runs").values()
-    }
-    assert known == {"r4-2-0": None, "r4-2-1": 123.5, "r4-2-2": None}
-
-
 def test_too_many_threads_are_warned_of(workbench, instance_file):
     args = ["compare", instance_file, "--solvers", "misbehaving:Honest", "--threads", 64, "--dry-run"]
     assert "64 threads each" in workbench(*args).stderr

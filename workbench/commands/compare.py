@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 @click.option("--time-limit", type=float, help="Seconds for every run, in place of the study's.")
 @click.option("--seeds", type=int, help="So many seeds (0, 1, ...), in place of the study's.")
 @click.option("--threads", type=int, help="Threads of each solver, in place of the study's.")
-@click.option("--best-known", type=click.Path(path_type=Path), help="CSV with columns instance, best_known.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the runs.  [default: runs/<study>]")
 @click.option("--jobs", type=int, help="Runs at once.  [default: the cores of this machine]")
 @click.option("--retry", help="Run again what ended so: error, killed, no_solution (comma-separated).")
@@ -36,7 +35,6 @@ def command(
     time_limit: float | None,
     seeds: int | None,
     threads: int | None,
-    best_known: Path | None,
     out: Path | None,
     jobs: int | None,
     retry: str | None,
@@ -55,7 +53,7 @@ def command(
     if parallel < 1:
         raise InputError(f"--jobs: must be at least 1, got {jobs}")
     changes = {"time_limit": time_limit, "seeds": seeds, "threads": threads}
-    study = _study(targets, solvers, best_known, {key: value for key, value in changes.items() if value is not None})
+    study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
     folder = out or Path("runs") / study.name
     plan, store = _planned(study, folder, retry, shard, dry_run)
     _warn(study, plan, parallel if scheduler is None else 1)
@@ -72,7 +70,7 @@ def command(
     context.exit(1 if problems else 0)
 
 
-def _study(targets: tuple[str, ...], solvers: str | None, best_known: Path | None, changes: dict[str, object]) -> Study:
+def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, object]) -> Study:
     """Return the study that the arguments name, with the changes that the flags make to it."""
     from workbench.settings import names
     from workbench.study import load_tables, shipped_studies, study_from
@@ -96,7 +94,7 @@ def _study(targets: tuple[str, ...], solvers: str | None, best_known: Path | Non
         study = study_from(tables, name=path.stem if path else "compare", base=path.parent if path else Path())
     except InputError as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from None
-    return study.with_files([Path(target) for target in given], best_known)
+    return study.with_files([Path(target) for target in given])
 
 
 def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, dry_run: bool) -> tuple[Plan, Store]:

@@ -14,6 +14,7 @@ Source of the TSPLIB roundings: G. Reinelt, TSPLIB 95, 1995, §2.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -58,7 +59,7 @@ def distances(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def positive(value: Any, label: str) -> float:
     """Return `value` as a positive finite float; InputError names `label`."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < float("inf"):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= sys.float_info.max:
         raise InputError(f"{label} must be a positive number, got {value!r}")
     return float(value)
 

@@ -18,7 +18,6 @@ Files are relative to the TOML file.
 from __future__ import annotations
 
 import json
-import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -33,6 +32,7 @@ from instances.disk import read_text, write_aside
 from instances.environment.region import Region, polygons, read_geojson
 from instances.environment.wind import WindField, wind_from_toml
 from instances.errors import InputError, naming, suggestion
+from instances.metrics import positive
 from instances.toml_text import toml_text
 
 KEYS = ("name", "airspeed", "size", "region", "no_fly", "depots", "tasks", "terrain", "wind", "radio", "provenance")
@@ -78,7 +78,7 @@ class Scenario:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
             raise InputError(f"name must be a non-empty text, got {self.name!r}")
-        object.__setattr__(self, "airspeed", _airspeed(self.airspeed))
+        object.__setattr__(self, "airspeed", positive(self.airspeed, "airspeed [m/s]"))
         object.__setattr__(self, "no_fly", tuple(self.no_fly))
         free = self.free
         object.__setattr__(self, "depots", _points(self.depots, "depots", free))
@@ -175,12 +175,6 @@ def write_scenario(scenario: Scenario, path: Path | str) -> None:
     write_aside(path, toml_text(table))
 
 
-def _airspeed(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < math.inf:
-        raise InputError(f"airspeed must be a positive number [m/s], got {value!r}")
-    return float(value)
-
-
 def _region(table: Mapping[str, Any], folder: Path) -> Region:
     if "size" in table and "region" in table:
         raise InputError("either 'size' or 'region' must be given, not both")
@@ -190,10 +184,9 @@ def _region(table: Mapping[str, Any], folder: Path) -> Region:
     if file:
         return Region.read(file)
     size = table["size"]
-    pair = isinstance(size, list) and len(size) == 2 and all(type(side) in (int, float) for side in size)
-    if not pair or not all(0 < side < math.inf for side in size):
+    if not isinstance(size, list) or len(size) != 2:
         raise InputError(f"size must be two positive numbers [m], got {size!r}")
-    return Region.rectangle(*map(float, size))
+    return Region.rectangle(positive(size[0], "size[0] [m]"), positive(size[1], "size[1] [m]"))
 
 
 def _file(table: Mapping[str, Any], key: str, folder: Path) -> Path | None:

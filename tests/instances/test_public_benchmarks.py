@@ -1,0 +1,69 @@
+"""Every public instance reads, and every stored tour costs what its source says."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from instances import check_routes, makespan
+from instances.best_known import best_known
+from instances.files import read_instance
+from instances.formats.tsplib import instance_routes
+
+FOLDER = Path(__file__).resolve().parents[2] / ".." / "shared" / "benchmarks"
+FILES = sorted(FOLDER.glob("*/*.mdm"))
+
+pytestmark = pytest.mark.skipif(not FILES, reason=f"no benchmark instances beside the repository ({FOLDER.name})")
+
+
+def rows():
+    if not FILES:
+        return {}
+    with (FOLDER / "best_known.csv").open() as file:
+        return {(row["set"], row["instance"]): row for row in csv.DictReader(file)}
+
+
+ROWS = rows()
+TOURS = json.loads((FOLDER / "tours.json").read_text()) if FILES else {}
+
+# large ones share their coordinates with a smaller fleet's file: one each is enough for every day
+DAILY = [f for f in FILES if not f.stem.startswith(("fl3795", "rl5915", "pcb3038")) or f.stem.endswith("_3")]
+
+
+def check(file):
+    instance = read_instance(file)
+    row = ROWS[file.parent.name, file.stem]
+    if row["n_tasks"]:
+        assert (instance.n_tasks, instance.n_depots) == (int(row["n_tasks"]), int(row["m"]))
+        symmetric = (instance.cost == instance.cost.T).all()
+        assert bool(symmetric) == (row["symmetric"] == "True")
+        known = best_known(instance.digest)
+        assert known is not None
+        assert known.best_known <= float(row["best_known"])
+    tour = TOURS.get(instance.name)
+    if tour is None:
+        return
+    routes = instance_routes(instance, [[node + 1 for node in route] for route in tour["routes"]])
+    assert check_routes(instance, routes) == []
+    # stated to six decimals, or a whole number where the weights are whole
+    assert makespan(instance, routes) == pytest.approx(tour["value"], abs=5.1e-7, rel=0)
+    if tour["value"] == float(row["best_known"]):
+        assert makespan(instance, routes) == pytest.approx(float(row["best_known"]), abs=5.1e-7, rel=0)
+    else:  # a tour, but not of the best value known
+        assert tour["value"] > float(row["best_known"])
+
+
+@pytest.mark.parametrize("file", DAILY, ids=lambda f: f.stem)
+def test_reads_and_stored_tours_re_evaluate(file):
+    check(file)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("file", [f for f in FILES if f not in DAILY], ids=lambda f: f.stem)
+def test_the_largest_ones_too(file):
+    check(file)
+
+
+def test_every_stored_tour_has_its_file():
+    assert set(TOURS) <= {file.stem for file in DAILY}

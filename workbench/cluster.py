@@ -23,18 +23,19 @@ from workbench.runner import run
 from workbench.store import Store
 
 dask: Any = distributed  # it has no type stubs
-CONNECT = 15
+CONNECT = 10
 """Seconds to wait for the scheduler."""
 AHEAD = 2
 """Jobs handed over per thread of the cluster: enough to keep it busy, few enough not to hold every instance."""
 
 
-def run_on_cluster(jobs: Iterable[Job], store: Store, address: str, finished: Finished) -> None:
+def run_on_cluster(jobs: Iterable[Job], store: Store, address: str, finished: Finished) -> list[str]:
     """Run `jobs` on the cluster at `address`, storing each as it ends.
 
-    Raises InputError where the scheduler cannot be reached or has no workers, or where it gives a job up because
-    the workers that took it died, one after the other.
+    Return what the scheduler gave up, a sentence each: jobs whose workers died one after the other. Raises
+    InputError where the scheduler cannot be reached or has no workers.
     """
+    given_up = []
     with _connected(address) as client:
         workers = client.scheduler_info(n_workers=-1)["workers"].values()
         threads = sum(worker["nthreads"] for worker in workers)
@@ -52,18 +53,20 @@ def run_on_cluster(jobs: Iterable[Job], store: Store, address: str, finished: Fi
                 futures.append(future)
             return futures
 
-        ending = dask.as_completed(hand_over(AHEAD * threads))
+        ending = dask.as_completed(hand_over(AHEAD * threads), loop=client.loop)
         for future in ending:
             job = given.pop(future.key)
             if future.status != "finished":
-                raise InputError(f"--scheduler: {address} gave up {job.path}: {future.exception()}")
-            result, machine = future.result()
-            store.put_environment(result.environment, machine)
-            store.put(job.path, result)
+                given_up.append(f"{job.path}: given up by the cluster ({future.exception()})")
+            else:
+                result, machine = future.result()
+                store.put_environment(result.environment, machine)
+                store.put(job.path, result)
+                finished(job, result)
             future.release()
-            finished(job, result)
             for more in hand_over(1):
                 ending.add(more)
+    return given_up
 
 
 def run_there(job: Job, instance: Instance) -> tuple[Run, dict[str, Any]]:

@@ -9,9 +9,9 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from reports import load
 from reports.metrics import summary
-from reports.page import write_report
+from reports.page import write_page
+from reports.stores import read_stores
 from reports.tables import SUMMARY_COLUMNS, cells, shown, write_csv
 
 
@@ -20,19 +20,21 @@ def publish(folder: Path) -> list[str]:
 
     Return what could not be read in the store, a sentence each.
     """
-    runs = load(folder)
-    if len(runs):
-        print_summary(runs)
-    write_csv(runs, folder / "results.csv")
-    write_report([folder], folder / "report.html")
-    return list(runs.attrs["warnings"])
+    stores = read_stores(folder)
+    print_summary(stores.runs)
+    write_csv(stores.runs, folder / "results.csv")
+    write_page(stores, folder / "report.html")
+    return stores.warnings
 
 
 def print_summary(runs: pd.DataFrame) -> None:
     """Print the summary per solver as a table on stdout."""
+    if runs.empty:
+        return
     found = summary(runs)
     columns = shown(SUMMARY_COLUMNS, found)
-    table = Table("Solver", box=box.SIMPLE_HEAD)
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("Solver", no_wrap=True)
     for column in columns:
         table.add_column(column.heading, justify="right")
     for name, row in zip(found.index, cells(columns, found), strict=True):

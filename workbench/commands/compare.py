@@ -60,10 +60,10 @@ def command(
     if dry_run:
         _tell_plan(plan, parallel)
         return
-    _execute(plan, store, parallel, scheduler)
+    given_up = _execute(plan, store, parallel, scheduler)
     from workbench.publish import publish  # here: pandas and matplotlib are not needed while solvers run
 
-    problems = publish(folder)
+    problems = given_up + publish(folder)
     for problem in problems:
         click.echo(problem, err=True)
     click.echo(f"{folder / 'results.csv'}\n{folder / 'report.html'}")
@@ -145,18 +145,19 @@ def _tell_plan(plan: Plan, parallel: int) -> None:
     )
 
 
-def _execute(plan: Plan, store: Store, parallel: int, scheduler: str | None) -> None:
+def _execute(plan: Plan, store: Store, parallel: int, scheduler: str | None) -> list[str]:
+    """Run what is to do; return what could not be, a sentence each."""
     from workbench.execute import run_locally
     from workbench.progress import StudyProgress
 
     if len(plan.todo) < len(plan.jobs):
         click.echo(f"{len(plan.jobs) - len(plan.todo)} of {len(plan.jobs)} runs are stored already", err=True)
     if not plan.todo:
-        return
+        return []
     with StudyProgress(plan.todo, parallel) as progress:
         if scheduler is None:
             run_locally(plan.todo, store, parallel, progress.finished)
-        else:
-            from workbench.cluster import run_on_cluster
+            return []
+        from workbench.cluster import run_on_cluster
 
-            run_on_cluster(plan.todo, store, scheduler, progress.finished)
+        return run_on_cluster(plan.todo, store, scheduler, progress.finished)

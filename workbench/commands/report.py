@@ -1,0 +1,57 @@
+"""`workbench report`: make pages and tables from stored runs; compare with an older store."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from instances.errors import InputError
+
+FILE = click.Path(path_type=Path, dir_okay=False)
+
+
+@click.command("report")
+@click.argument("folders", metavar="RUNS-DIR...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", type=FILE, help="The page (.html).")
+@click.option("--csv", type=FILE, help="A row a run.")
+@click.option("--latex", type=FILE, help="Summary and instances as LaTeX tables.")
+@click.option("--markdown", type=FILE, help="Summary and instances as Markdown tables.")
+@click.option("--parquet", type=FILE, help="A row a run.")
+@click.option("--against", type=click.Path(path_type=Path), help="An older store: better, worse or unchanged?")
+@click.option("--fail-on-regression", is_flag=True, help="With --against: exit code 1 where something got worse.")
+@click.pass_context
+def command(
+    context: click.Context,
+    folders: tuple[Path, ...],
+    out: Path | None,
+    csv: Path | None,
+    latex: Path | None,
+    markdown: Path | None,
+    parquet: Path | None,
+    against: Path | None,
+    fail_on_regression: bool,
+) -> None:
+    """Report on the runs of one store or several merged, without running anything; prints the summary."""
+    from reports import tables
+    from reports.page import write_page
+    from reports.stores import read_stores
+    from workbench.publish import print_summary
+
+    if fail_on_regression and against is None:
+        raise InputError("--fail-on-regression: needs --against OLD")
+    stores = read_stores(*folders)
+    if out:
+        write_page(stores, out)
+    writers = (
+        (csv, tables.write_csv),
+        (latex, tables.write_latex),
+        (markdown, tables.write_markdown),
+        (parquet, tables.write_parquet),
+    )
+    for path, write in writers:
+        if path:
+            write(stores.runs, path)
+    for warning in stores.warnings:
+        click.echo(warning, err=True)
+    print_summary(stores.runs)

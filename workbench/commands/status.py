@@ -1,0 +1,33 @@
+"""`workbench status`: say how far a study has got."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+
+@click.command("status")
+@click.argument("folder", metavar="RUNS-DIR", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@click.pass_context
+def command(context: click.Context, folder: Path, as_json: bool) -> None:
+    """Count what is stored in RUNS-DIR, by solver and status, and what is missing. Exit code 1 for damaged files."""
+    from formulations.solver import Status
+    from workbench.census import census
+
+    found = census(folder)
+    if as_json:
+        counts = {"planned": found.planned, "stored": found.stored, "missing": found.missing}
+        click.echo(json.dumps(counts | {"by_solver": found.by_solver, "damaged": found.damaged}))
+    else:
+        seen = [status for status in Status if any(counts[status] for counts in found.by_solver.values())]
+        width = max([len(label) for label in found.by_solver], default=0)
+        for label, counts in sorted(found.by_solver.items()):
+            told = ", ".join(f"{counts[status]} {status}" for status in seen if counts[status])
+            click.echo(f"{label:{width}}  {sum(counts.values()):6d} stored: {told}")
+        click.echo(f"{found.stored} of {found.planned} runs stored, {found.missing} missing")
+        for path in found.damaged:
+            click.echo(f"{folder / path}: is not a readable run; left alone", err=True)
+    context.exit(1 if found.damaged else 0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 NOTHING = "–"
@@ -45,6 +46,16 @@ def seconds(value: Any) -> str:
     if value >= 100:
         return f"{value:,.0f}"
     return f"{value:.1f}" if value >= 10 else f"{value:.2f}" if value >= 0.1 else f"{value:.3f}"
+
+
+def signed_seconds(value: Any) -> str:
+    """Return a difference of times [s], without its unit."""
+    return NOTHING if _missing(value) else ("−" if value < 0 else "") + seconds(abs(value))
+
+
+def interval(write: Callable[[Any], str], low: Any, high: Any) -> str:
+    """Return both ends of an interval, each as `write` gives it."""
+    return NOTHING if _missing(low) or _missing(high) else f"{write(low)} … {write(high)}"
 
 
 def cost(value: Any) -> str:

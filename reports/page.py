@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib import resources
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -13,59 +14,89 @@ import pandas as pd
 
 from instances import InputError
 from instances.disk import write_aside
-from reports.figures.convergence import convergence
-from reports.figures.svg import Drawn, inline_svg
+from reports.compare import Comparison, compare_stores
+from reports.example import example_routes
+from reports.figures import Drawn, study_figures
+from reports.figures.svg import inline_svg
 from reports.metrics import contradictions, with_gaps
 from reports.payload import embedded, payload
-from reports.sections import environment_section, group_tables, meanings, summary_table
+from reports.sections import (
+    against_section,
+    environment_section,
+    group_tables,
+    meanings,
+    summary_table,
+    virtual_best_line,
+)
+from reports.significance import significance
 from reports.stores import Stores, read_stores
 
 TITLE = "Solvers of the min-max multi-depot multiple TSP, compared"
 
+MOST_CONTRADICTIONS = 200
+MOST_WARNINGS = 50
 
-def write_report(folders: Sequence[Path | str], path: Path | str, *, title: str = TITLE) -> pd.DataFrame:
-    """Write the page about every run below `folders` to `path` and return the frame it was made from.
 
-    Raises InputError where a folder does not exist or holds no run, or the page cannot be written.
+@dataclass(frozen=True)
+class Report:
+    """What a page was made from: the frame, its contradictions, files left alone, and the comparison if asked for."""
+
+    runs: pd.DataFrame
+    contradictions: pd.DataFrame
+    warnings: list[str]
+    comparison: Comparison | None
+
+
+def write_report(
+    folders: Sequence[Path | str],
+    path: Path | str,
+    *,
+    title: str = TITLE,
+    against: Sequence[Path | str] = (),
+) -> Report:
+    """Write the page about every run below `folders` to `path`, compared with the runs below `against` if given.
+
+    Raises InputError where a folder does not exist or holds no run that can be read, or the page cannot be written.
     """
     stores = read_stores(*folders)
-    write_page(stores, path, title=title)
-    return stores.runs
+    _refuse_empty(stores)
+    baseline = read_stores(*against) if against else None
+    if baseline is not None:
+        _refuse_empty(baseline)
+    comparison = compare_stores(stores.runs, baseline.runs) if baseline is not None else None
+    report = Report(stores.runs, contradictions(stores.runs), stores.warnings, comparison)
+    write_aside(path, _html(stores, report, title))
+    return report
 
 
-def write_page(stores: Stores, path: Path | str, *, title: str = TITLE) -> None:
-    """Write the page about `stores` to `path`; InputError as `write_report`."""
+def _refuse_empty(stores: Stores) -> None:
     if stores.runs.empty:
         first = f" ({stores.warnings[0]})" if stores.warnings else ""
         raise InputError(f"{', '.join(map(str, stores.folders))}: holds no run that can be read{first}")
-    write_aside(path, _html(stores, title))
 
 
-def _html(stores: Stores, title: str) -> str:
+def _html(stores: Stores, report: Report, title: str) -> str:
     runs = with_gaps(stores.runs)
     data = payload(runs, stores.instance_files)
-    lies = contradictions(stores.runs)
+    found = significance(runs)
+    against = against_section(report.comparison) if report.comparison is not None else None
     return _template().render(
         title=title,
         about=_about(runs, stores),
-        sections=[
-            {"key": key, "title": name}
-            for key, name in (
-                ("summary", "Methods"),
-                ("figures", "Quality and time"),
-                ("groups", "By group"),
-                ("instances", "Instances"),
-                ("runs", "Runs"),
-                ("limits", "Limits and machine"),
-            )
-        ],
-        contradictions=lies.to_dict("records"),
+        sections=_contents(against is not None),
+        contradictions=report.contradictions.head(MOST_CONTRADICTIONS).to_dict("records"),
+        n_contradictions=len(report.contradictions),
         checked=_checked(runs),
-        warnings=stores.warnings,
+        warnings=report.warnings[:MOST_WARNINGS],
+        n_warnings=len(report.warnings),
         summary=summary_table(runs),
-        figures=[_shown(drawn) for drawn in (convergence(runs),)],
+        summary_notes=[virtual_best_line(runs)],
+        against=against,
+        figures=[_shown(drawn) for drawn in study_figures(runs)],
+        statistics={"lines": found.lines, "figures": [_shown(d) for d in found.figures], "tables": found.tables},
         groups=group_tables(runs),
-        embedded_note=f"{len(data['details']):,} of {len(runs):,} runs are embedded whole.",
+        example=[_shown(drawn) for drawn in example_routes(runs, stores.instance_files)],
+        embedded_note=_embedded_note(len(data["details"]), len(runs)),
         environments=environment_section(runs, stores),
         meanings=meanings(),
         version=_version(),
@@ -75,8 +106,15 @@ def _html(stores: Stores, title: str) -> str:
     )
 
 
+def _contents(against: bool) -> list[dict[str, str]]:
+    names = {"summary": "Methods"} | ({"against": "Baseline"} if against else {})
+    names |= {"figures": "Quality and time", "statistics": "Significance", "groups": "By group"}
+    names |= {"instances": "Instances", "runs": "Runs", "limits": "Limits and machine"}
+    return [{"key": key, "title": name} for key, name in names.items()]
+
+
 def _about(runs: pd.DataFrame, stores: Stores) -> str:
-    names = ", ".join(folder.name for folder in stores.folders)
+    names = ", ".join(folder.resolve().name for folder in stores.folders)
     return (
         f"{len(runs):,} runs of {runs['method'].nunique()} methods on {runs['digest'].nunique():,} instances, "
         f"{runs['seed'].nunique()} seeds, from {names}."
@@ -87,6 +125,15 @@ def _checked(runs: pd.DataFrame) -> str:
     return (
         f"No contradictions: {int(runs['recomputed'].notna().sum()):,} sets of routes were costed again and "
         f"{int(runs['bound'].notna().sum()):,} lower bounds held against them."
+    )
+
+
+def _embedded_note(held: int, runs: int) -> str:
+    if held == runs:
+        return "Every run is held whole in this page."
+    return (
+        f"To stay small, this page holds routes, trace and log of {held:,} of {runs:,} runs: failed ones and the "
+        "best of each method and instance first; the others are in the store."
     )
 
 

@@ -2,44 +2,24 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from typing import Any
 
 import pandas as pd
 
 from reports import numbers
-from reports.figures.style import styles
-from reports.metrics import summary
+from reports.cells import cell, method_cell, number_cell
+from reports.compare import Comparison
+from reports.metrics import contributions, shifted_geometric_mean, summary, virtual_best
 from reports.metrics.means import PENALTY, SHIFT
 from reports.metrics.scores import GROUPINGS, banded, scores
 from reports.stores import Stores
 from reports.tables import SUMMARY_COLUMNS, Column, shown
 
+MOST_CHANGES = 40
+"""Changed instances listed at most."""
+
 BEST_IS_LEAST = {"gap_known", "gap_found", "gap_bound", "time", "proof_time", "target_time", "primal_integral"}
 BEST_IS_MOST = {"solved", "proved", "certified"}
-
-
-def cell(text: str, sort: Any = None, *, best: bool = False, style: Any = None) -> dict[str, Any]:
-    """Return one cell: its text, the number it sorts by (None: its text), whether it is the best of its column."""
-    return {"text": text, "sort": sort, "best": best, "style": style}
-
-
-def number_cell(write: Any, value: Any, *, best: bool = False) -> dict[str, Any]:
-    """Return a cell of a number; a missing one sorts last."""
-    missing = value is None or value is pd.NA or value != value
-    return cell(numbers.NOTHING if missing else write(value), "" if missing else _sortable(value), best=best)
-
-
-def _sortable(value: Any) -> float:
-    return 1e300 if math.isinf(value) else float(value)
-
-
-def method_cell(method: str, methods: Sequence[str]) -> dict[str, Any]:
-    """Return a cell that names a method beside the line it has in every figure."""
-    look = styles(methods)[method]
-    dashes = " ".join(f"{2 * length:g}" for length in look.dash[1]) if len(look.dash) == 2 else ""
-    return cell(method, style=(look.colour, dashes))
 
 
 def summary_table(runs: pd.DataFrame) -> dict[str, Any]:
@@ -53,11 +33,24 @@ def summary_table(runs: pd.DataFrame) -> dict[str, Any]:
         rows.append([method_cell(str(method), methods), *marked])
     caption = (
         f"One row a method over {runs['digest'].nunique()} instances and {runs['seed'].nunique()} seeds. Times are "
-        f"shifted geometric means (shift {SHIFT:g} s); a run that failed counts {PENALTY:g} times its limit. The best "
-        "of each column is shaded. What each column means is said at the end of the page."
+        f"shifted geometric means (shift {SHIFT:g} s); a run that failed counts {PENALTY:g} times its limit. The "
+        "best of each column is shaded. What each column means is said at the end of the page."
     )
     headings = ["Method", *[c.heading for c in columns]]
     return {"key": "summary", "headings": headings, "texts": 1, "rows": rows, "caption": caption}
+
+
+def virtual_best_line(runs: pd.DataFrame) -> str:
+    """Return what the best method of each run, known beforehand, would reach, and which methods it would need."""
+    best = virtual_best(runs)
+    added = contributions(runs)
+    alone = [f"{method} on {row.alone}" for method, row in added.iterrows() if row["alone"]]
+    words = f"better than every other: {', '.join(alone)}" if alone else "no method is better than every other anywhere"
+    return (
+        f"The virtual best, taking the best method for each instance and seed, would have a mean gap to the best of "
+        f"{numbers.gap(best['gap_best'].mean())} in {numbers.seconds(shifted_geometric_mean(best['elapsed']))} s. "
+        f"Of {runs['digest'].nunique()} instances, {words}."
+    )
 
 
 def _is_best(column: Column, value: float, table: pd.DataFrame) -> bool:
@@ -100,6 +93,57 @@ def _group_cell(table: pd.DataFrame, group: Any, method: str) -> dict[str, Any]:
     if row["proved"] > 0:
         made["text"] += f" ({numbers.share(row['proved'])})"
     return made
+
+
+def against_section(comparison: Comparison) -> dict[str, Any]:
+    """Return what became of each method against the baseline: regressions first, then tables."""
+    lines = [f"Regression: {line}" for line in comparison.regressions] or ["No significant regression."]
+    methods = [
+        [
+            cell(row.method),
+            cell(row.measure),
+            *[number_cell(numbers.count, value) for value in (row.instances, row.better, row.worse, row.unchanged)],
+            number_cell(numbers.gap, row.change),
+            cell(numbers.interval(numbers.gap, row.low, row.high)),
+            number_cell(numbers.p_value, row.p_holm),
+            cell(row.verdict),
+        ]
+        for row in comparison.methods.itertuples()
+    ]
+    headings = [
+        "Method",
+        "Measure",
+        "Instances",
+        "Better",
+        "Worse",
+        "Unchanged",
+        "Mean change",
+        "95 % interval",
+        "p",
+        "",
+    ]
+    caption = (
+        "Medians over seeds, new against baseline; a negative change is an improvement. p from Wilcoxon's "
+        "signed-rank test over instances, corrected by Holm's method."
+    )
+    tables = [{"key": "against", "headings": headings, "texts": 2, "rows": methods, "caption": caption}]
+    changed = comparison.instances[comparison.instances["verdict"] != "unchanged"]
+    changed = changed.reindex(changed["change"].abs().sort_values(ascending=False, kind="stable").index)
+    rows = [
+        [
+            cell(row.instance),
+            cell(row.method),
+            *[number_cell(numbers.cost, value) for value in (row.baseline, row.new)],
+            number_cell(numbers.gap, row.change),
+            cell(row.verdict),
+        ]
+        for row in changed.head(MOST_CHANGES).itertuples()
+    ]
+    if rows:
+        headings = ["Instance", "Method", "Baseline [s]", "New [s]", "Change", ""]
+        caption = f"The largest changes of cost ({len(rows)} of {len(changed)} that changed)."
+        tables.append({"key": "changes", "headings": headings, "texts": 2, "rows": rows, "caption": caption})
+    return {"lines": [*lines, *comparison.remarks], "tables": tables}
 
 
 def environment_section(runs: pd.DataFrame, stores: Stores) -> list[dict[str, Any]]:

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib import rc_context
 from numpy.typing import NDArray
 
-from reports.figures.style import RC, legend_below, new_figure, styles
+from reports.figures.style import RC, gap_scale, legend_below, new_figure, plain, styles
 from reports.figures.svg import Drawn
 from reports.metrics.integrals import finished_traces
 
@@ -28,12 +28,14 @@ def convergence(runs: pd.DataFrame) -> Drawn:
         for method, group in runs.groupby("method", sort=True):
             low, middle, high = np.quantile(_gaps(group, times), [0.25, 0.5, 0.75], axis=0, method="nearest")
             look = style[str(method)]
-            axes.plot(times, 100 * middle, color=look.colour, linestyle=look.dash, label=str(method))
-            axes.fill_between(times, 100 * low, 100 * high, color=look.colour, alpha=0.13, linewidth=0)
+            axes.plot(
+                times, 100 * middle, color=look.colour, linestyle=look.dash, drawstyle="steps-post", label=str(method)
+            )
+            axes.fill_between(times, 100 * low, 100 * high, color=look.colour, alpha=0.13, linewidth=0, step="post")
         axes.set_xscale("log")
-        axes.set_yscale("symlog", linthresh=0.1, linscale=0.5)
-        axes.set(xlabel="time [s]", ylabel="gap to the best [%]", xlim=(times[0], times[-1]), ylim=(0, None))
-        axes.yaxis.set_major_formatter("{x:g}")
+        plain(axes.xaxis)
+        gap_scale(axes, 0.0)
+        axes.set(xlabel="time [s]", xlim=(times[0], times[-1]))
         legend_below(figure, axes)
     caption = (
         f"Gap of each run's routes so far to the best known or found, over {runs['digest'].nunique()} instances: the "

@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
 
 INK = "#1b1c1e"
 """Text, axes and marks: becomes the page's text colour."""
@@ -75,6 +77,20 @@ def new_figure(width: float = WIDTH, height: float = 3.4) -> Figure:
     """Return an empty figure of `width` × `height` [inch] in this style."""
     with rc_context(RC):
         return Figure(figsize=(width, height), layout="constrained")
+
+
+def plain(axis: Axis) -> None:
+    """Write the numbers of a logarithmic axis as people do: 0.01, 0.1, 1, 10."""
+    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def gap_scale(axes: Axes, least: float) -> None:
+    """Make y a gap [%]: logarithmic, linear below 0.1 %, from 0 or from `least` where that is below."""
+    axes.set_yscale("symlog", linthresh=0.1, linscale=0.5)
+    plain(axes.yaxis)
+    axes.set_ylabel("gap to the best [%]")
+    axes.set_ylim(bottom=1.3 * least if least < 0 else -0.012)
 
 
 def legend_below(figure: Figure, axes: Axes, columns: int = 4) -> None:

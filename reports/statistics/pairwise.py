@@ -65,7 +65,7 @@ def signed_rank(difference: ArrayLike) -> tuple[float, float]:
     if not d.any():
         return len(d) * (len(d) + 1) / 4, 1.0
     plain = len(d) <= 50 and d.all() and len(np.unique(np.abs(d))) == len(d)
-    method: Literal["exact", "asymptotic"] = "exact" if plain else "asymptotic"
+    method: Literal["exact", "approx"] = "exact" if plain else "approx"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # small samples: the verdict says so
         found = wilcoxon(d, zero_method="zsplit", method=method)

@@ -1,0 +1,117 @@
+"""Performance profiles: for how many instances a method is within a factor of the best method.
+
+    ρ_s(τ) = share of instances p with r_{p,s} ≤ τ,   r_{p,s} = t_{p,s} / min_s t_{p,s}
+
+Source: E. D. Dolan and J. J. Moré, Benchmarking optimization software with performance profiles, Math. Program. 91
+(2002) 201–213. The figure of an instance is the median over seeds, infinite where the method failed. Profiles of more
+than two methods depend on who takes part (Gould & Scott, ACM TOMS 43, 2016), which the captions say.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+
+from reports.figures.steps import step_line
+from reports.figures.style import RC, Style, legend_below, new_figure, plain, styles
+from reports.figures.svg import Drawn
+from reports.metrics.targets import time_to_proof, time_to_target
+from reports.statistics.blocks import blocks
+
+SOONEST = 1e-3
+"""Times below this [s] count as this: shorter ones are not resolved."""
+
+
+def time_profile(runs: pd.DataFrame, target: float = 0.01) -> Drawn | None:
+    """Draw the profile of the time until within `target` of the best; None where no run got there.
+
+    runs : with gaps (`metrics.with_gaps`).
+    """
+    measured = runs.assign(_time=time_to_target(runs, [target])[target])
+    caption = (
+        f"Share of instances on which a method was within {100 * target:g} % of the best known or found in at most τ "
+        "times the time of the soonest method. At τ = 1 it was the soonest; the right end is the share it reached "
+        f"at all within its limit. {_READING}"
+    )
+    look = styles(runs["method"])
+    return _profile(
+        measured, look, "profile-time", "Profile of time to 1 %", caption, "times the soonest method's time, τ"
+    )
+
+
+def proof_profile(runs: pd.DataFrame) -> Drawn | None:
+    """Draw the profile of the time until the proof of optimality, of the methods that prove; None without a proof."""
+    able = runs[runs["proves"]]
+    measured = able.assign(_time=time_to_proof(able))
+    caption = (
+        "Share of instances that a method proved optimal in at most τ times the time of the soonest proof; only "
+        f"methods that can prove take part. {_READING}"
+    )
+    look = styles(runs["method"])
+    return _profile(
+        measured, look, "profile-proof", "Profile of time to proof", caption, "times the soonest proof's time, τ"
+    )
+
+
+_READING = "Higher is better. With three methods or more, compare each with the best only."
+
+
+def quality_profile(runs: pd.DataFrame) -> Drawn | None:
+    """Draw the profile of the cost of the routes: share of instances within a gap of the best."""
+    gaps = 100 * blocks(runs, "gap_best")
+    finite = gaps.to_numpy(float)[np.isfinite(gaps.to_numpy(float))]
+    if not finite.size:
+        return None
+    end = max(1.0, float(np.quantile(finite, 0.99)))
+    style = styles(runs["method"])
+    figure = new_figure()
+    with rc_context(RC):
+        axes = figure.add_subplot()
+        for method in gaps:
+            step_line(axes, gaps[method].dropna(), style[str(method)], str(method), 0.0, end)
+        axes.set_xscale("symlog", linthresh=0.1, linscale=0.4)
+        axes.set(xlabel="gap to the best known or found, at most [%]", xlim=(0, end))
+        plain(axes.xaxis)
+        _share_axis(axes)
+        legend_below(figure, axes)
+    caption = (
+        "Share of instances on which a method's routes (median over seeds) are within the given gap of the best "
+        "known or found at the end of the run. At 0 % it found the best; what is missing to 100 % at the right end "
+        "it did not solve, or worse than the scale shows. Higher is better; the scale is linear below 0.1 %."
+    )
+    return Drawn("profile-quality", "Profile of quality", caption, figure)
+
+
+def ratios(table: pd.DataFrame) -> pd.DataFrame:
+    """Return r_{p,s} of a table instances × methods, for the instances somebody finished; infinite where one failed."""
+    least = table.min(axis=1)
+    reached = np.isfinite(least)
+    found: pd.DataFrame = table[reached].div(least[reached], axis=0)
+    return found
+
+
+def _profile(
+    runs: pd.DataFrame, style: dict[str, Style], key: str, title: str, caption: str, label: str
+) -> Drawn | None:
+    if runs.empty or not np.isfinite(runs["_time"].astype(float)).any():
+        return None
+    table = ratios(blocks(runs, "_time").clip(lower=SOONEST))
+    finite = table.to_numpy(float)[np.isfinite(table.to_numpy(float))]
+    end = max(2.0, float(finite.max()) * 1.2)
+    figure = new_figure()
+    with rc_context(RC):
+        axes = figure.add_subplot()
+        for method in table:
+            step_line(axes, table[method].dropna(), style[str(method)], str(method), 1.0, end)
+        axes.set_xscale("log", base=2 if end < 100 else 10)
+        axes.set(xlabel=label, xlim=(1.0, end))
+        plain(axes.xaxis)
+        _share_axis(axes)
+        legend_below(figure, axes)
+    return Drawn(key, title, caption, figure)
+
+
+def _share_axis(axes: Axes) -> None:
+    axes.set(ylabel="share of instances [%]", ylim=(-2, 102))

@@ -7,8 +7,8 @@ Lozano-Pérez & Wesley 1979). There the cost here is the true minimum.
 With vorticity (shear, rotation) the true minimum bends between corners too, with curvature curl(w)/v0, as far as the
 walls let it, and has no closed form. What is computed is then the exact cost, by exact line integrals along the legs,
 of the cheapest path *of straight legs through corners*: a path that can be flown, hence an upper bound of the minimum.
-A leg of length d between them is longer than its arc by the factor 1/g(κd/2) of `closed_form`, 1 + (κd)²/24 + …: by
-1 % at κd = 0.5.
+A leg of length d costs more than its arc by (d/v0)(1 − g(κd/2)) of `closed_form`, about (d/v0)(κd)²/24: 1 % of the time
+in calm air at κd = 0.5.
 """
 
 from __future__ import annotations
@@ -60,6 +60,8 @@ def corner_path_costs(
         reach = np.min(first[:, :, None] + among[None, :, :], axis=1)
         for corner in range(len(corners)):
             np.minimum(cost, reach[:, corner, None] + last[None, corner, :], out=cost)
+    if wind is None:
+        np.minimum(cost, cost.T, out=cost)  # the same both ways to the last bit, in whichever order corners were added
     np.fill_diagonal(cost, 0.0)
     return cost
 

@@ -1,0 +1,87 @@
+"""Annealed ruin-and-recreate (Schrimpf et al. 2000), the loop inside `ruin-recreate` and `memetic`.
+
+The energy of tours is max_k C_k + ε · mean_k C_k: the longest tour alone is flat, and a share ε of the mean lets the
+search shorten the others too, which makes room for the longest one to give tasks away.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from formulations.routing.search.neighbours import Neighbours
+from formulations.routing.search.randomness import below, uniform
+from formulations.routing.search.recreate import recreate, shuffle
+from formulations.routing.search.ruin import put_back, ruin_adjacent, ruin_strings
+from formulations.routing.search.tours import Tours, copy_tours, sum_costs, unlink
+
+POWERS = (1, 2, 5, 12)
+"""The p of the recreation's guidance Σ (C_k / ref)^p, one drawn for each recreation."""
+STRINGS = 0.5
+"""Share of ruins by strings; the others are adjacent removals."""
+
+
+@njit(cache=True, nogil=True)
+def energy(lengths: NDArray[np.float64], evenness: float) -> float:
+    """Return max_k C_k + evenness · mean_k C_k [s]."""
+    return lengths.max() + evenness * lengths.mean()
+
+
+@njit(cache=True, nogil=True)
+def undo(
+    tours: Tours,
+    count: int,
+    gone: NDArray[np.int32],
+    stood: NDArray[np.int32],
+    costs_before: NDArray[np.float64],
+) -> None:
+    """Return to the tours as they were before a ruin of `count` tasks and its recreation."""
+    for i in range(count):
+        unlink(tours, gone[i])
+    put_back(tours, count, gone, stood)
+    tours.cost[:] = costs_before
+
+
+@njit(cache=True, nogil=True)
+def anneal(
+    cost: NDArray[np.float64],
+    near: Neighbours,
+    tours: Tours,
+    best: Tours,
+    rng: NDArray[np.uint64],
+    steps: int,
+    temperature: float,
+    evenness: float,
+    removals: int,
+) -> None:
+    """Take `steps` steps of ruin and recreate from `tours`, in place; `best` follows the smallest max_k C_k.
+
+    A step that raises the energy by x [s] is kept with probability exp(−x / temperature).
+    """
+    gone, stood, queue = (np.empty(removals, np.int32), np.empty(removals, np.int32), np.empty(removals, np.int32))
+    ruined = np.zeros(tours.cost.size, np.uint8)
+    costs_before = np.empty(tours.cost.size)
+    sum_costs(cost, tours)
+    now = energy(tours.cost, evenness)
+    lowest = best.cost.max()
+    for _ in range(steps):
+        costs_before[:] = tours.cost
+        if uniform(rng) < STRINGS:
+            count = ruin_strings(cost, near.tasks, tours, rng, removals, gone, stood, ruined)
+        else:
+            count = ruin_adjacent(cost, near.tasks, tours, rng, removals, gone, stood)
+        queue[:count] = gone[:count]
+        shuffle(queue, count, rng)
+        recreate(cost, near, tours, queue, count, POWERS[below(rng, len(POWERS))], rng)
+        then = energy(tours.cost, evenness)
+        if then < now - temperature * math.log(1.0 - uniform(rng)):
+            now = then
+            longest = tours.cost.max()
+            if longest < lowest:
+                lowest = longest
+                copy_tours(tours, best)
+        else:
+            undo(tours, count, gone, stood, costs_before)

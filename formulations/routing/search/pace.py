@@ -1,0 +1,56 @@
+"""Pace: how far a search is on its way to its limit, and how many steps to take before looking at the clock again."""
+
+from __future__ import annotations
+
+import time
+
+from formulations.recorder import Recorder
+
+_SLICE = 0.02
+"""Seconds between two looks at the clock."""
+_STEPS = 1000
+"""Steps between two looks where the iteration limit sets the schedule."""
+
+
+class Pace:
+    """The schedule of one search under a recorder's limits.
+
+    Where an iteration limit is given the schedule counts iterations only, so that a run is repeatable; the time limit
+    then merely stops it. Otherwise it follows the clock.
+    """
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+        self._rate = 1000.0
+        self._began = time.perf_counter()
+        self.iterations = 0
+
+    @property
+    def fraction(self) -> float:
+        """How much of the limit is used, from 0 to 1."""
+        limits = self._recorder.limits
+        if limits.iterations is None:
+            return min(1.0, self._recorder.elapsed / limits.time)
+        return min(1.0, self.iterations / limits.iterations) if limits.iterations else 1.0
+
+    @property
+    def stopped_by(self) -> str:
+        """Which limit is reached: "time", "iterations" or ""."""
+        if self._recorder.remaining <= 0.0:
+            return "time"
+        limit = self._recorder.limits.iterations
+        return "iterations" if limit is not None and self.iterations >= limit else ""
+
+    def next_steps(self) -> int:
+        """Return how many steps to take now, at least 1."""
+        self._began = time.perf_counter()
+        limit = self._recorder.limits.iterations
+        if limit is not None:
+            return max(1, min(_STEPS, limit - self.iterations))
+        return max(1, int(self._rate * min(_SLICE, self._recorder.remaining)))
+
+    def took(self, steps: int) -> None:
+        """Say that `steps` steps were taken since `next_steps`."""
+        self.iterations += steps
+        spent = max(1e-6, time.perf_counter() - self._began)
+        self._rate = 0.5 * self._rate + 0.5 * steps / spent

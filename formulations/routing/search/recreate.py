@@ -1,0 +1,133 @@
+"""Recreate: put the removed tasks back one by one where they hurt least.
+
+Hurt is the growth of Σ_k C_k^p: p = 1 minimises the total, a large p spares the longest tours; a p drawn anew for each
+recreation keeps the search from going blind where only the longest tour counts.
+Places looked at: behind and before each near neighbour, and both ends of the tours of near depots; each place is
+overlooked with a small probability (blinks, Christiaens & Vanden Berghe 2020).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from formulations.routing.search.neighbours import Neighbours
+from formulations.routing.search.randomness import below, uniform
+from formulations.routing.search.tours import Tours, insertion_change, link
+
+BLINK = 0.01
+"""Probability of overlooking a place."""
+WIDTH = 12
+"""Near tasks whose two sides are looked at."""
+DEPOTS = 4
+"""Nearest depots whose tour ends are looked at; as many again are drawn among the others."""
+
+
+@njit(cache=True, nogil=True)
+def power(x: float, p: int) -> float:
+    """Return x^p for a whole p ≥ 1 by repeated squaring."""
+    result = 1.0
+    while p:
+        if p & 1:
+            result *= x
+        x *= x
+        p >>= 1
+    return result
+
+
+@njit(cache=True, nogil=True)
+def growth(length: float, change: float, p: int) -> float:
+    """Return (length + change)^p − length^p."""
+    if p == 1:
+        return change
+    return power(length + change, p) - power(length, p)
+
+
+@njit(cache=True, nogil=True)
+def _better_side(cost: NDArray[np.float64], tours: Tours, v: int, u: int) -> tuple[int, float]:
+    """Return (node to put task v behind, cost change [s]) for the cheaper of behind u and before u."""
+    b = tours.before[u]
+    behind = insertion_change(cost, tours, v, u)
+    ahead = cost[b, v] + cost[v, u] - cost[b, u]
+    if ahead < behind:
+        return b, ahead
+    return u, behind
+
+
+@njit(cache=True, nogil=True)
+def best_place(
+    cost: NDArray[np.float64],
+    near: Neighbours,
+    tours: Tours,
+    v: int,
+    p: int,
+    scale: float,
+    blink: float,
+    rng: NDArray[np.uint64],
+) -> tuple[int, float]:
+    """Return (node to put task v behind, change of that tour's cost [s]); the node is −1 where all was overlooked.
+
+    scale [1/s] only keeps the p-th powers in range; the choice does not depend on it.
+    """
+    n_near = near.tasks.shape[1]
+    n_depots = near.depots.shape[1]
+    n_tasks_seen = min(WIDTH, n_near)
+    n_ends_seen = min(2 * DEPOTS, n_depots)
+    best, best_u, best_change = np.inf, -1, 0.0
+    for j in range(n_tasks_seen + n_ends_seen):
+        if j < n_tasks_seen:
+            node = near.tasks[v, j]
+        elif j < n_tasks_seen + DEPOTS or n_depots <= 2 * DEPOTS:
+            node = near.depots[v, j - n_tasks_seen]
+        else:
+            node = near.depots[v, DEPOTS + below(rng, n_depots - DEPOTS)]
+        k = tours.tour[node]
+        if k < 0 or uniform(rng) < blink:
+            continue
+        u, change = _better_side(cost, tours, v, node)
+        value = growth(tours.cost[k] * scale, change * scale, p)
+        if value < best or best_u < 0:
+            best, best_u, best_change = value, u, change
+    return best_u, best_change
+
+
+@njit(cache=True, nogil=True)
+def recreate(
+    cost: NDArray[np.float64],
+    near: Neighbours,
+    tours: Tours,
+    queue: NDArray[np.int32],
+    count: int,
+    p: int,
+    rng: NDArray[np.uint64],
+) -> None:
+    """Put queue[:count] back into the tours, in that order, and book the costs."""
+    longest = tours.cost.max()
+    scale = 1.0 / longest if longest > 0.0 else 1.0
+    for i in range(count):
+        v = queue[i]
+        u, change = best_place(cost, near, tours, v, p, scale, BLINK, rng)
+        if u < 0:
+            u, change = best_place(cost, near, tours, v, p, scale, 0.0, rng)
+        k = tours.tour[u]
+        link(tours, v, u)
+        tours.cost[k] += change
+
+
+@njit(cache=True, nogil=True)
+def shuffle(queue: NDArray[np.int32], count: int, rng: NDArray[np.uint64]) -> None:
+    """Put queue[:count] in random order (Fisher & Yates)."""
+    for i in range(count - 1, 0, -1):
+        j = below(rng, i + 1)
+        queue[i], queue[j] = queue[j], queue[i]
+
+
+@njit(cache=True, nogil=True)
+def construct(cost: NDArray[np.float64], near: Neighbours, tours: Tours, rng: NDArray[np.uint64]) -> None:
+    """Fill empty tours with all tasks in random order, each where it least raises Σ_k C_k²."""
+    n = near.tasks.shape[0]
+    queue = np.arange(n).astype(np.int32)
+    shuffle(queue, n, rng)
+    for i in range(n):
+        recreate(cost, near, tours, queue[i : i + 1], 1, 2, rng)

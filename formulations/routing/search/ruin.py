@@ -1,0 +1,112 @@
+"""Ruin: take a few related tasks out of their tours, and put them back exactly where they were.
+
+Two ways: a task with its nearest neighbours (Shaw 1998; adjacent removal), and strings of consecutive tasks from tours
+near a seed task (slack induction by string removals, Christiaens & Vanden Berghe 2020).
+Each removal writes the task and the node it stood behind to `gone` and `stood`; undoing reads them backwards.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from formulations.routing.search.randomness import below, uniform
+from formulations.routing.search.tours import Tours, link, removal_change, unlink
+
+
+@njit(cache=True, nogil=True)
+def take_out(
+    cost: NDArray[np.float64], tours: Tours, v: int, count: int, gone: NDArray[np.int32], stood: NDArray[np.int32]
+) -> int:
+    """Take task v out, book its cost and place, and return the new count of removed tasks."""
+    tours.cost[tours.tour[v]] += removal_change(cost, tours, v)
+    gone[count] = v
+    stood[count] = tours.before[v]
+    unlink(tours, v)
+    return count + 1
+
+
+@njit(cache=True, nogil=True)
+def put_back(tours: Tours, count: int, gone: NDArray[np.int32], stood: NDArray[np.int32]) -> None:
+    """Undo `count` removals, last first; costs are the caller's business."""
+    for i in range(count - 1, -1, -1):
+        link(tours, gone[i], stood[i])
+
+
+@njit(cache=True, nogil=True)
+def ruin_adjacent(
+    cost: NDArray[np.float64],
+    near: NDArray[np.int32],
+    tours: Tours,
+    rng: NDArray[np.uint64],
+    most: int,
+    gone: NDArray[np.int32],
+    stood: NDArray[np.int32],
+) -> int:
+    """Take out a random task and its nearest neighbours, 1 to `most` tasks together; return how many."""
+    n = near.shape[0]
+    wanted = 1 + below(rng, min(most, near.shape[1] + 1))
+    v = below(rng, n)
+    count = take_out(cost, tours, v, 0, gone, stood)
+    for j in range(wanted - 1):
+        count = take_out(cost, tours, near[v, j], count, gone, stood)
+    return count
+
+
+@njit(cache=True, nogil=True)
+def _string_around(tours: Tours, v: int, length: int, rng: NDArray[np.uint64], n_tasks: int) -> int:
+    """Return the first node of a string of `length` tasks that contains v, at a random offset."""
+    first = v
+    for _ in range(below(rng, length)):
+        if tours.before[first] >= n_tasks:
+            break
+        first = tours.before[first]
+    return first
+
+
+@njit(cache=True, nogil=True)
+def ruin_strings(
+    cost: NDArray[np.float64],
+    near: NDArray[np.int32],
+    tours: Tours,
+    rng: NDArray[np.uint64],
+    most: int,
+    gone: NDArray[np.int32],
+    stood: NDArray[np.int32],
+    ruined: NDArray[np.uint8],
+) -> int:
+    """Take out strings from a few tours near a random task, at most `most` tasks together; return how many.
+
+    Half of the strings keep a run of tasks in their middle (split strings).
+    """
+    n = near.shape[0]
+    seed = below(rng, n)
+    wanted = 1 + below(rng, most)
+    longest = 1 + below(rng, wanted)
+    ruined[:] = 0
+    count = 0
+    for j in range(-1, near.shape[1]):
+        v = seed if j < 0 else near[seed, j]
+        k = tours.tour[v]
+        if k < 0 or ruined[k]:
+            continue
+        ruined[k] = 1
+        length = min(longest, wanted - count, tours.size[k])
+        kept = 0
+        if length > 1 and uniform(rng) < 0.5:
+            kept = min(tours.size[k] - length, 1 + below(rng, length))
+        u = _string_around(tours, v, length + kept, rng, n)
+        skip_from = 1 + below(rng, length - 1) if kept else length
+        taken, skipped = 0, 0
+        while taken < length and u < n:
+            after = tours.after[u]
+            if taken >= skip_from and skipped < kept:
+                skipped += 1
+            else:
+                count = take_out(cost, tours, u, count, gone, stood)
+                taken += 1
+            u = after
+        if count >= wanted:
+            break
+    return count

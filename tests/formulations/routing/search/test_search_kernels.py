@@ -1,0 +1,207 @@
+"""Every kernel of ruin and recreate against a naive twin, on random asymmetric costs."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from formulations.routing.search import recreate as rebuilding
+from formulations.routing.search import ruin as ruining
+from formulations.routing.search import tours as rings
+from formulations.routing.search.annealing import anneal, energy, undo
+from formulations.routing.search.neighbours import neighbours
+from formulations.routing.search.randomness import below, seeded, uniform
+from instances import Instance, check_routes, makespan, tour_costs
+
+seeds = st.integers(0, 10**6)
+
+
+def random_instance(seed, n=14, m=3):
+    cost = np.random.default_rng(seed).uniform(1.0, 100.0, (n + m, n + m))
+    np.fill_diagonal(cost, 0.0)
+    return Instance(f"random {seed}", cost, n, m)
+
+
+def random_routes(seed, n=14, m=3):
+    rng = np.random.default_rng(seed)
+    routes = [[] for _ in range(m)]
+    for v in rng.permutation(n):
+        routes[rng.integers(m)].append(int(v))
+    return tuple(map(tuple, routes))
+
+
+def test_random_numbers_are_uniform_and_repeatable():
+    rng = seeded(3, 1)
+    draws = np.array([uniform(rng) for _ in range(20_000)])
+    assert draws.min() >= 0.0
+    assert draws.max() < 1.0
+    assert np.histogram(draws, 10, (0, 1))[0] == pytest.approx(2000, abs=250)
+    assert [below(seeded(3, 1), 7) for _ in range(5)] == [below(seeded(3, 1), 7)] * 5
+    assert uniform(seeded(3, 1)) != uniform(seeded(3, 2))
+    faces = {below(rng, 4) for _ in range(200)}
+    assert faces == {0, 1, 2, 3}
+
+
+@given(seeds)
+@settings(deadline=None, max_examples=20)
+def test_neighbours_are_the_nearest_in_either_direction(seed):
+    instance = random_instance(seed, 12, 4)
+    near = neighbours(instance.cost, 12, 5, 3)
+    either = np.minimum(instance.cost, instance.cost.T)
+    for v in range(12):
+        others = [u for u in range(12) if u != v]
+        assert near.tasks[v].tolist() == sorted(others, key=lambda u: either[u, v])[:5]
+        assert near.depots[v].tolist() == sorted(range(12, 16), key=lambda u: either[u, v])[:3]
+
+
+def test_neighbours_of_the_smallest_instances():
+    near = neighbours(random_instance(0, 1, 1).cost, 1, 20, 20)
+    assert near.tasks.shape == (1, 0)
+    assert near.depots.tolist() == [[1]]
+
+
+@given(seeds)
+@settings(deadline=None, max_examples=20)
+def test_routes_survive_the_rings_and_costs_are_those_of_the_check(seed):
+    instance, routes = random_instance(seed), random_routes(seed)
+    tours = rings.from_routes(instance.cost, routes)
+    assert rings.to_routes(tours) == routes
+    assert tours.cost == pytest.approx(tour_costs(instance, routes))
+    assert tours.size.tolist() == [len(r) for r in routes]
+
+
+@given(seeds)
+@settings(deadline=None, max_examples=30)
+def test_change_of_a_removal_and_of_an_insertion_is_the_recomputed_difference(seed):
+    instance, routes = random_instance(seed), random_routes(seed)
+    cost, n = instance.cost, instance.n_tasks
+    tours = rings.from_routes(cost, routes)
+    rng = np.random.default_rng(seed)
+    for _ in range(20):
+        v = int(rng.integers(n))
+        before = tour_costs(instance, rings.to_routes(tours))
+        k, change = tours.tour[v], rings.removal_change(cost, tours, v)
+        rings.unlink(tours, v)
+        assert tour_costs(instance, rings.to_routes(tours))[k] == pytest.approx(before[k] + change)
+        u = int(rng.choice([u for u in range(n + 3) if u != v]))
+        before = tour_costs(instance, rings.to_routes(tours))
+        change = rings.insertion_change(cost, tours, v, u)
+        rings.link(tours, v, u)
+        after = tour_costs(instance, rings.to_routes(tours))
+        assert after[tours.tour[u]] == pytest.approx(before[tours.tour[u]] + change)
+    assert check_routes(instance, rings.to_routes(tours)) == []
+
+
+@pytest.mark.parametrize("way", ["adjacent", "strings"])
+@given(seed=seeds)
+@settings(deadline=None, max_examples=40)
+def test_ruin_books_its_costs_and_undoes_without_a_trace(way, seed):
+    instance, routes = random_instance(seed), random_routes(seed)
+    near = neighbours(instance.cost, instance.n_tasks, 8, 3)
+    tours = rings.from_routes(instance.cost, routes)
+    gone, stood = np.empty(6, np.int32), np.empty(6, np.int32)
+    if way == "adjacent":
+        count = ruining.ruin_adjacent(instance.cost, near.tasks, tours, seeded(seed), 6, gone, stood)
+    else:
+        ruined = np.zeros(3, np.uint8)
+        count = ruining.ruin_strings(instance.cost, near.tasks, tours, seeded(seed), 6, gone, stood, ruined)
+    assert 1 <= count <= 6
+    taken = set(gone[:count].tolist())
+    left = tuple(tuple(v for v in route if v not in taken) for route in routes)
+    assert len(taken) == count
+    assert rings.to_routes(tours) == left
+    assert tours.cost == pytest.approx(tour_costs(instance, left))
+    assert all(tours.tour[v] == -1 for v in taken)
+    ruining.put_back(tours, count, gone, stood)
+    assert rings.to_routes(tours) == routes
+
+
+@pytest.mark.parametrize("p", [1, 2, 5, 12])
+@given(seed=seeds)
+@settings(deadline=None, max_examples=15)
+def test_best_place_is_the_best_of_all_places_where_the_lists_hold_all(p, seed):
+    instance, routes = random_instance(seed, 10), random_routes(seed, 10)
+    cost = instance.cost
+    near = neighbours(cost, 10, 9, 3)
+    tours = rings.from_routes(cost, routes)
+    v = seed % 10
+    tours.cost[tours.tour[v]] += rings.removal_change(cost, tours, v)
+    rings.unlink(tours, v)
+    left = rings.to_routes(tours)
+    norms = []
+    for k, route in enumerate(left):
+        for i in range(len(route) + 1):
+            tried = (*left[:k], (*route[:i], v, *route[i:]), *left[k + 1 :])
+            norms.append((tour_costs(instance, tried) ** p).sum())
+    u, change = rebuilding.best_place(cost, near, tours, v, p, 0.01, 0.0, seeded(seed))
+    k = tours.tour[u]
+    rings.link(tours, v, u)
+    tours.cost[k] += change
+    assert tours.cost == pytest.approx(tour_costs(instance, rings.to_routes(tours)))
+    assert (tours.cost**p).sum() == pytest.approx(min(norms))
+
+
+@given(seeds)
+@settings(deadline=None, max_examples=20)
+def test_construction_and_recreation_book_what_they_build(seed):
+    instance = random_instance(seed)
+    near = neighbours(instance.cost, 14, 8, 3)
+    tours = rings.empty_tours(14, 3)
+    rebuilding.construct(instance.cost, near, tours, seeded(seed))
+    routes = rings.to_routes(tours)
+    assert check_routes(instance, routes) == []
+    assert tours.cost == pytest.approx(tour_costs(instance, routes))
+
+
+def test_construction_where_all_costs_are_zero_or_huge():
+    for scale in (0.0, 1e200):
+        cost = scale * (1.0 - np.eye(8))
+        tours = rings.empty_tours(6, 2)
+        rebuilding.construct(cost, neighbours(cost, 6, 5, 2), tours, seeded(0))
+        assert sorted(sum(rings.to_routes(tours), ())) == list(range(6))
+
+
+def test_growth_is_the_difference_of_powers():
+    for p in (1, 2, 5, 12):
+        assert rebuilding.power(1.3, p) == pytest.approx(1.3**p)
+        assert rebuilding.growth(1.3, 0.4, p) == pytest.approx(1.7**p - 1.3**p)
+
+
+def test_shuffle_keeps_the_items_and_moves_them():
+    queue = np.arange(50, dtype=np.int32)
+    rebuilding.shuffle(queue, 40, seeded(1))
+    assert sorted(queue[:40]) == list(range(40))
+    assert queue[40:].tolist() == list(range(40, 50))
+    assert (queue[:40] != np.arange(40)).sum() > 20
+
+
+def test_undo_returns_to_the_tours_before_the_step():
+    instance, routes = random_instance(5), random_routes(5)
+    near = neighbours(instance.cost, 14, 8, 3)
+    tours = rings.from_routes(instance.cost, routes)
+    costs = tours.cost.copy()
+    gone, stood = np.empty(6, np.int32), np.empty(6, np.int32)
+    rng = seeded(5)
+    count = ruining.ruin_adjacent(instance.cost, near.tasks, tours, rng, 6, gone, stood)
+    rebuilding.recreate(instance.cost, near, tours, gone[:count].copy(), count, 5, rng)
+    undo(tours, count, gone, stood, costs)
+    assert rings.to_routes(tours) == routes
+    assert tours.cost.tolist() == costs.tolist()
+
+
+@given(seeds)
+@settings(deadline=None, max_examples=15)
+def test_annealing_keeps_its_best_and_its_books(seed):
+    instance, routes = random_instance(seed), random_routes(seed)
+    near = neighbours(instance.cost, 14, 8, 3)
+    tours, best = rings.from_routes(instance.cost, routes), rings.from_routes(instance.cost, routes)
+    anneal(instance.cost, near, tours, best, seeded(seed), 300, 5.0, 0.1, 6)
+    for each in (tours, best):
+        found = rings.to_routes(each)
+        assert check_routes(instance, found) == []
+        assert each.cost == pytest.approx(tour_costs(instance, found))
+    assert best.cost.max() <= min(tours.cost.max(), makespan(instance, routes)) * (1 + 1e-12)
+
+
+def test_energy_is_the_longest_plus_a_share_of_the_mean():
+    assert energy(np.array([1.0, 5.0]), 0.5) == 6.5

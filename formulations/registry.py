@@ -25,6 +25,10 @@ SOLVERS: dict[str, tuple[str, str]] = {
         "formulations.routing.routing_library:RoutingLibrary",
         "OR-Tools routing, the off-the-shelf choice",
     ),
+    "ruin-recreate": (
+        "formulations.routing.search.ruin_recreate:RuinRecreate",
+        "annealed ruin-and-recreate with p-norm insertion, one trajectory",
+    ),
     "greedy": ("formulations.routing.greedy:Greedy", "nearest-addition construction, the floor"),
 }
 """Built-in solvers: name → (``"module:Class"``, one line on what it is)."""

@@ -48,22 +48,22 @@ class Report:
 
 
 def write_report(
-    folders: Sequence[Path | str],
-    path: Path | str,
-    *,
-    title: str = TITLE,
-    against: Sequence[Path | str] = (),
+    folders: Sequence[Path | str], path: Path | str, *, title: str = TITLE, against: Sequence[Path | str] = ()
 ) -> Report:
     """Write the page about every run below `folders` to `path`, compared with the runs below `against` if given.
 
     Raises InputError where a folder does not exist or holds no run that can be read, or the page cannot be written.
     """
-    stores = read_stores(*folders)
-    _refuse_empty(stores)
     baseline = read_stores(*against) if against else None
-    if baseline is not None:
-        _refuse_empty(baseline)
-    comparison = compare_stores(stores.runs, baseline.runs) if baseline is not None else None
+    return write_page(read_stores(*folders), path, title=title, against=baseline)
+
+
+def write_page(stores: Stores, path: Path | str, *, title: str = TITLE, against: Stores | None = None) -> Report:
+    """Write the page about `stores` to `path`, compared with the baseline `against` if given; InputError as above."""
+    _refuse_empty(stores)
+    if against is not None:
+        _refuse_empty(against)
+    comparison = compare_stores(stores.runs, against.runs) if against is not None else None
     report = Report(stores.runs, contradictions(stores.runs), stores.warnings, comparison)
     write_aside(path, _html(stores, report, title))
     return report

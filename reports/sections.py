@@ -45,16 +45,16 @@ def virtual_best_line(runs: pd.DataFrame) -> str:
     best = virtual_best(runs)
     added = contributions(runs)
     alone = [f"{method} on {row.alone}" for method, row in added.iterrows() if row["alone"]]
-    words = f"better than every other: {', '.join(alone)}" if alone else "no method is better than every other anywhere"
+    words = f"only these found the best: {', '.join(alone)}" if alone else "every best was found by several methods"
     return (
-        f"The virtual best, taking the best method for each instance and seed, would have a mean gap to the best of "
-        f"{numbers.gap(best['gap_best'].mean())} in {numbers.seconds(shifted_geometric_mean(best['elapsed']))} s. "
-        f"Of {runs['digest'].nunique()} instances, {words}."
+        f"The virtual best, which takes the best method for each instance, has a mean gap to the best of "
+        f"{numbers.gap(best['gap_best'].mean())} in {numbers.seconds(shifted_geometric_mean(best['elapsed']))} s "
+        f"(medians over seeds). Of {runs['digest'].nunique()} instances, {words}."
     )
 
 
 def _is_best(column: Column, value: float, table: pd.DataFrame) -> bool:
-    if len(table) < 2 or value != value:
+    if value != value or table[column.key].nunique(dropna=False) < 2:
         return False
     if column.key in BEST_IS_LEAST:
         return bool(value <= table[column.key].min())
@@ -126,7 +126,9 @@ def against_section(comparison: Comparison) -> dict[str, Any]:
         "Medians over seeds, new against baseline; a negative change is an improvement. p from Wilcoxon's "
         "signed-rank test over instances, corrected by Holm's method."
     )
-    tables = [{"key": "against", "headings": headings, "texts": 2, "rows": methods, "caption": caption}]
+    tables = [
+        {"key": "against", "headings": headings, "texts": 2, "last_text": True, "rows": methods, "caption": caption}
+    ]
     changed = comparison.instances[comparison.instances["verdict"] != "unchanged"]
     changed = changed.reindex(changed["change"].abs().sort_values(ascending=False, kind="stable").index)
     rows = [
@@ -142,7 +144,9 @@ def against_section(comparison: Comparison) -> dict[str, Any]:
     if rows:
         headings = ["Instance", "Method", "Baseline [s]", "New [s]", "Change", ""]
         caption = f"The largest changes of cost ({len(rows)} of {len(changed)} that changed)."
-        tables.append({"key": "changes", "headings": headings, "texts": 2, "rows": rows, "caption": caption})
+        tables.append(
+            {"key": "changes", "headings": headings, "texts": 2, "last_text": True, "rows": rows, "caption": caption}
+        )
     return {"lines": [*lines, *comparison.remarks], "tables": tables}
 
 

@@ -18,7 +18,7 @@ from reports.statistics.pairwise import enough
 
 FEWEST_SEEDS = 3
 """With fewer seeds nothing is said about luck."""
-MOST_METHODS = 12
+MOST_METHODS = 8
 """With more methods than this, only these many, the best by mean rank, are compared pair by pair."""
 
 
@@ -123,7 +123,14 @@ def _pairs_table(pairs: pd.DataFrame, runs: pd.DataFrame, key: str, about: str) 
         "over the instances both solved (negative: the first is better) with a bootstrap interval; Wilcoxon's "
         f"signed-rank test, two-sided, corrected over all pairs by Holm's method; level {ALPHA:g}."
     )
-    return {"key": f"pairs-{key}", "headings": headings, "texts": 2, "rows": rows, "caption": caption}
+    return {
+        "key": f"pairs-{key}",
+        "headings": headings,
+        "texts": 2,
+        "last_text": True,
+        "rows": rows,
+        "caption": caption,
+    }
 
 
 def _interval_table(table: pd.DataFrame, runs: pd.DataFrame) -> dict[str, Any]:

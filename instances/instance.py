@@ -13,6 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from instances.errors import InputError
 
+MAX_NODES = 20_000
+"""Most nodes n + m of an instance: its costs alone fill 3.2 GB."""
+
 
 @dataclass(frozen=True, eq=False)
 class Instance:
@@ -57,6 +60,7 @@ class Instance:
             value = getattr(self, label)
             if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 1:
                 raise InputError(f"instance {self.name}: {label} must be a whole number of at least 1, got {value!r}")
+        check_size(self.n_tasks, self.n_depots)
         object.__setattr__(self, "cost", _checked_cost(self.cost, self.n_nodes, self.name))
         if self.coordinates is not None:
             object.__setattr__(self, "coordinates", _checked_coordinates(self.coordinates, self.n_nodes, self.name))
@@ -101,6 +105,15 @@ class Instance:
         return (
             f"{self.name}: {self.n_tasks} tasks, {self.n_depots} depots, "
             f"cost asymmetry {self.asymmetry:.1%}, digest {self.digest}"
+        )
+
+
+def check_size(n_tasks: int, n_depots: int) -> None:
+    """Raise InputError where an instance of this size could not be held; to be asked before its arrays are made."""
+    if n_tasks + n_depots > MAX_NODES:
+        shown = [str(count) if count < 10**12 else "very many" for count in (n_tasks, n_depots)]
+        raise InputError(
+            f"{shown[0]} tasks and {shown[1]} depots are more than the {MAX_NODES} nodes an instance can have"
         )
 
 

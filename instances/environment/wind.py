@@ -8,7 +8,7 @@ velocities in m/s, blowing *towards* (u, v).
 from __future__ import annotations
 
 import importlib
-import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -80,14 +80,15 @@ def only_fields(table: Mapping[str, Any], kind: str, known: tuple[str, ...]) -> 
 
 def number(value: Any, what: str) -> float:
     """Return `value` as a finite float, else raise InputError naming `what`."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)) or not math.isfinite(value):
+    real = not isinstance(value, bool) and isinstance(value, (int, float, np.number))
+    if not real or not abs(value) <= sys.float_info.max:  # also whole numbers no float can hold
         raise InputError(f"wind: {what} must be a finite number, got {value!r}")
     return float(value)
 
 
 def pair(value: Any, what: str) -> tuple[float, float]:
     """Return `value` as two finite floats, else raise InputError naming `what`."""
-    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
+    if isinstance(value, (str, Mapping)) or not hasattr(value, "__len__") or len(value) != 2:
         raise InputError(f"wind: {what} must be two numbers, got {value!r}")
     return number(value[0], what), number(value[1], what)
 

@@ -10,7 +10,7 @@ from instances.families.family import Family
 from instances.families.parameter import Parameter
 from instances.families.square import CLUSTERED, RING, UNIFORM
 from instances.families.square_wind import SQUARE_WIND
-from instances.instance import Instance
+from instances.instance import Instance, check_size
 from instances.scenario import Scenario
 
 __all__ = ["FAMILIES", "Family", "Parameter", "family", "generate", "make_scenario"]
@@ -31,6 +31,7 @@ def make_scenario(name: str, n_tasks: int, n_depots: int, seed: int, **parameter
     for label, value, least in (("n_tasks", n_tasks, 1), ("n_depots", n_depots, 1), ("seed", seed, 0)):
         if isinstance(value, bool) or not isinstance(value, int) or value < least:
             raise InputError(f"{label} must be a whole number of at least {least}, got {value!r}")
+    check_size(n_tasks, n_depots)
     return family(name).scenario(n_tasks, n_depots, seed, parameters)
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from instances.disk import as_text, read_bytes, write_aside
 from instances.errors import InputError, naming, suggestion
-from instances.instance import Instance
+from instances.instance import Instance, check_size
 from instances.metrics import metric_cost
 
 SCHEMA = 1
@@ -71,6 +71,7 @@ def instance_of(document: Any) -> Instance:
     for key in ("n_tasks", "n_depots"):
         if not isinstance(document[key], int) or isinstance(document[key], bool) or document[key] < 1:
             raise InputError(f"{key} must be a whole number of at least 1, got {_short(document[key])}")
+    check_size(document["n_tasks"], document["n_depots"])
     nodes = document["n_tasks"] + document["n_depots"]
     coordinates = document.get("coordinates")
     if coordinates is not None:

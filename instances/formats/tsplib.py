@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from instances.disk import read_text
 from instances.errors import InputError, naming
 from instances.formats.edge_weights import explicit_weights, metric_of
-from instances.instance import Instance
+from instances.instance import Instance, check_size
 from instances.metrics import metric_cost
 from instances.routes import Routes, as_routes
 
@@ -149,8 +149,10 @@ def _nodes(depot_lines: list[str] | None, vehicles: int | None, size: int) -> tu
             )
     elif vehicles is not None and vehicles != sum(counts):
         raise InputError(f"VEHICLES is {vehicles} but the counts in DEPOT_SECTION add up to {sum(counts)}")
+    check_size(size - len(places), sum(counts))
     depots = [node for node, count in zip(places, counts, strict=True) for _ in range(count)]
-    tasks = [node for node in range(1, size + 1) if node not in set(places)]
+    at = set(places)
+    tasks = [node for node in range(1, size + 1) if node not in at]
     if not tasks:
         raise InputError(f"every one of the {size} nodes is a depot: there is no task")
     return tasks + depots, len(depots)
@@ -171,7 +173,7 @@ def _depot_lines(lines: list[str], size: int) -> tuple[list[int], list[int] | No
             raise InputError(f"DEPOT_SECTION names node {node}, but the nodes are 1 to {size}")
         if node in places:
             raise InputError(f"DEPOT_SECTION names node {node} twice")
-        if count and not 1 <= count[0] <= 100_000:
+        if count and count[0] < 1:
             raise InputError(f"DEPOT_SECTION puts {count[0]} UAVs at node {node}, must be at least 1")
         places.append(node)
         counts += count

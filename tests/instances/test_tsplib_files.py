@@ -128,6 +128,8 @@ def test_what_min_max_does_not_know_is_named_as_ignored(tmp_path):
         ("DIMENSION: x", "DIMENSION must be a whole number of at least 1, got 'x'"),
         ("DIMENSION: 0", "DIMENSION must be a whole number of at least 1, got '0'"),
         ("DIMENSION: 4\nDIMENSION: 4", "line 2: DIMENSION is given twice"),
+        ("DIMENSION: 999999999\nEDGE_WEIGHT_TYPE: EUC_2D\n", "999999998 tasks and 1 depots are more than the 20000"),
+        ("DIMENSION: 4\nVEHICLES: 999999999\n", "3 tasks and 999999999 depots are more than the 20000"),
         ("DIMENSION: 4\n", "the keyword EDGE_WEIGHT_TYPE is missing"),
         ("DIMENSION: 1\nEDGE_WEIGHT_TYPE: EUC_2D\n", "every one of the 1 nodes is a depot"),
         (euclidean("EUC2D"), "EDGE_WEIGHT_TYPE 'EUC2D' is not supported; did you mean 'EUC_2D'"),

@@ -154,7 +154,13 @@ class Criterion:
         prior = self.kernel(p, p)
         phi = self.features(p)
         noise = self.noise * np.eye(len(p))
-        return 0.5 * (log_det(prior + noise) - log_det(prior - phi.T @ phi + noise))
+        return 0.5 * (log_det(prior + noise) - log_det(self.posterior(prior, phi, phi) + noise))
+
+    def posterior(self, prior: Array, left: Array, right: Array) -> Array:
+        """Return c from k and the features of its arguments, shape of `prior`; 0 for IG, which leaves nothing open."""
+        if self.convention is Convention.INFORMATION_GAIN:
+            return np.zeros_like(prior)
+        return np.asarray(prior - left.T @ right)
 
     def ceiling(self) -> float:
         """Return a bound on I [nats] that no number of tasks passes: what noisy tests hold; inf under (a) and IG."""

@@ -29,6 +29,7 @@ class Expansion:
 
     def __init__(self, criterion: Criterion, points: Array) -> None:
         self._criterion = criterion
+        self._posterior = criterion.posterior
         self._scales = criterion.scales
         z = points / self._scales
         self._gaps = [z[:, d, None] - z[None, :, d] for d in (0, 1)]
@@ -48,14 +49,14 @@ class Expansion:
         prior = [-gap * self._prior for gap in self._gaps]
         stacked = self._criterion.whitening @ np.hstack([-gap * self._to_tests for gap in self._test_gaps])
         basis = np.split(stacked, 2, axis=1)
-        return prior, basis, [p - b.T @ self._basis for p, b in zip(prior, basis, strict=True)]
+        return prior, basis, [self._posterior(p, b, self._basis) for p, b in zip(prior, basis, strict=True)]
 
     @cached_property
     def _inverses(self) -> tuple[Array, Array, float]:
         """(K + σ²I)⁻¹, (C + σ²I)⁻¹ and I."""
         noise = self._criterion.noise * np.eye(len(self._prior))
         prior, log_prior = _inverse(self._prior + noise)
-        posterior, log_posterior = _inverse(self._prior - self._basis.T @ self._basis + noise)
+        posterior, log_posterior = _inverse(self._posterior(self._prior, self._basis, self._basis) + noise)
         return prior, posterior, 0.5 * (log_prior - log_posterior)
 
     @property
@@ -90,11 +91,10 @@ class Expansion:
         result = np.zeros((n, 2, n, 2))
         for (d, e), curvature in zip(pairs, curvatures, strict=True):
             twice = self._prior * (gaps[d] * gaps[e] - (d == e))  # k_xx; k_xy = −k_xx: k depends on x − y alone
-            mixed = -twice - basis_slopes[d].T @ basis_slopes[e]
+            mixed = self._posterior(-twice, basis_slopes[d], basis_slopes[e])
+            own = self._posterior(twice, curvature, self._basis)
             block = _block(prior_inverse, slopes[d], slopes[e], -twice, twice)
-            block -= _block(
-                posterior_inverse, posterior_slopes[d], posterior_slopes[e], mixed, twice - curvature.T @ self._basis
-            )
+            block -= _block(posterior_inverse, posterior_slopes[d], posterior_slopes[e], mixed, own)
             result[:, d, :, e] = block
             result[:, e, :, d] = block.T
         scales = np.tile(self._scales, n)

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from formulations.task_location.criterion import Array, Criterion
+from formulations.task_location.criterion import Array, Convention, Criterion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
 
 
@@ -35,7 +35,7 @@ def greedy_choice(criterion: Criterion, candidates: Array, count: int) -> list[i
     phi = criterion.features(candidates)
     own = criterion.kernel.signal_sd**2
     prior_left = np.full(len(candidates), own)
-    posterior_left = own - np.einsum("ri,ri->i", phi, phi)
+    posterior_left = posterior_variance(criterion, phi)
     prior_rows = np.zeros((count, len(candidates)))  # rows of L⁻¹ K(S, candidates)
     posterior_rows = np.zeros((count, len(candidates)))
     noise = criterion.noise
@@ -47,10 +47,17 @@ def greedy_choice(criterion: Criterion, candidates: Array, count: int) -> list[i
         chosen.append(best)
         free[best] = False
         prior = criterion.kernel(candidates[best][None], candidates)[0]
-        posterior = prior - phi[:, best] @ phi
+        posterior = criterion.posterior(prior, phi[:, best], phi)
         for rows, left, row in ((prior_rows, prior_left, prior), (posterior_rows, posterior_left, posterior)):
             row -= rows[:step, best] @ rows[:step]
             row /= np.sqrt(max(left[best], 0.0) + noise)
             rows[step] = row
             left -= row * row
     return chosen
+
+
+def posterior_variance(criterion: Criterion, phi: Array) -> Array:
+    """Return c(x_i, x_i) from the features φ(x_i), shape (N,); 0 for IG."""
+    if criterion.convention is Convention.INFORMATION_GAIN:
+        return np.zeros(phi.shape[1])
+    return np.asarray(np.maximum(criterion.kernel.signal_sd**2 - np.einsum("ri,ri->i", phi, phi), 0.0))

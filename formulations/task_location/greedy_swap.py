@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from formulations.task_location.criterion import Array, Criterion
-from formulations.task_location.greedy import greedy_choice
+from formulations.task_location.greedy import greedy_choice, posterior_variance
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
 
 
@@ -54,8 +54,8 @@ class Exchange:
         self._phi = criterion.features(candidates)
         self._own = criterion.kernel.signal_sd**2
         self._prior = criterion.kernel(candidates[chosen], candidates)
-        self._posterior = self._prior - self._phi[:, chosen].T @ self._phi
-        self._posterior_own = self._own - np.einsum("ri,ri->i", self._phi, self._phi)
+        self._posterior = criterion.posterior(self._prior, self._phi[:, chosen], self._phi)
+        self._posterior_own = posterior_variance(criterion, self._phi)
 
     def improve(self, i: int) -> bool:
         """Put the best candidate in place of ``chosen[i]``; return whether that is another one, clearly better."""
@@ -71,7 +71,7 @@ class Exchange:
             return False
         self.chosen[i] = best
         self._prior[i] = self._criterion.kernel(self._candidates[best][None], self._candidates)[0]
-        self._posterior[i] = self._prior[i] - self._phi[:, best] @ self._phi
+        self._posterior[i] = self._criterion.posterior(self._prior[i], self._phi[:, best], self._phi)
         return True
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
@@ -9,9 +10,9 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from reports.compare import Comparison
 from reports.metrics import summary
-from reports.page import write_page
-from reports.stores import read_stores
+from reports.page import write_report
 from reports.tables import SUMMARY_COLUMNS, cells, shown, write_csv
 
 
@@ -20,11 +21,10 @@ def publish(folder: Path) -> list[str]:
 
     Return what could not be read in the store, a sentence each.
     """
-    stores = read_stores(folder)
-    print_summary(stores.runs)
-    write_csv(stores.runs, folder / "results.csv")
-    write_page(stores, folder / "report.html")
-    return stores.warnings
+    report = write_report([folder], folder / "report.html")
+    write_csv(report.runs, folder / "results.csv")
+    print_summary(report.runs)
+    return report.warnings
 
 
 def print_summary(runs: pd.DataFrame) -> None:
@@ -33,11 +33,27 @@ def print_summary(runs: pd.DataFrame) -> None:
         return
     found = summary(runs)
     columns = shown(SUMMARY_COLUMNS, found)
+    _print(["Solver", *(column.heading for column in columns)], zip(found.index, cells(columns, found), strict=True))
+
+
+def print_comparison(comparison: Comparison) -> None:
+    """Print what became of each method against the older store, on stdout."""
+    counts = ["instances", "better", "worse", "unchanged"]
+    rows = [
+        (f"{row['method']}, {row['measure']}", [*(str(row[name]) for name in counts), str(row["verdict"])])
+        for row in comparison.methods.to_dict("records")
+    ]
+    _print(["Against the older store", *counts, "verdict"], rows)
+    for sentence in [*comparison.regressions, *comparison.remarks]:
+        print(sentence)
+
+
+def _print(headings: list[str], rows: Iterable[tuple[object, list[str]]]) -> None:
     table = Table(box=box.SIMPLE_HEAD)
-    table.add_column("Solver", no_wrap=True)
-    for column in columns:
-        table.add_column(column.heading, justify="right")
-    for name, row in zip(found.index, cells(columns, found), strict=True):
-        table.add_row(str(name), *row)
+    table.add_column(headings[0], no_wrap=True)
+    for heading in headings[1:]:
+        table.add_column(heading, justify="right")
+    for name, cells_of_row in rows:
+        table.add_row(str(name), *cells_of_row)
     console = Console()
-    Console(width=max(console.width, 160) if not console.is_terminal else None).print(table)
+    Console(width=None if console.is_terminal else max(console.width, 160)).print(table)

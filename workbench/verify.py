@@ -1,7 +1,8 @@
 """What is wrong with what a solver claims: no solver grades itself.
 
 A claim is believed only where the routes are feasible, their recomputed cost is the claimed one, and the claimed
-bound does not contradict them. The parent process applies this to every run, `workbench check` to stored ones.
+bound does not contradict them. The parent process applies this to every run; what is stored is looked at again by
+`reports.metrics.contradictions`.
 """
 
 from __future__ import annotations
@@ -12,8 +13,10 @@ from collections.abc import Sequence
 from formulations.solver import Status
 from instances import Instance, check_routes
 
-ROUNDING = 1e-6
-"""Relative difference between a claimed and the recomputed cost that rounding may explain."""
+ROUNDING = 1e-9
+"""Relative difference between a claimed and the recomputed cost that floating point may explain."""
+WIDEST_TOLERANCE = 1e-3
+"""A proof to within more than this share of the cost is not called one."""
 
 
 def refute_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> str | None:
@@ -49,9 +52,9 @@ def refute_proof(status: Status, bound: float | None, objective: float | None, t
         return None
     if objective is None or bound is None:
         return f"claimed OPTIMAL without {'routes' if objective is None else 'a bound'}"
-    if not 0 <= tolerance < math.inf:
-        return f"claimed OPTIMAL with a tolerance of {tolerance!r} s"
-    if objective - bound > tolerance + 1e-9 * objective:
+    if not 0 <= tolerance <= WIDEST_TOLERANCE * objective:
+        return f"claimed OPTIMAL with a tolerance of {tolerance!r} s, while its routes cost {objective!r} s"
+    if objective - bound > tolerance + ROUNDING * objective:
         return (
             f"claimed OPTIMAL, but its routes cost {objective!r} s and its bound is {bound!r} s, "
             f"further apart than its tolerance of {tolerance!r} s"

@@ -10,6 +10,7 @@ import pytest
 
 from instances import Instance
 from instances.files import write_instance
+from workbench.cli import main
 
 HERE = Path(__file__).parent
 
@@ -64,6 +65,20 @@ def workbench(tmp_path):
             check=False,
             **kwargs,
         )
+
+    return call
+
+
+@pytest.fixture
+def cli(tmp_path, monkeypatch, capsys):
+    """Run the command line in this process, in an empty folder; returns exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*args: object) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as ended:
+            main([str(arg) for arg in args])
+        told = capsys.readouterr()
+        return int(ended.value.code or 0), told.out, told.err
 
     return call
 

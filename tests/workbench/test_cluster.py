@@ -61,5 +61,5 @@ def test_a_worker_killed_half_way_loses_nothing(workbench, tmp_path, instance_fo
 def test_a_scheduler_that_is_not_there(tmp_path, monkeypatch):
     cluster = pytest.importorskip("workbench.cluster")
     monkeypatch.setattr(cluster, "CONNECT", 0.5)
-    with pytest.raises(InputError, match="^--scheduler: tcp://127.0.0.1:1 cannot be reached"):
+    with pytest.raises(InputError, match=r"^--scheduler: tcp://127.0.0.1:1 cannot be reached"):
         cluster.run_on_cluster([], Store(tmp_path), "tcp://127.0.0.1:1", lambda job, run: None)

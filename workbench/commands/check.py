@@ -46,6 +46,14 @@ def _check_routes(instance_file: Path, routes_file: Path) -> tuple[str, list[str
 
 
 def _check_store(folder: Path) -> tuple[str, list[str]]:
-    from workbench.audit import audit
+    """Return every damaged file, every contradiction and every run that ended in ERROR."""
+    from reports.metrics import contradictions
+    from reports.stores import read_stores
 
-    return audit(folder)
+    stores = read_stores(folder)
+    runs, found = stores.runs, contradictions(stores.runs)
+    failed = runs[(runs["status"] == "ERROR") & ~runs["path"].isin(found["path"])]
+    problems = [*stores.warnings]
+    problems += [f"{path}: {sentence}" for path, sentence in zip(found["path"], found["sentence"], strict=True)]
+    problems += [f"{path}: ERROR: {message}" for path, message in zip(failed["path"], failed["message"], strict=True)]
+    return f"{len(runs)} runs on {runs['digest'].nunique()} instances", problems

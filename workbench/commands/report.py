@@ -34,15 +34,20 @@ def command(
 ) -> None:
     """Report on the runs of one store or several merged, without running anything; prints the summary."""
     from reports import tables
-    from reports.page import write_page
+    from reports.compare import compare_stores
+    from reports.page import write_report
     from reports.stores import read_stores
-    from workbench.publish import print_summary
+    from workbench.publish import print_comparison, print_summary
 
     if fail_on_regression and against is None:
         raise InputError("--fail-on-regression: needs --against OLD")
-    stores = read_stores(*folders)
     if out:
-        write_page(stores, out)
+        report = write_report(folders, out, against=[against] if against else ())
+        runs, warnings, comparison = report.runs, report.warnings, report.comparison
+    else:
+        stores = read_stores(*folders)
+        runs, warnings = stores.runs, stores.warnings
+        comparison = compare_stores(runs, read_stores(against).runs) if against else None
     writers = (
         (csv, tables.write_csv),
         (latex, tables.write_latex),
@@ -51,7 +56,10 @@ def command(
     )
     for path, write in writers:
         if path:
-            write(stores.runs, path)
-    for warning in stores.warnings:
+            write(runs, path)
+    for warning in warnings:
         click.echo(warning, err=True)
-    print_summary(stores.runs)
+    print_summary(runs)
+    if comparison:
+        print_comparison(comparison)
+    context.exit(1 if fail_on_regression and comparison and comparison.regressed else 0)

@@ -1,0 +1,182 @@
+"""The commands on small things: what they print, write and return."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from instances import Instance, makespan
+from instances.files import read_instance, read_routes, write_instance, write_routes
+
+KEYS = (
+    "instance",
+    "solver",
+    "status",
+    "objective",
+    "bound",
+    "gap",
+    "elapsed",
+    "routes",
+    "stopped_by",
+    "message",
+    "trace",
+)
+
+
+def test_solve_prints_one_object(cli, instance, instance_file, tmp_path):
+    code, out, err = cli("solve", instance_file, "--solver", "greedy", "--json", "--out", "r.sol", "--plot", "r.svg")
+    found = json.loads(out)
+    assert code == 0
+    assert set(KEYS) <= set(found)
+    assert (found["instance"], found["solver"], found["status"]) == (instance.name, "greedy", "FEASIBLE")
+    assert found["objective"] == makespan(instance, found["routes"])
+    assert "longest tour" in err
+    assert makespan(instance, read_routes(tmp_path / "r.sol", instance)) == found["objective"]
+    assert "<svg" in (tmp_path / "r.svg").read_text()
+
+
+def test_solve_begins_from_given_routes(cli, instance, instance_file, tmp_path):
+    """A method that may do no iteration ends no worse than its start."""
+    best = json.loads(cli("solve", instance_file, "--solver", "subset-dp", "--json")[1])
+    write_routes(best["routes"], instance, tmp_path / "best.sol")
+    args = ["--solver", "ga", "--iterations", 0, "--option", "population=2", "--start", "best.sol", "--json"]
+    assert json.loads(cli("solve", instance_file, *args)[1])["objective"] == best["objective"]
+
+
+def test_solve_without_json_is_for_people(cli, instance_file):
+    code, out, _ = cli("solve", instance_file, "--solver", "greedy")
+    assert code == 0
+    assert out.startswith("FEASIBLE: longest tour")
+    assert "UAV 1:" in out
+
+
+def test_a_failed_solve_is_a_problem(cli, instance_file, tmp_path):
+    code, out, _ = cli("solve", instance_file, "--solver", "misbehaving:Declines", "--out", "r.sol")
+    assert code == 1
+    assert "prime numbers" in out
+    assert not (tmp_path / "r.sol").exists()
+
+
+def test_check_of_routes(cli, instance, instance_file, tmp_path):
+    cli("solve", instance_file, "--solver", "greedy", "--out", "r.sol")
+    code, out, _ = cli("check", instance_file, "r.sol")
+    assert (code, out.startswith("feasible, longest tour")) == (0, True)
+    text = (tmp_path / "r.sol").read_text()
+    (tmp_path / "lie.sol").write_text(text.replace("Cost ", "Cost 1"))
+    code, out, _ = cli("check", instance_file, "lie.sol")
+    assert (code, "but its routes cost" in out) == (1, True)
+    (tmp_path / "short.sol").write_text("Route #1: 0 1 1\n")
+    code, out, _ = cli("check", instance_file, "short.sol")
+    assert code == 1
+    assert "Task 1 is visited 2 times." in out
+    assert "Task 3 is visited by no route." in out
+
+
+@pytest.fixture
+def runs(cli, instance_folder, tmp_path):
+    code, _, err = cli("compare", instance_folder, "--solvers", "greedy,subset-dp", "--out", "runs", "--time-limit", 9)
+    assert code == 0, err
+    return tmp_path / "runs"
+
+
+def test_compare_then_status_check_and_report(cli, runs, stored_json, tmp_path):
+    assert cli("check", runs)[:2] == (0, "6 runs on 3 instances: all right\n")
+    code, out, _ = cli("status", runs)
+    assert (code, out.splitlines()[-1]) == (0, "6 of 6 runs stored, 0 missing")
+    assert "3 stored: 3 OPTIMAL" in out
+    tables = ["--csv", "r.csv", "--latex", "r.tex", "--markdown", "r.md"]
+    code, out, _ = cli("report", runs, "--out", "r.html", *tables, "--against", runs, "--fail-on-regression")
+    assert code == 0
+    assert "subset-dp, quality" in out
+    assert (tmp_path / "r.csv").read_text() == (runs / "results.csv").read_text()
+    assert all((tmp_path / f"r.{ending}").stat().st_size > 100 for ending in ("html", "tex", "md"))
+
+    # what is missing, damaged or false is counted, named and shown
+    first, *others = sorted(runs.glob("r*/greedy*.json"))
+    first.unlink()
+    code, out, _ = cli("status", runs)
+    assert (code, out.splitlines()[-1]) == (0, "5 of 6 runs stored, 1 missing")
+    others[0].write_text("{")
+    code, out, err = cli("status", runs)
+    assert (code, out.splitlines()[-1]) == (1, "4 of 6 runs stored, 1 missing")
+    assert others[0].name in err
+    lie = json.loads(others[1].read_text())
+    others[1].write_text(json.dumps(lie | {"bound": 2 * lie["objective"]}))
+    code, out, _ = cli("check", runs)
+    assert code == 1
+    assert others[0].name in out
+    assert others[1].name in out
+
+
+def test_a_regression_can_fail(cli, runs, tmp_path, stored_json):
+    """A newer store in which a bound contradicts routes is worse than the old one."""
+    cli("compare", tmp_path / "given", "--solvers", "greedy,subset-dp", "--out", "new", "--time-limit", 9)
+    (path, *_) = (tmp_path / "new").glob("r*/greedy*.json")
+    run = json.loads(path.read_text())
+    path.write_text(json.dumps(run | {"bound": 2 * run["objective"]}))
+    assert cli("report", "new", "--against", runs)[0] == 0
+    code, out, _ = cli("report", "new", "--against", runs, "--fail-on-regression")
+    assert (code, "contradiction" in out) == (1, True)
+
+
+def test_generate_is_reproducible(cli, tmp_path):
+    args = [
+        "generate",
+        "uniform",
+        "--tasks",
+        5,
+        "--depots",
+        2,
+        "--count",
+        2,
+        "--seed",
+        3,
+        "--set",
+        "wind=shear",
+        "--out",
+    ]
+    code, out, _ = cli(*args, "one")
+    paths = out.split()
+    assert (code, len(paths)) == (0, 2)
+    cli(*args, "two")
+    for path in map(tmp_path.__truediv__, paths):
+        assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes()
+        drawn = read_instance(path)
+        assert (drawn.n_tasks, drawn.n_depots) == (5, 2)
+        assert drawn.asymmetry > 0
+
+
+def test_convert_there_and_back(cli, instance, instance_file, tmp_path):
+    assert cli("convert", instance_file, "a.json.gz")[0] == 0
+    assert cli("convert", "a.json.gz", "b.json")[0] == 0
+    assert read_instance(tmp_path / "b.json").digest == instance.digest
+
+
+def test_lists_of_solvers_and_families(cli):
+    solvers = json.loads(cli("solvers", "--json")[1])
+    assert solvers["ga"]["options"]["population"] == 400
+    assert (solvers["greedy"]["proves"], solvers["milp"]["proves"]) == (False, True)
+    assert "population = 400" in cli("solvers")[1]
+    families = json.loads(cli("families", "--json")[1])
+    assert "shear" in families["uniform"]["parameters"]["wind"]["choices"]
+    assert "uniform: " in cli("families")[1]
+
+
+def test_help_of_every_command(cli):
+    code, out, _ = cli("--help")
+    assert code == 0
+    for name in ("generate", "solve", "check", "compare", "report", "convert", "status", "solvers", "families"):
+        assert f"  {name} " in out
+        assert cli(name, "--help")[0] == 0
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e9])
+def test_extreme_costs_go_through(cli, tmp_path, size):
+    rng = np.random.default_rng(1)
+    cost = size * rng.uniform(1, 2, (5, 5))
+    np.fill_diagonal(cost, 0)
+    write_instance(Instance("extreme", cost, 3, 2), tmp_path / "extreme.json")
+    assert cli("compare", "extreme.json", "--solvers", "greedy,subset-dp", "--out", "runs", "--time-limit", 5)[0] == 0
+    assert cli("check", "runs")[0] == 0

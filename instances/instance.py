@@ -93,12 +93,12 @@ class Instance:
     @cached_property
     def asymmetry(self) -> float:
         """Mean of |c_ij − c_ji| / (c_ij + c_ji) over the edges in use (dimensionless, 0 where symmetric)."""
-        n = self.n_tasks
-        c, t = self.cost[:n, :], self.cost[:, :n].T
-        total = c + t
-        ratio = np.divide(np.abs(c - t), total, out=np.zeros_like(total), where=total > 0)
-        pairs = total.size - n
-        return float(ratio.sum() / pairs) if pairs else 0.0
+        ratios = 0.0
+        for i in self.tasks:  # a row at a time: no second matrix in memory
+            there, back = self.cost[i], self.cost[:, i]
+            total = there + back
+            ratios += float(np.divide(np.abs(there - back), total, out=np.zeros_like(total), where=total > 0).sum())
+        return ratios / (self.n_tasks * (self.n_nodes - 1))
 
     def summary(self) -> str:
         """One line for people: name, size, asymmetry, digest."""

@@ -26,6 +26,7 @@ def check_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> list[st
     """Return what is wrong with `routes`, a sentence each; an empty list means feasible.
 
     Feasible: one route per depot, and every task on exactly one route exactly once (eqs. const1–const4, const6).
+    Routes are called #1 to #m, as in ``.sol`` files.
     """
     faults = []
     if len(routes) != instance.n_depots:
@@ -36,7 +37,9 @@ def check_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> list[st
             if node in visits:
                 visits[node] += 1
             else:
-                faults.append(f"Route {k} visits {node}, which is not a task (tasks are 0 to {instance.n_tasks - 1}).")
+                faults.append(
+                    f"Route #{k + 1} visits {node}, which is not a task (tasks are 0 to {instance.n_tasks - 1})."
+                )
     faults += [f"Task {task} is visited by no route." for task, times in visits.items() if times == 0]
     faults += [f"Task {task} is visited {times} times." for task, times in visits.items() if times > 1]
     return faults

@@ -17,6 +17,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from instances.environment.closed_form import vorticity
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.errors import InputError
@@ -33,7 +34,7 @@ def corner_path_costs(
     Raises
     ------
     InputError
-        where a point lies outside the region, or the wind reaches the airspeed in it.
+        where a point lies outside the region, the wind has no closed form, or it reaches the airspeed in the region.
     """
     p = np.asarray(points, dtype=float).reshape(-1, 2)
     outside = ~region.contains(p)
@@ -41,7 +42,8 @@ def corner_path_costs(
         i = int(np.flatnonzero(outside)[0])
         raise InputError(f"point {i} at {p[i].tolist()} m lies outside the region")
     if wind is not None:
-        # |w| of the fields in closed form is convex: the corners of the region decide
+        vorticity(wind)  # refuses fields without closed form
+        # |w| of the others is convex: the corners of the region decide
         fastest = float(np.linalg.norm(wind(np.concatenate(region.rings)), axis=1).max())
         if not fastest < airspeed:
             raise InputError(

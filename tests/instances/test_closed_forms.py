@@ -201,7 +201,9 @@ def test_corner_paths_against_shortest_paths_of_a_fine_lattice(wind):
         assert (cost <= other * 1.06 + 1e-6).all()
 
 
-def test_points_outside_and_too_much_wind():
+def test_points_outside_and_unusable_wind():
+    with pytest.raises(InputError, match="there is no closed form for a Gusts"):
+        corner_path_costs([[7_000.0, 1.0]], HOLED, V0, Gusts())
     with pytest.raises(InputError, match=r"point 1 at \[1.0, 1.0\] m lies outside the region"):
         corner_path_costs([[7_000.0, 1.0], [1.0, 1.0]], HOLED, V0, None)
     with pytest.raises(InputError, match="it reaches 20 m/s in the region"):

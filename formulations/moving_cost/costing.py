@@ -1,0 +1,83 @@
+"""From a Scenario to an Instance: sub-problem 2 of the paper, start to end."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from formulations.moving_cost.effect import wind_effect
+from formulations.moving_cost.field import search_field
+from formulations.moving_cost.method import MovingCosts, Progress, Query, silent
+from formulations.moving_cost.registry import DEFAULT, make_method
+from instances import Instance
+from instances.environment.wind import Uniform
+from instances.errors import InputError
+from instances.paths import Paths
+from instances.scenario import Scenario
+
+CALM = Uniform((0.0, 0.0))
+
+
+def query_of(scenario: Scenario) -> Query:
+    """Return what a moving-cost method needs of `scenario`; InputError where its wind does not cover the region."""
+    region, wind = scenario.free, scenario.wind or CALM
+    covered = getattr(wind, "bounds", None)
+    if covered is not None:
+        (x0, y0, x1, y1), (a0, b0, a1, b1) = region.bounds, covered
+        slack = 1e-6 * max(x1 - x0, y1 - y0)
+        if x0 < a0 - slack or y0 < b0 - slack or x1 > a1 + slack or y1 > b1 + slack:
+            raise InputError(
+                f"scenario {scenario.name}: the wind covers ({a0:g}, {b0:g}) to ({a1:g}, {b1:g}) m and not all of the "
+                f"region, ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m: are both in the same projection and unit?"
+            )
+    return Query(scenario.points, region, wind, scenario.airspeed)
+
+
+def solve_query(
+    query: Query, method: str = DEFAULT, options: dict[str, Any] | None = None, progress: Progress = silent
+) -> MovingCosts:
+    """Return costs and paths between all terminals; terminals may coincide (several UAVs at one depot)."""
+    places, of = np.unique(query.terminals, axis=0, return_inverse=True)
+    of = of.ravel()
+    # In order of first appearance, so that without coincidence nothing is renumbered.
+    rank = np.argsort(np.argsort([int(np.argmax(of == k)) for k in range(len(places))]))
+    of = rank[of]
+    first = np.array([int(np.argmax(of == k)) for k in range(len(places))])
+    if len(places) == 1:
+        n = len(of)
+        alone = Paths(1, np.empty((0, 2)), np.zeros(2, dtype=np.int64))
+        return MovingCosts(np.zeros((n, n)), alone.repeated(of, query.terminals), {})
+    found = make_method(method, options).solve(dataclasses.replace(query, terminals=query.terminals[first]), progress)
+    if len(places) == len(of):
+        return found
+    return MovingCosts(found.cost[np.ix_(of, of)], found.paths.repeated(of, query.terminals), found.statistics)
+
+
+def instance_of(
+    scenario: Scenario, method: str = DEFAULT, options: dict[str, Any] | None = None, progress: Progress = silent
+) -> tuple[Instance, Paths]:
+    """Return the Instance `scenario` becomes and the paths behind its costs.
+
+    Where a tail wind makes a leg's cost negative, node potentials make all costs positive: cost[i, j] = C(σ) + p_j
+    − p_i, which changes no closed tour; p [s] is then kept as ``provenance["node_potential"]``.
+
+    Raises InputError for tasks still to be placed, a wind that does not cover the region or is as strong as the
+    airspeed, and a node that cannot be reached.
+    """
+    query = query_of(scenario)
+    found = solve_query(query, method, options, progress)
+    cost = found.cost.copy()
+    provenance: dict[str, Any] = {**scenario.provenance, "moving_cost": {"method": method, **(options or {})}}
+    provenance["wind_effect"] = dataclasses.asdict(wind_effect(query, cost))
+    if cost.min() < 0:
+        p = search_field(query.wind, query.region, query.v0).potential(query.terminals) / query.v0**2
+        p = p - p.min()
+        cost = cost + p[None, :] - p[:, None]
+        provenance["node_potential"] = p.tolist()
+    np.fill_diagonal(cost, 0.0)
+    instance = Instance(
+        scenario.name, cost, len(query.terminals) - scenario.n_depots, scenario.n_depots, query.terminals, provenance
+    )
+    return instance, found.paths

@@ -1,0 +1,49 @@
+"""dijkstra: shortest paths on the random graph of fmt-star, every edge tested for collision first.
+
+E. W. Dijkstra, Numer. Math. 1 (1959). On the same graph it is never worse than FMT*, which settles each node
+with one lazily tested edge.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.moving_cost.field import search_field
+from formulations.moving_cost.fmt_star import sample_points
+from formulations.moving_cost.free_space import free_space
+from formulations.moving_cost.graph import build_graph, near_pairs, standard_radius
+from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
+from formulations.moving_cost.tree import paths_of_trees, require_reached, shortest_path_trees
+from instances.errors import InputError
+from instances.paths import path_costs
+
+
+@dataclass(frozen=True)
+class Dijkstra(MovingCostMethod):
+    """Dijkstra's trees on the graph of fmt-star: `samples`, `radius_factor` and `seed` as there."""
+
+    samples: int = 10_000
+    radius_factor: float = 1.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.samples < 1 or not self.radius_factor > 0:
+            raise InputError("dijkstra: samples must be at least 1 and radius_factor positive")
+
+    def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
+        """Return costs and paths between all terminals."""
+        n = len(query.terminals)
+        field, space = search_field(query.wind, query.region, query.v0), free_space(query.region)
+        points = sample_points(query, self.samples, self.seed)
+        pairs = near_pairs(points, self.radius_factor * standard_radius(query.region.area, len(points)))
+        graph = build_graph(points, pairs, query.wind, field, query.v0, space)
+        progress(0.5, "edges")
+        terminals = np.arange(n)
+        _, predecessor = shortest_path_trees(graph.free_matrix, terminals)
+        paths = paths_of_trees(points, predecessor, terminals)
+        require_reached(query, paths)
+        progress(1.0, "trees")
+        cost = path_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
+        return MovingCosts(cost, paths, {"nodes": len(points), "edges": len(graph.cost), "collision_tests": len(pairs)})

@@ -1,0 +1,165 @@
+"""fmt-star: the paper's modified Fast Marching Tree (§Calculation of Moving Cost).
+
+Fast Marching Tree* (Janson, Schmerling, Clark & Pavone, IJRR 34, 2015): random samples, and a tree grown outward
+in order of cost; each new sample is connected to the best open neighbour, and only that one edge is tested for
+collision (lazy). The paper's modifications:
+
+1. the cost of an edge is c_ij = |σ|/v0 − (1/v0²)∫ w·dσ, directed;
+2. multi-query: one tree per start gives the paths to all other terminals, n problems instead of n²;
+3. the n problems share the information on edges: costs are computed once, and so is every collision test.
+
+`share = False` switches 3 off, for the measurement of what it saves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from formulations.moving_cost.field import search_field
+from formulations.moving_cost.free_space import FreeSpace, free_space, segment_free
+from formulations.moving_cost.graph import BLOCKED, FREE, UNKNOWN, Graph, build_graph, near_pairs, standard_radius
+from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
+from formulations.moving_cost.tree import paths_of_trees, require_reached
+from instances.errors import InputError
+from instances.paths import path_costs
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class FmtStar(MovingCostMethod):
+    """FMT* as in the paper.
+
+    samples : random samples besides the terminals.
+    radius_factor : connection radius over the standard one; twice the radius gives five times smaller excess.
+    seed : of the samples.
+    share : whether the starts share edge and collision information.
+    """
+
+    samples: int = 10_000
+    radius_factor: float = 1.0
+    seed: int = 0
+    share: bool = True
+
+    def __post_init__(self) -> None:
+        if self.samples < 1 or not self.radius_factor > 0:
+            raise InputError("fmt-star: samples must be at least 1 and radius_factor positive")
+
+    def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
+        """Return costs and paths between all terminals."""
+        n = len(query.terminals)
+        field, space = search_field(query.wind, query.region, query.v0), free_space(query.region)
+        points = sample_points(query, self.samples, self.seed)
+        radius = self.radius_factor * standard_radius(query.region.area, len(points))
+        pairs = near_pairs(points, radius)
+        predecessor = np.empty((n, len(points)), dtype=np.int64)
+        graph: Graph | None = None
+        tests = 0
+        for i in range(n):
+            if graph is None or not self.share:
+                graph = build_graph(points, pairs, query.wind, field, query.v0, None)
+            predecessor[i], tested = grow_tree(
+                graph.points, graph.start, graph.neighbour, graph.back, graph.pair, graph.state, space, i
+            )
+            tests += tested
+            progress((i + 1) / n, f"tree {i + 1} of {n}")
+        paths = paths_of_trees(points, predecessor, np.arange(n))
+        require_reached(query, paths)
+        cost = path_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
+        return MovingCosts(cost, paths, {"nodes": len(points), "edges": 2 * len(pairs), "collision_tests": tests})
+
+
+def sample_points(query: Query, samples: int, seed: int) -> Floats:
+    """Return the terminals followed by uniform random samples of the region, (N, 2) [m]."""
+    return np.concatenate([query.terminals, query.region.sample(samples, np.random.default_rng(seed))])
+
+
+@njit(cache=True)
+def _push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
+    """Put (key, item) into a binary heap of `size` entries."""
+    k = size
+    while k > 0 and keys[(k - 1) // 2] > key:
+        keys[k], items[k] = keys[(k - 1) // 2], items[(k - 1) // 2]
+        k = (k - 1) // 2
+    keys[k], items[k] = key, item
+
+
+@njit(cache=True)
+def _pop(keys: Floats, items: Ints, size: int) -> int:
+    """Take the item of the least key out of a binary heap of `size` entries."""
+    top = items[0]
+    key, item = keys[size - 1], items[size - 1]
+    k = 0
+    while 2 * k + 1 < size - 1:
+        child = 2 * k + 1
+        if child + 1 < size - 1 and keys[child + 1] < keys[child]:
+            child += 1
+        if keys[child] >= key:
+            break
+        keys[k], items[k] = keys[child], items[child]
+        k = child
+    keys[k], items[k] = key, item
+    return top
+
+
+@njit(cache=True)
+def grow_tree(
+    points: Floats,
+    start: Ints,
+    neighbour: Ints,
+    back: Floats,
+    pair: Ints,
+    state: NDArray[np.int8],
+    space: FreeSpace,
+    root: int,
+) -> tuple[Ints, int]:
+    """Grow one FMT* tree from `root`: predecessors (N,), −1 for the root and what was not reached; tests made.
+
+    Nodes are unvisited, open (in the heap) or closed; the arrays are those of `Graph`.
+    """
+    n = len(points)
+    unvisited, opened, closed = 0, 1, 2
+    status = np.zeros(n, dtype=np.int8)
+    value = np.full(n, np.inf)
+    parent = np.full(n, -1, dtype=np.int64)
+    keys, items = np.empty(n), np.empty(n, dtype=np.int64)
+    _push(keys, items, 0, 0.0, root)
+    size, tests = 1, 0
+    status[root], value[root] = opened, 0.0
+    fresh = np.empty(n, dtype=np.int64)
+    while size > 0:
+        z = _pop(keys, items, size)
+        size -= 1
+        count = 0
+        for e in range(start[z], start[z + 1]):
+            x = neighbour[e]
+            if status[x] != unvisited:
+                continue
+            best, via = np.inf, -1
+            for f in range(start[x], start[x + 1]):
+                y = neighbour[f]
+                if status[y] == opened and value[y] + back[f] < best:
+                    best, via = value[y] + back[f], f
+            k = pair[via]
+            if state[k] == UNKNOWN:
+                tests += 1
+                y = neighbour[via]
+                free = segment_free(points[y, 0], points[y, 1], points[x, 0], points[x, 1], space)
+                state[k] = FREE if free else BLOCKED
+            if state[k] == FREE:
+                value[x], parent[x] = best, neighbour[via]
+                fresh[count] = x
+                count += 1
+                status[x] = closed  # not a parent for others found in this same round
+        for i in range(count):
+            x = fresh[i]
+            status[x] = opened
+            _push(keys, items, size, value[x], x)
+            size += 1
+        status[z] = closed
+    return parent, tests

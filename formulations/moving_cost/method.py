@@ -1,0 +1,55 @@
+"""What a moving-cost method is and what it returns: a cost matrix and the paths behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from instances.environment.region import Region
+from instances.environment.wind import WindField
+from instances.paths import Paths
+
+Progress = Callable[[float, str], None]
+"""Called now and then with the fraction done (0 to 1) and a few words on what is being done."""
+
+
+def silent(fraction: float, words: str) -> None:
+    """Report no progress."""
+
+
+@dataclass(frozen=True, eq=False)
+class Query:
+    """Sub-problem 2 of the paper: paths and costs between every ordered pair of terminals, in a region and a wind.
+
+    terminals (N, 2) [m], tasks first, then depots; v0 [m/s]; region without its no-fly zones.
+    """
+
+    terminals: NDArray[np.float64]
+    region: Region
+    wind: WindField
+    v0: float
+
+
+@dataclass(frozen=True, eq=False)
+class MovingCosts:
+    """`cost[i, j]` [s] of the path from terminal i to terminal j, the `paths` themselves, and the method's figures."""
+
+    cost: NDArray[np.float64]
+    paths: Paths
+    statistics: Mapping[str, Any] = field(default_factory=dict)
+
+
+class MovingCostMethod(Protocol):
+    """A method for sub-problem 2. Options are the fields of the (dataclass) implementation, each with a default."""
+
+    def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
+        """Return costs and paths between all terminals.
+
+        Raises InputError for a wind at least as strong as the airspeed (where it is no potential wind) and for a
+        terminal that cannot be reached.
+        """
+        ...

@@ -1,0 +1,372 @@
+"""Newton polish: from any feasible path to the locally best one of its homotopy class.
+
+v0·C(σ) = length − (1/v0) ∫ w·dσ (paper, eq. moving_cost). By Stokes' theorem, moving a path sideways changes
+∫ w·dσ by the vorticity ω of the strip between, so only ω enters. For a polyline x_0 … x_N with unit segments t_k
+and unit normals n_k (left of the path), the derivative with respect to a sideways move y_k of node k is
+
+    g_k = (t_k − t_{k+1})·n_k + (1/v0) ∫ hat_k(σ) ω(σ) (n_k·n) |dσ|,
+
+whose root is the polyline twin of the free geodesic, curvature ω/v0. The Hessian is tridiagonal: one Thomas solve a
+Newton step. Obstacles enter as in a taut string:
+
+* a step that would sweep over a corner of an obstacle (the corner lies between old and new path: winding
+  number) is cut short there and the corner becomes a *pin*, a fixed node of the path;
+* a node that would enter an obstacle through an edge (a curved path can, without sweeping a corner) stays
+  on the edge as long as the gradient pushes it there;
+* a pin lets go where moving away from the obstacle lowers the cost.
+
+Paths through the corners of a polygon thus end exactly in them, and in a potential wind the result is the
+shortest path of its class to rounding.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from formulations.moving_cost.field import Vorticity, vorticity_at
+from formulations.moving_cost.free_space import FreeSpace, clearance_at, point_free, segment_free
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+STEPS = 60
+"""Newton steps at most, and one more for every corner there is to wrap around; a path that has not settled by then
+is judged by its cost as it is."""
+GAUSS_1, GAUSS_2 = 0.5 - 0.5 / math.sqrt(3.0), 0.5 + 0.5 / math.sqrt(3.0)
+
+
+@njit(cache=True)
+def subdivide(p: Floats, corner: Ints, h: float) -> tuple[Floats, Ints]:
+    """Split each segment into equal pieces no longer than h; corner[k] ≥ 0 marks a node in an obstacle's corner."""
+    count = 1
+    for k in range(len(p) - 1):
+        length = math.hypot(p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1])
+        count += max(1, math.ceil(length / h - 1e-9)) if length > 0 else 0
+    q = np.empty((count, 2))
+    c = np.full(count, -1, dtype=np.int64)
+    q[0], c[0] = p[0], corner[0]
+    at = 0
+    for k in range(len(p) - 1):
+        length = math.hypot(p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1])
+        pieces = max(1, math.ceil(length / h - 1e-9)) if length > 0 else 0
+        for i in range(1, pieces + 1):
+            at += 1
+            for d in range(2):
+                q[at, d] = p[k, d] + (p[k + 1, d] - p[k, d]) * i / pieces
+        if pieces > 0:
+            q[at] = p[k + 1]
+        if pieces > 0 or corner[k + 1] >= 0:
+            c[at] = corner[k + 1]
+    return q, c
+
+
+@njit(cache=True)
+def newton_step(p: Floats, held: NDArray[np.bool_], field: Vorticity, v0: float) -> tuple[Floats, Floats, Floats]:
+    """Gradient g [1], normals and Newton offsets y [m] of the nodes of `p`; held nodes do not move."""
+    n = len(p)
+    normal = np.zeros((n, 2))
+    for k in range(1, n - 1):
+        tx, ty = p[k + 1, 0] - p[k - 1, 0], p[k + 1, 1] - p[k - 1, 1]
+        size = math.hypot(tx, ty)
+        if size > 0.0:
+            normal[k, 0], normal[k, 1] = -ty / size, tx / size
+    g, diagonal, bend, off, off_bend = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    for k in range(n - 1):
+        dx, dy = p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1]
+        h = math.hypot(dx, dy)
+        tx, ty = dx / h, dy / h
+        a = -normal[k, 0] * ty + normal[k, 1] * tx  # n_k·n of the segment
+        b = -normal[k + 1, 0] * ty + normal[k + 1, 1] * tx
+        g[k] -= tx * normal[k, 0] + ty * normal[k, 1]
+        g[k + 1] += tx * normal[k + 1, 0] + ty * normal[k + 1, 1]
+        diagonal[k] += a * a / h
+        diagonal[k + 1] += b * b / h
+        off[k] = -a * b / h
+        for s in (GAUSS_1, GAUSS_2):
+            w, wx, wy = vorticity_at(p[k, 0] + s * dx, p[k, 1] + s * dy, field)
+            weight = 0.5 * h / v0
+            g[k] += weight * (1 - s) * w * a
+            g[k + 1] += weight * s * w * b
+            slope = weight * (wy * tx - wx * ty)
+            bend[k] += slope * (1 - s) * (1 - s) * a * a
+            bend[k + 1] += slope * s * s * b * b
+            off_bend[k] += slope * s * (1 - s) * a * b
+    y = np.zeros(n)
+    if not _thomas(diagonal + bend, off + off_bend, g, held, y):
+        # Not convex here: drop what the vorticity's slope takes away from the length's curvature.
+        _thomas(diagonal + np.maximum(bend, 0.0), off, g, held, y)
+    return g, normal, y
+
+
+@njit(cache=True)
+def _thomas(diagonal: Floats, off: Floats, g: Floats, held: NDArray[np.bool_], y: Floats) -> bool:
+    """Solve the tridiagonal H y = −g over the nodes not held; False where H is not safely positive definite."""
+    n = len(g)
+    upper, right = np.zeros(n), np.zeros(n)
+    for k in range(n):
+        if held[k]:
+            upper[k], right[k] = 0.0, 0.0
+            continue
+        below = off[k - 1] if k > 0 and not held[k - 1] else 0.0
+        pivot = diagonal[k] - (below * upper[k - 1] if k > 0 else 0.0)
+        if pivot < 0.02 * diagonal[k] or pivot <= 0.0:
+            return False
+        above = off[k] if k < n - 1 and not held[k + 1] else 0.0
+        upper[k] = above / pivot
+        right[k] = (-g[k] - (below * right[k - 1] if k > 0 else 0.0)) / pivot
+    for k in range(n - 1, -1, -1):
+        y[k] = right[k] - (upper[k] * y[k + 1] if k < n - 1 else 0.0)
+    return True
+
+
+@njit(cache=True)
+def _between(x: float, y: float, old: Floats, new: Floats) -> bool:
+    """Whether a point lies between two paths with common ends: winding number of the loop old, then new back."""
+    winding = 0
+    n = len(old)
+    for side in range(2):
+        path = old if side == 0 else new
+        for k in range(n - 1):
+            ax, ay, bx, by = path[k, 0], path[k, 1], path[k + 1, 0], path[k + 1, 1]
+            if (ay <= y) != (by <= y):
+                left = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+                if ay <= y and left > 0:
+                    winding += 1 if side == 0 else -1
+                elif by <= y and left < 0:
+                    winding -= 1 if side == 0 else -1
+    return winding != 0
+
+
+@njit(cache=True)
+def _swept_corner(old: Floats, new: Floats, corner: Ints, space: FreeSpace) -> int:
+    """Index of a corner of an obstacle that lies between the two paths and is no pin of theirs, or −1."""
+    x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
+    near = False
+    for k in range(len(old)):
+        x0, x1 = min(x0, old[k, 0], new[k, 0]), max(x1, old[k, 0], new[k, 0])
+        y0, y1 = min(y0, old[k, 1], new[k, 1]), max(y1, old[k, 1], new[k, 1])
+        move = math.hypot(new[k, 0] - old[k, 0], new[k, 1] - old[k, 1])
+        h = math.hypot(old[k, 0] - old[k - 1, 0], old[k, 1] - old[k - 1, 1]) if k > 0 else 0.0
+        near = near or clearance_at(old[k, 0], old[k, 1], space) <= move + h
+    if not near:
+        return -1
+    for c in range(len(space.corners)):
+        x, y = space.corners[c, 0], space.corners[c, 1]
+        if x < x0 or x > x1 or y < y0 or y > y1:
+            continue
+        pinned = False
+        for k in range(len(corner)):
+            pinned = pinned or corner[k] == c
+        if not pinned and _between(x, y, old, new):
+            return c
+    return -1
+
+
+@njit(cache=True)
+def _pin(p: Floats, corner: Ints, c: int, space: FreeSpace) -> tuple[Floats, Ints]:
+    """Return the path with corner `c` as a node of its nearest segment."""
+    x, y = space.corners[c, 0], space.corners[c, 1]
+    best, at, where = np.inf, 0, 0.0
+    for k in range(len(p) - 1):
+        dx, dy = p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1]
+        t = min(max(((x - p[k, 0]) * dx + (y - p[k, 1]) * dy) / (dx * dx + dy * dy), 0.0), 1.0)
+        d = (p[k, 0] + t * dx - x) ** 2 + (p[k, 1] + t * dy - y) ** 2
+        if d < best:
+            best, at, where = d, k, t
+    near = at if where < 0.25 else at + 1
+    if (where < 0.25 or where > 0.75) and 0 < near < len(p) - 1 and corner[near] < 0:
+        p[near, 0], p[near, 1], corner[near] = x, y, c
+        return p, corner
+    q, d2 = np.empty((len(p) + 1, 2)), np.empty(len(p) + 1, dtype=np.int64)
+    q[: at + 1], d2[: at + 1] = p[: at + 1], corner[: at + 1]
+    q[at + 1, 0], q[at + 1, 1], d2[at + 1] = x, y, c
+    q[at + 2 :], d2[at + 2 :] = p[at + 1 :], corner[at + 1 :]
+    return q, d2
+
+
+@njit(cache=True)
+def _stop_at_edges(old: Floats, new: Floats, edge: Ints, held: NDArray[np.bool_], space: FreeSpace) -> None:
+    """Move nodes of `new` that entered an obstacle back to where they crossed its edge, and note the edge."""
+    for k in range(1, len(new) - 1):
+        if held[k]:
+            continue
+        edge[k] = -1
+        if point_free(new[k, 0], new[k, 1], space):
+            continue
+        ax, ay = old[k, 0], old[k, 1]
+        dx, dy = new[k, 0] - ax, new[k, 1] - ay
+        first, nearest, distance, along = 2.0, -1, np.inf, 0.0
+        for e in range(len(space.edges)):
+            ex, ey = space.edges[e, 2] - space.edges[e, 0], space.edges[e, 3] - space.edges[e, 1]
+            px, py = space.edges[e, 0] - ax, space.edges[e, 1] - ay
+            across = dx * ey - dy * ex
+            if across > 0.0:  # leaving free space, on the edge's left, means crossing to its right
+                t, s = (px * ey - py * ex) / across, (px * dy - py * dx) / across
+                if -1e-9 <= s <= 1.0 + 1e-9 and 0.0 <= t < first:
+                    first, edge[k] = t, e
+            s = min(max(-(px * ex + py * ey) / (ex * ex + ey * ey), 0.0), 1.0)
+            d = math.hypot(px + s * ex, py + s * ey)
+            if d < distance:
+                distance, nearest, along = d, e, s
+        if distance <= 2 * space.eps or first > 1.0:
+            # It was on an edge already, to rounding: put it there.
+            edge[k] = nearest
+            new[k, 0] = space.edges[nearest, 0] + along * (space.edges[nearest, 2] - space.edges[nearest, 0])
+            new[k, 1] = space.edges[nearest, 1] + along * (space.edges[nearest, 3] - space.edges[nearest, 1])
+        else:
+            new[k, 0], new[k, 1] = ax + first * dx, ay + first * dy
+
+
+@njit(cache=True)
+def _held(p: Floats, corner: Ints, edge: Ints, g: Floats, normal: Floats, space: FreeSpace) -> NDArray[np.bool_]:
+    """Nodes that do not move: ends, pins, and nodes on an edge that the gradient pushes into it."""
+    held = corner >= 0
+    held[0] = held[-1] = True
+    for k in range(1, len(p) - 1):
+        e = edge[k]
+        if e >= 0:
+            ex, ey = space.edges[e, 2] - space.edges[e, 0], space.edges[e, 3] - space.edges[e, 1]
+            free_side = -ey * normal[k, 0] + ex * normal[k, 1]
+            held[k] = held[k] or free_side * g[k] >= 0.0
+    return held
+
+
+@njit(cache=True)
+def _let_go(p: Floats, corner: Ints, g: Floats, normal: Floats, space: FreeSpace) -> bool:
+    """Release pins where moving away from the obstacle lowers the cost; True where one was."""
+    found = False
+    for k in range(1, len(p) - 1):
+        c = corner[k]
+        if c < 0:
+            continue
+        away = space.outward[c, 0] * normal[k, 0] + space.outward[c, 1] * normal[k, 1]
+        if away * g[k] < -1e-10:
+            corner[k] = -1
+            sign = 1.0 if away > 0 else -1.0
+            p[k, 0] += 100 * space.eps * sign * normal[k, 0]
+            p[k, 1] += 100 * space.eps * sign * normal[k, 1]
+            found = True
+    return found
+
+
+@njit(cache=True)
+def relax(
+    p: Floats, corner: Ints, field: Vorticity, v0: float, space: FreeSpace, settled: float
+) -> tuple[Floats, Ints]:
+    """Newton steps and obstacle events: the locally best polyline, and the corners its nodes lie in.
+
+    It ends after a step that moved no node by more than `settled` of its distance to the next; Newton's next step
+    would be of the order of its square.
+    """
+    edge = np.full(len(p), -1, dtype=np.int64)
+    for _ in range(STEPS + len(space.corners)):
+        n = len(p)
+        held = corner >= 0
+        held[0] = held[n - 1] = True
+        if (edge >= 0).any():
+            g, normal, y = newton_step(p, np.ones(n, dtype=np.bool_), field, v0)
+            held = _held(p, corner, edge, g, normal, space)
+        g, normal, y = newton_step(p, held, field, v0)
+        slope = 0.0
+        for k in range(n - 1):
+            slope = max(slope, abs(y[k + 1] - y[k]) / math.hypot(p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1]))
+        scale = min(1.0, 0.5 / slope) if slope > 0 else 1.0
+        new = p + scale * y.reshape(n, 1) * normal
+        c = _swept_corner(p, new, corner, space)
+        if c >= 0:
+            low, high = 0.0, scale
+            for _ in range(24):
+                middle = 0.5 * (low + high)
+                there = _swept_corner(p, p + middle * y.reshape(n, 1) * normal, corner, space)
+                if there >= 0:
+                    high, c = middle, there
+                else:
+                    low = middle
+            new = p + low * y.reshape(n, 1) * normal
+            _stop_at_edges(p, new, edge, held, space)
+            p, corner = _pin(new, corner, c, space)
+            edge = np.full(len(p), -1, dtype=np.int64)
+            continue
+        _stop_at_edges(p, new, edge, held, space)
+        shift = 0.0
+        for k in range(1, n):
+            move = math.hypot(new[k, 0] - p[k, 0], new[k, 1] - p[k, 1])
+            shift = max(shift, move / math.hypot(p[k, 0] - p[k - 1, 0], p[k, 1] - p[k - 1, 1]))
+        p = new
+        if shift < settled and not _let_go(p, corner, g, normal, space):
+            break
+    return p, corner
+
+
+@njit(cache=True)
+def path_free(p: Floats, space: FreeSpace) -> bool:
+    """Whether every segment stays in free space."""
+    free = True
+    for k in range(len(p) - 1):
+        free = free and segment_free(p[k, 0], p[k, 1], p[k + 1, 0], p[k + 1, 1], space)
+    return free
+
+
+@njit(cache=True)
+def mean_square_turn(p: Floats, corner: Ints) -> float:
+    """Mean squared turning angle [rad²] at the nodes that are no pins: 24 times the polyline's relative excess."""
+    total, count = 0.0, 0
+    for k in range(1, len(p) - 1):
+        if corner[k] >= 0:
+            continue
+        ax, ay, bx, by = p[k, 0] - p[k - 1, 0], p[k, 1] - p[k - 1, 1], p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1]
+        turn = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
+        total += turn * turn
+        count += 1
+    return total / count if count else 0.0
+
+
+@njit(cache=True)
+def polish_all(
+    points: Floats,
+    corners: Ints,
+    offsets: Ints,
+    spacing: float,
+    precision: float,
+    space: FreeSpace,
+    field: Vorticity,
+    v0: float,
+) -> tuple[Floats, Ints, Ints]:
+    """Polish paths given end to end: path i is ``points[offsets[i]:offsets[i+1]]``; returns the same three arrays.
+
+    Each is split to pieces of `spacing` [m], relaxed, and refined (pieces halved) while the polyline's own excess over
+    the smooth curve, mean square turn / 24, is above `precision`; at most six times. A path that ended up in an
+    obstacle comes back as it was given.
+    """
+    out_points, out_corners = np.empty((len(points) * 2 + 1024, 2)), np.empty(len(points) * 2 + 1024, dtype=np.int64)
+    out_offsets = np.zeros(len(offsets), dtype=np.int64)
+    used = 0
+    for i in range(len(offsets) - 1):
+        given, marks = points[offsets[i] : offsets[i + 1]], corners[offsets[i] : offsets[i + 1]]
+        length = 0.0
+        for k in range(len(given) - 1):
+            length += math.hypot(given[k + 1, 0] - given[k, 0], given[k + 1, 1] - given[k, 1])
+        h = min(spacing, length / 4)  # a path of one piece could not turn
+        p, c = subdivide(given, marks, h)
+        p, c = relax(p, c, field, v0, space, 1e-4)
+        size = h
+        for _ in range(6):
+            if precision <= 0.0 or mean_square_turn(p, c) <= 24 * precision:
+                break
+            size *= 0.5
+            p, c = subdivide(p, c, size)
+            p, c = relax(p, c, field, v0, space, 1e-3)
+        if not path_free(p, space):
+            p, c = given, marks
+        while used + len(p) > len(out_points):
+            out_points = np.concatenate((out_points, np.empty_like(out_points)))
+            out_corners = np.concatenate((out_corners, np.empty_like(out_corners)))
+        out_points[used : used + len(p)] = p
+        out_corners[used : used + len(p)] = c
+        used += len(p)
+        out_offsets[i + 1] = used
+    return out_points[:used].copy(), out_corners[:used].copy(), out_offsets

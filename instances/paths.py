@@ -1,0 +1,228 @@
+"""Paths between nodes, their files, and their independent check: length, wind integral and collision, recomputed.
+
+The cost of a path σ at constant speed v0 is the paper's C(σ) = τ − (1/v0²) ∫ w(σ)·dσ (eq. moving_cost), τ the
+length over v0. `path_costs` uses the wind's exact line integrals; `check_paths` trusts neither these nor a
+planner's collision tests: it samples the wind itself and asks the region's polygon.
+
+The file lies beside the instance, ``NAME.paths.json.gz`` for ``NAME.json``; its points are rounded to the millimetre.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from instances.disk import read_bytes, write_aside
+from instances.environment.region import Region
+from instances.environment.wind import WindField
+from instances.errors import InputError
+
+if TYPE_CHECKING:
+    from instances.instance import Instance
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+ENDING = ".paths.json.gz"
+NEAR = 5e-3
+"""A path may miss its end or leave the region by so much [m]: points in files are rounded to the millimetre."""
+PIECE = 50.0
+"""Length [m] of the pieces on which the check integrates the wind, by three Gauss points each."""
+TOLERANCE = 1e-5
+"""Difference between a claimed and a recomputed cost, over the flight time, that counts as agreement."""
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """A polyline for every ordered pair of N nodes, held end to end.
+
+    The path from i to j is ``points[offsets[k]:offsets[k + 1]]`` [m] with k = i·N + j; that from i to itself is
+    empty.
+    """
+
+    n_nodes: int
+    points: Floats
+    offsets: Ints
+
+    def __post_init__(self) -> None:
+        if len(self.offsets) != self.n_nodes**2 + 1 or self.offsets[0] != 0 or self.offsets[-1] != len(self.points):
+            raise InputError(f"paths: {self.n_nodes} nodes need {self.n_nodes**2} paths, held end to end")
+
+    def between(self, i: int, j: int) -> Floats:
+        """Return the polyline from node i to node j, shape (k, 2) [m]."""
+        k = i * self.n_nodes + j
+        return self.points[self.offsets[k] : self.offsets[k + 1]]
+
+    def along(self, stops: Sequence[int]) -> Floats:
+        """Return the polyline through the nodes `stops` in order, shape (k, 2) [m]."""
+        legs = [self.between(i, j) for i, j in pairwise(stops) if i != j]
+        return np.concatenate([legs[0][:1], *(leg[1:] for leg in legs)]) if legs else np.empty((0, 2))
+
+    def repeated(self, of: Ints, coordinates: Floats) -> Paths:
+        """Return the paths of a larger set of nodes: node a lies at ``coordinates[a]`` and is node ``of[a]`` here.
+
+        Between two nodes that are the same here the path is its two equal ends.
+        """
+        n = len(of)
+        paths = [
+            self.between(of[a], of[b]) if of[a] != of[b] else coordinates[[a, b]] if a != b else np.empty((0, 2))
+            for a in range(n)
+            for b in range(n)
+        ]
+        offsets = np.concatenate([[0], np.cumsum([len(p) for p in paths])]).astype(np.int64)
+        return Paths(n, np.concatenate(paths), offsets)
+
+
+def path_costs(points: Floats, offsets: Ints, wind: WindField, v0: float) -> Floats:
+    """Return C(σ) [s] of polylines held end to end, shape (len(offsets) − 1,), by exact line integrals."""
+    a, b, owner = _segments(points, offsets)
+    count = len(offsets) - 1
+    lengths = np.bincount(owner, np.hypot(*(b - a).T), minlength=count)
+    return lengths / v0 - np.bincount(owner, wind.line_integral(a, b), minlength=count) / v0**2
+
+
+def _segments(points: Floats, offsets: Ints) -> tuple[Floats, Floats, Ints]:
+    """Return the starts and ends of all segments (k, 2) [m] and the path each belongs to (k,)."""
+    owner = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    inner = np.flatnonzero(owner[:-1] == owner[1:])
+    return points[inner], points[inner + 1], owner[inner]
+
+
+def check_paths(
+    paths: Paths,
+    cost: Floats,
+    coordinates: Floats,
+    region: Region,
+    wind: WindField | None,
+    v0: float,
+    potential: Floats | None = None,
+) -> list[str]:
+    """Return what is wrong with `paths`, a sentence each; an empty list means that all of it is confirmed.
+
+    cost : claimed costs [s], shape (N, N). coordinates : of the nodes (N, 2) [m]. region : without its no-fly
+    zones. potential : node potentials p [s], shape (N,), where ``cost[i, j]`` is C(σ) + p_j − p_i.
+    """
+    n = paths.n_nodes
+    if cost.shape != (n, n) or coordinates.shape != (n, 2):
+        return [f"There are paths between {n} nodes but costs between {len(cost)} and {len(coordinates)} coordinates."]
+    faults = []
+    i, j = np.divmod(np.flatnonzero(~np.eye(n, dtype=bool)), n)
+    k = i * n + j
+    size = np.diff(paths.offsets)[k]
+    if (size < 2).any():
+        q = int(np.argmax(size < 2))
+        return [f"There is no path from node {i[q]} to node {j[q]} ({int((size < 2).sum())} are missing)."]
+    if np.diff(paths.offsets)[:: n + 1].any():
+        return ["A node has a path to itself."]
+    first, last = paths.points[paths.offsets[k]], paths.points[paths.offsets[k + 1] - 1]
+    for end, node, word in ((first, i, "start"), (last, j, "end")):
+        off = np.hypot(*(end - coordinates[node]).T)
+        if off.max() > NEAR:
+            q = int(np.argmax(off))
+            faults.append(f"The path from {i[q]} to {j[q]} does not {word} at node {node[q]}, but {off[q]:.3g} m away.")
+    lines = np.asarray(shapely.linestrings(paths.points, indices=np.repeat(np.arange(len(k)), size)))
+    room = region.polygon.buffer(NEAR)
+    shapely.prepare(room)
+    outside = np.flatnonzero(~shapely.covers(room, lines))
+    if len(outside):
+        q = outside[0]
+        far = shapely.length(shapely.difference(lines[q], room))
+        faults.append(
+            f"The path from {i[q]} to {j[q]} runs {far:.3g} m outside the region or in a no-fly zone "
+            f"({len(outside)} of {len(k)} paths do)."
+        )
+    lengths, push = _recomputed(paths, wind)
+    tau = lengths[k] / v0
+    actual = tau - push[k] / v0**2
+    if potential is not None:
+        actual = actual + potential[j] - potential[i]
+    wrong = np.abs(cost[i, j] - actual) > TOLERANCE * np.maximum(tau, 1e-3)
+    if wrong.any():
+        q = int(np.argmax(np.where(wrong, np.abs(cost[i, j] - actual), -1.0)))
+        faults.append(
+            f"The path from {i[q]} to {j[q]} costs {actual[q]:.9g} s, not the {cost[i[q], j[q]]:.9g} s claimed "
+            f"({int(wrong.sum())} of {len(k)} differ)."
+        )
+    return faults
+
+
+def _recomputed(paths: Paths, wind: WindField | None) -> tuple[Floats, Floats]:
+    """Return length [m] and ∫ w·dσ [m²/s] of each path, the wind sampled by composite Gauss quadrature."""
+    a, b, owner = _segments(paths.points, paths.offsets)
+    d = b - a
+    size = np.hypot(*d.T)
+    count = paths.n_nodes**2
+    lengths = np.bincount(owner, size, minlength=count).astype(float)
+    if wind is None:
+        return lengths, np.zeros(count)
+    pieces = np.maximum(1, np.ceil(size / PIECE)).astype(np.int64)
+    which = np.repeat(np.arange(len(a)), pieces)
+    number = np.arange(len(which)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    push = np.zeros(len(which))
+    for node, weight in ((-(0.6**0.5), 5 / 18), (0.0, 8 / 18), (0.6**0.5, 5 / 18)):
+        t = (number + 0.5 + 0.5 * node) / pieces[which]
+        push += weight * np.einsum("ij,ij->i", wind(a[which] + t[:, None] * d[which]), d[which]) / pieces[which]
+    return lengths, np.bincount(owner[which], push, minlength=count).astype(float)
+
+
+def paths_file(instance_file: Path | str) -> Path:
+    """Return where the paths of an instance file are kept: beside it, ``NAME.paths.json.gz``."""
+    path = Path(instance_file)
+    return path.with_name(path.name.removesuffix(".gz").removesuffix(".json").removesuffix(".atsp") + ENDING)
+
+
+def write_paths(paths: Paths, instance: Instance, path: Path | str, scenario: str = "") -> None:
+    """Write the paths behind the costs of `instance`; `scenario` names the file they were planned in."""
+    table = {
+        "schema": 1,
+        "instance": instance.name,
+        "digest": instance.digest,
+        "scenario": scenario,
+        "n_nodes": paths.n_nodes,
+        "offsets": paths.offsets.tolist(),
+        "points": np.round(paths.points, 3).tolist(),
+    }
+    write_aside(path, gzip.compress(json.dumps(table, separators=(",", ":")).encode(), mtime=0))
+
+
+def read_paths(path: Path | str, instance: Instance) -> Paths:
+    """Read the paths behind the costs of `instance`; InputError names the file and what is wrong."""
+    return paths_of(read_paths_table(path), instance, path)
+
+
+def read_paths_table(path: Path | str) -> dict[str, Any]:
+    """Read a file of paths as the table it is."""
+    try:
+        table = json.loads(gzip.decompress(read_bytes(path)))
+    except (OSError, EOFError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: cannot be read as paths ({error})") from None
+    if not isinstance(table, dict) or table.get("schema") != 1:
+        raise InputError(f"{path}: is no file of paths of schema 1")
+    return table
+
+
+def paths_of(table: dict[str, Any], instance: Instance, path: Path | str) -> Paths:
+    """Return the paths in `table`, read from `path`; InputError where they are not those of `instance`."""
+    if table.get("digest") != instance.digest:
+        raise InputError(
+            f"{path}: belongs to an instance of digest {table.get('digest')!r}, {instance.name} has {instance.digest}"
+        )
+    try:
+        points = np.array(table["points"], dtype=np.float64).reshape(-1, 2)
+        offsets = np.array(table["offsets"], dtype=np.int64)
+        if not np.isfinite(points).all() or (np.diff(offsets) < 0).any():
+            raise ValueError("values are out of range")
+        return Paths(int(table["n_nodes"]), points, offsets)
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{path}: points and offsets cannot be read ({error})") from None

@@ -1,0 +1,84 @@
+"""The wind on the map: arrows over its vorticity, which alone bends paths; and the ground below it."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from numpy.typing import NDArray
+
+from instances.environment.region import Region
+from instances.environment.wind import WindField
+from reports.figures.style import FAINT, INK, PAPER, new_figure
+from reports.figures.svg import Drawn
+
+KM = 1e3
+ARROWS = 22
+"""Arrows along the longer side of the region."""
+
+
+def draw_wind(wind: WindField, region: Region, title: str = "Wind") -> Drawn:
+    """Return the figure of `wind` in `region`: arrows, speed in colour, and vorticity beside it."""
+    figure = new_figure(7.2, 3.4)
+    left, right = figure.subplots(1, 2, sharey=True)
+    xs, ys, points, inside = _raster(region, 160)
+    w = wind(points).reshape(len(ys), len(xs), 2)
+    dx, dy = xs[1] - xs[0], ys[1] - ys[0]
+    curl = np.gradient(w[..., 1], dx, axis=1) - np.gradient(w[..., 0], dy, axis=0)
+    most = float(np.abs(curl[inside]).max()) or 1e-9
+    for axes, values, label, colours, low, high in (
+        (left, np.hypot(w[..., 0], w[..., 1]), "speed [m/s]", "cividis", None, None),
+        (right, 1e3 * curl, "vorticity [10⁻³ 1/s]", "PuOr", -1e3 * most, 1e3 * most),
+    ):
+        shown = np.ma.masked_where(~inside, values)
+        image = axes.pcolormesh(xs / KM, ys / KM, shown, cmap=colours, vmin=low, vmax=high, rasterized=True)
+        figure.colorbar(image, ax=axes, label=label, shrink=0.85)
+        map_axes(axes, region)
+    wind_arrows(left, wind, region, colour=PAPER)
+    right.set_ylabel("")
+    return Drawn(
+        "wind",
+        title,
+        "Left: the wind's direction (arrows, as long as it is fast) and speed. Right: its vorticity. The free "
+        "geodesics of the moving cost have curvature vorticity / airspeed, so a wind without vorticity bends no path "
+        "and changes no tour.",
+        figure,
+    )
+
+
+def map_axes(axes: Axes, region: Region) -> None:
+    """Give `axes` the outline of the region with its no-fly zones, in kilometres."""
+    rings = [Outline(np.asarray(ring.coords) / KM, closed=True) for ring in region.polygon.interiors]
+    for ring in rings:
+        axes.add_patch(PathPatch(ring, facecolor=FAINT, alpha=0.55, edgecolor=INK, linewidth=0.8, zorder=2))
+    axes.plot(*(np.asarray(region.polygon.exterior.coords).T / KM), color=INK, linewidth=0.8)
+    axes.set(aspect="equal", xlabel="x, east [km]", ylabel="y, north [km]")
+    axes.grid(visible=False)
+
+
+def wind_arrows(axes: Axes, wind: WindField, region: Region, colour: str = FAINT) -> None:
+    """Draw arrows of the wind inside the region, on a grid, with a key of their length."""
+    _, _, points, inside = _raster(region, ARROWS)
+    p = points[inside.ravel()]
+    w = wind(p)
+    top = float(np.hypot(w[:, 0], w[:, 1]).max())
+    if top == 0:
+        return
+    x0, _, x1, _ = region.bounds
+    scale = top / ((x1 - x0) / KM / ARROWS * 1.25)
+    axes.quiver(
+        *(p.T / KM), *w.T, color=colour, angles="xy", scale_units="xy", scale=scale, width=0.003, pivot="mid", zorder=2
+    )
+
+
+def _raster(
+    region: Region, cells: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Return cell centres along x and y, all of them (k, 2) [m], and which lie in the region (rows, columns)."""
+    x0, y0, x1, y1 = region.bounds
+    size = max(x1 - x0, y1 - y0) / cells
+    nx, ny = max(2, round((x1 - x0) / size)), max(2, round((y1 - y0) / size))
+    xs, ys = x0 + (np.arange(nx) + 0.5) * (x1 - x0) / nx, y0 + (np.arange(ny) + 0.5) * (y1 - y0) / ny
+    points = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
+    return xs, ys, points, region.contains(points).reshape(ny, nx)

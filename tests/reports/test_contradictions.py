@@ -1,0 +1,103 @@
+"""Planted lies: each is caught, named, kept out of the figures and shown on top of the page."""
+
+import json
+
+import pytest
+
+from reports import load
+from reports.metrics import contradictions, summary
+from reports.page import write_report
+
+
+@pytest.fixture
+def store(make_store):
+    """A small honest store and how to rewrite one of its runs."""
+    root = make_store().study(count=2, sizes=((7, 2),), seeds=1)
+
+    def plant(pattern, **keys):
+        path = sorted(root.glob(pattern))[0]
+        record = json.loads(path.read_text())
+        path.write_text(json.dumps(record | {k: v(record) if callable(v) else v for k, v in keys.items()}))
+
+    return root, plant
+
+
+def shown(root, tmp_path):
+    write_report([root], tmp_path / "page.html")
+    html = (tmp_path / "page.html").read_text()
+    return html[html.index("<main>") : html.index('id="summary"')]
+
+
+def test_an_honest_store_has_none(store, tmp_path):
+    root, _ = store
+    assert contradictions(load(root)).empty
+    assert 'class="alarm"' not in shown(root, tmp_path)
+    assert "No contradictions" in shown(root, tmp_path)
+
+
+LIES = [
+    ("wrong cost", "*/ga-*.json", {"objective": lambda r: 0.9 * r["objective"]}, "its routes cost"),
+    ("wrong cost", "*/ga-*.json", {"claimed_objective": lambda r: 0.5 * r["objective"], "status": "ERROR"}, "claims"),
+    ("routes not feasible", "*/ga-*.json", {"routes": [[0, 1], [2]]}, "is visited by no route"),
+    ("routes not feasible", "*/ga-*.json", {"routes": [[0, 1, 2, 3, 4, 5, 6], [0]]}, "is visited 2 times"),
+    ("no routes", "*/ga-*.json", {"routes": None}, "holds no routes"),
+    ("bound above routes", "*/milp-c*.json", {"bound": lambda r: 1.01 * r["bound"]}, "is above the routes of"),
+    ("OPTIMAL with a gap", "*/milp-d*.json", {"bound": lambda r: 0.95 * r["bound"]}, "a gap of 5.00%"),
+    ("OPTIMAL with a gap", "*/milp-d*.json", {"bound": None}, "holds no bound"),
+    (
+        "OPTIMAL with a gap",
+        "*/milp-d*.json",
+        {"bound": lambda r: 0.95 * r["bound"], "tolerance": lambda r: 0.1 * r["objective"]},
+        "stated tolerance",
+    ),
+    ("INFEASIBLE refuted", "*/greedy*.json", {"status": "INFEASIBLE", "routes": None, "objective": None}, "infeasible"),
+]
+
+
+@pytest.mark.parametrize(("kind", "pattern", "keys", "words"), LIES)
+def test_a_lie_is_caught(store, kind, pattern, keys, words):
+    root, plant = store
+    plant(pattern, **keys)
+    found = contradictions(load(root))
+    assert kind in set(found["kind"])
+    assert words in " ".join(found["sentence"])
+
+
+def test_the_lies_are_shown_on_top_of_the_page(store, tmp_path):
+    root, plant = store
+    for place in (0, 5, 6):
+        plant(*LIES[place][1:2], **LIES[place][2])
+    top = shown(root, tmp_path)
+    assert 'class="alarm"' in top
+    for kind, _, _, words in (LIES[0], LIES[5], LIES[6]):
+        assert kind in top
+        assert words in top
+
+
+def test_a_bound_above_the_best_known_value_is_caught(store):
+    root, plant = store
+    plant("*/milp-d*.json", instance=lambda r: r["instance"] | {"best_known": 0.9 * r["objective"]})
+    assert "bound above best known" in set(contradictions(load(root))["kind"])
+
+
+def test_a_proof_within_its_tolerance_is_no_lie(store):
+    root, plant = store
+    plant("*/milp-d*.json", bound=lambda r: r["bound"] * (1 - 1e-6), tolerance=lambda r: 2e-6 * r["objective"])
+    assert contradictions(load(root)).empty
+
+
+def test_a_wrong_cost_counts_for_nothing(store):
+    root, plant = store
+    plant("*/ga-*.json", objective=lambda r: 1e-3 * r["objective"])
+    table = summary(load(root))
+    assert table.loc["ga", "solved"] == 0.5
+    assert (table["gap_found"].dropna() >= 0).all()
+    assert table.loc["milp", "gap_found"] == 0
+
+
+def test_the_cheaper_liar_does_not_become_the_best(store):
+    root, plant = store
+    runs = load(root)
+    best = runs.groupby("digest")["value"].min()
+    plant("*/ga-*.json", routes=[[0], []], objective=1.0)
+    assert (load(root).groupby("digest")["value"].min() >= best).all()

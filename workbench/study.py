@@ -23,10 +23,11 @@ from __future__ import annotations
 
 import itertools
 import tomllib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from formulations.registry import make_solver, option_defaults
@@ -47,6 +48,7 @@ STUDY_KEYS = (
     "solvers",
 )
 FAMILY_KEYS = ("family", "tasks", "depots", "seeds", "parameters")
+NONE: Mapping[str, Any] = MappingProxyType({})
 SOLVER_KEYS = ("name", "options", "seeds", "time_limit", "threads", "iterations", "max_tasks")
 
 
@@ -100,8 +102,11 @@ def load_tables(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: cannot be read as a study ({error})") from None
 
 
-def study_from(data: dict[str, Any], *, name: str, base: Path) -> Study:
-    """Return the study written as `data`, its files relative to `base`; InputError says what is wrong."""
+def study_from(data: dict[str, Any], *, name: str, base: Path, changes: Mapping[str, Any] = NONE) -> Study:
+    """Return the study written as `data`, its files relative to `base`; InputError says what is wrong.
+
+    changes : seeds, time_limit or threads that take the place of those in `data`, each solver's included.
+    """
     _known_keys(data, STUDY_KEYS, "study")
     given = [_typed(item, str, "files") for item in _listed(data.get("files", []))]
     sources: list[Source] = [FileSource(path) for item in given for path in instance_files(base / item)]
@@ -109,7 +114,7 @@ def study_from(data: dict[str, Any], *, name: str, base: Path) -> Study:
         sources += _families(table, f"families[{number}]")
     entries: list[Entry] = []
     for number, table in enumerate(_tables(data, "solvers"), 1):
-        entries += _entries(table, data, f"solvers[{number}]")
+        entries += _entries(table, data, changes, f"solvers[{number}]")
     if not entries:
         raise InputError("study: names no solvers ([[solvers]] with name = …)")
     return Study(
@@ -117,7 +122,7 @@ def study_from(data: dict[str, Any], *, name: str, base: Path) -> Study:
         description=_typed(data.get("description", ""), str, "description"),
         sources=tuple(sources),
         entries=tuple(entries),
-        asked=data,
+        asked=data | dict(changes),
     )
 
 
@@ -158,15 +163,17 @@ def _families(table: dict[str, Any], where: str) -> list[Source]:
     ]
 
 
-def _entries(table: dict[str, Any], study: dict[str, Any], where: str) -> list[Entry]:
+def _entries(table: dict[str, Any], study: dict[str, Any], changes: Mapping[str, Any], where: str) -> list[Entry]:
     _known_keys(table, SOLVER_KEYS, where)
     if "name" not in table:
         raise InputError(f"{where}: 'name' is missing")
     name = _typed(table["name"], str, f"{where}.name")
 
     def either(key: str, default: Any, read: Callable[[Any, str], Any]) -> Any:
-        holder, place = (table, f"{where}.{key}") if key in table else (study, key)
-        return read(holder[key], place) if key in holder else default
+        for holder, place in ((changes, key), (table, f"{where}.{key}"), (study, key)):
+            if key in holder:
+                return read(holder[key], place)
+        return default
 
     threads = either("threads", 1, lambda value, at: _typed(value, int, at))
     iterations = either("iterations", None, lambda value, at: _typed(value, int, at))

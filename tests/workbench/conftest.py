@@ -1,8 +1,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -48,25 +46,6 @@ def instance_folder(tmp_path) -> Path:
         drawn = random_instance(4, 2, seed)
         write_instance(drawn, folder / f"{drawn.name}.json")
     return folder
-
-
-@pytest.fixture
-def workbench(tmp_path):
-    """Run the command line in a process of its own, in an empty folder; returns the CompletedProcess."""
-
-    def call(*args: object, **kwargs) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-c", "from workbench.cli import main; main()", *map(str, args)]
-        return subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            cwd=tmp_path,
-            timeout=120,
-            check=False,
-            **kwargs,
-        )
-
-    return call
 
 
 @pytest.fixture

@@ -19,16 +19,17 @@ STUDY = """
 name = "tiny"
 seeds = 2
 time_limit = 5
-files = ["given/*.json"]
+files = ["given/r4-2-[01].json"]
 
 [[solvers]]
 name = "misbehaving:Honest"
-options = { delay = [0.1, 0.3] }
+options = { delay = [0.1, 0.2] }
 
 [[solvers]]
 name = "misbehaving:Crashes"
 seeds = [7]
 """
+ALL = 2 * (2 * 2 + 1)
 
 
 @pytest.fixture
@@ -45,100 +46,128 @@ def unmeasured(path):
     return [row[: rows[0].index(MEASURED)] for row in rows]
 
 
-def test_compare_runs_stores_and_reports(workbench, study, tmp_path, stored_json):
-    done = workbench("compare", study, "--out", "runs", "--jobs", 2)
-    assert done.returncode == 0, done.stderr
+def test_compare_runs_stores_and_reports(cli, study, tmp_path, stored_json):
+    code, out, err = cli("compare", study, "--out", "runs", "--jobs", 2)
+    assert code == 0, err
     runs = stored_json(tmp_path / "runs")
-    assert len(runs) == 3 * (2 * 2 + 1)
+    assert len(runs) == ALL
     assert {run["status"] for name, run in runs.items() if "Honest" in name} == {"FEASIBLE"}
     assert {run["status"] for name, run in runs.items() if "Crashes" in name} == {"ERROR"}
-    assert len(unmeasured(tmp_path / "runs" / "results.csv")) == 1 + len(runs)
+    assert len(unmeasured(tmp_path / "runs" / "results.csv")) == 1 + ALL
     assert (tmp_path / "runs" / "report.html").read_text().startswith("<!")
-    assert "Solver" in done.stdout
-    assert "15/15" in done.stderr
+    assert "Solver" in out
+    assert f"[{ALL}/{ALL}]" in err
     (environment,) = (tmp_path / "runs" / "environments").glob("*.json")
     assert {run["environment"] for run in runs.values()} == {environment.stem}
     assert set(json.loads((tmp_path / "runs" / "study.json").read_text())["runs"]) == set(runs)
 
 
-def test_what_is_stored_is_not_run_again_unless_asked(workbench, study, tmp_path, stored_json):
-    workbench("compare", study, "--out", "runs")
+def test_what_is_stored_is_not_run_again_unless_asked(cli, study, tmp_path):
+    cli("compare", study, "--out", "runs", "--no-report")
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "runs").glob("r*/*.json")}
-    again = workbench("compare", study, "--out", "runs")
-    assert "15 of 15 runs are stored already" in again.stderr
+    _, _, err = cli("compare", study, "--out", "runs", "--no-report")
+    assert f"{ALL} of {ALL} runs are stored already" in err
     assert {path: path.stat().st_mtime_ns for path in before} == before
-    retried = workbench("compare", study, "--out", "runs", "--retry", "error,killed")
-    assert retried.returncode == 0
+    assert cli("compare", study, "--out", "runs", "--no-report", "--retry", "error,killed")[0] == 0
     changed = {path.name for path in before if path.stat().st_mtime_ns != before[path]}
     assert changed == {path.name for path in before if "Crashes" in path.name}
 
 
-def killed_half_way(args, folder, how: signal.Signals) -> int:
+def signalled_half_way(args, folder, how: signal.Signals) -> int:
     """Start `compare`, send it a signal once some runs are stored but not all, and return its exit code."""
     program = "from workbench.cli import main; main()"
     process = subprocess.Popen([sys.executable, "-c", program, *args], env=dict(os.environ), stderr=subprocess.DEVNULL)
     until = time.monotonic() + 60
-    while len(list(folder.glob("r*/misbehaving*.json"))) < 5 and time.monotonic() < until:
+    while len(list(folder.glob("r*/misbehaving*.json"))) < 3 and time.monotonic() < until:
         time.sleep(0.02)
     process.send_signal(how)
     return process.wait(30)
 
 
-@pytest.mark.parametrize(("how", "code"), [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)])
-def test_interrupted_and_started_again_gives_the_same_csv(workbench, study, tmp_path, how, code, stored_json):
-    args = ["compare", str(study), "--jobs", "2", "--out"]
-    broken, whole = tmp_path / "broken", tmp_path / "whole"
-    assert killed_half_way([*args, str(broken)], broken, how) == code
-    kept = stored_json(broken)  # every stored run is whole
-    assert 5 <= len(kept) < 15
-    assert workbench(*args, broken).returncode == 0
-    assert workbench(*args, whole).returncode == 0
-    assert unmeasured(broken / "results.csv") == unmeasured(whole / "results.csv")
-    finished = stored_json(broken)
-    assert {name: finished[name] for name in kept} == kept
+def test_interrupted_and_started_again_gives_the_same_csv(cli, study, tmp_path, stored_json):
+    args = ["compare", str(study), "--jobs", "1", "--no-report", "--out"]
+    assert cli(*args, tmp_path / "whole")[0] == 0
+    cli("report", tmp_path / "whole", "--csv", "whole.csv")
+    for how, code in ((signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)):
+        folder = tmp_path / how.name
+        assert signalled_half_way([*args, str(folder)], folder, how) == code
+        kept = stored_json(folder)  # every stored run is whole
+        assert 3 <= len(kept) < ALL
+        assert cli(*args, folder)[0] == 0
+        finished = stored_json(folder)
+        assert {name: finished[name] for name in kept} == kept
+        cli("report", folder, "--csv", "again.csv")
+        assert unmeasured(tmp_path / "again.csv") == unmeasured(tmp_path / "whole.csv")
 
 
-def test_a_damaged_file_is_named_and_left_alone(workbench, study, tmp_path, stored_json):
-    workbench("compare", study, "--out", "runs")
+def test_a_damaged_file_is_named_and_left_alone(cli, study, tmp_path):
+    cli("compare", study, "--out", "runs", "--no-report")
     paths = sorted((tmp_path / "runs").glob("r4-2-0*/*Honest*.json"))
     damaged, foreign = paths[:2]
     damaged.write_text(damaged.read_text()[:100])
     foreign.write_text('{"hello": "world"}')
-    again = workbench("compare", study, "--out", "runs", "--retry", "error")
-    assert again.returncode == 1
-    assert damaged.name in again.stderr
-    assert foreign.name in again.stderr
+    code, _, err = cli("compare", study, "--out", "runs", "--no-report", "--retry", "error")
+    assert code == 1
+    assert damaged.name in err
+    assert foreign.name in err
     assert len(damaged.read_text()) == 100
     assert foreign.read_text() == '{"hello": "world"}'
-    assert len(unmeasured(tmp_path / "runs" / "results.csv")) == 1 + 13
+    _, _, err = cli("report", "runs", "--csv", "rest.csv")
+    assert damaged.name in err
+    assert len(unmeasured(tmp_path / "rest.csv")) == 1 + ALL - 2
 
 
-def test_shards_partition_the_study(workbench, study, tmp_path, stored_json):
-    for part in (1, 2, 3):
-        assert workbench("compare", study, "--out", f"part{part}", "--shard", f"{part}/3").returncode == 0
-    parts = [set(stored_json(tmp_path / f"part{part}")) for part in (1, 2, 3)]
-    assert [len(part) for part in parts] == [5, 5, 5]
-    assert len(set.union(*parts)) == 15
+def test_shards_partition_the_study(cli, study, tmp_path):
+    def planned(*more):
+        return cli("compare", study, "--out", "runs", "--dry-run", *more)[1].splitlines()[:-1]
+
+    parts = [planned("--shard", f"{part}/3") for part in (1, 2, 3)]
+    assert [len(part) for part in parts] == [4, 3, 3]
+    assert sorted(path for part in parts for path in part) == sorted(planned())
+    assert len(set(planned())) == ALL
 
 
-def test_dry_run_writes_nothing(workbench, study, tmp_path):
-    done = workbench("compare", study, "--out", "runs", "--dry-run", "--jobs", 2)
-    assert done.returncode == 0
-    lines = done.stdout.splitlines()
-    assert len(lines) == 16
-    assert lines[-1].startswith("15 runs to do (0 of 15 stored), at most 52 s")
+def test_shards_may_share_a_folder(cli, study, tmp_path, stored_json):
+    for part in (1, 2):
+        assert cli("compare", study, "--out", "runs", "--shard", f"{part}/2", "--no-report")[0] == 0
+        assert len(stored_json(tmp_path / "runs")) == part * ALL / 2
+
+
+def test_dry_run_writes_nothing(cli, study, tmp_path):
+    code, out, _ = cli("compare", study, "--out", "runs", "--dry-run", "--jobs", 2)
+    assert code == 0
+    lines = out.splitlines()
+    assert len(lines) == ALL + 1
+    assert lines[-1].startswith("10 runs to do (0 of 10 stored), at most 35 s")
     assert not (tmp_path / "runs").exists()
 
 
-def test_instances_with_solvers_make_a_study(workbench, instance_folder, tmp_path, stored_json):
-    args = ["compare", instance_folder, "--solvers", "misbehaving:Honest", "--time-limit", 3, "--seeds", 2]
-    assert workbench(*args, "--out", "runs").returncode == 0
+def test_instances_with_solvers_make_a_study(cli, instance_folder, tmp_path, stored_json):
+    args = [
+        "compare",
+        instance_folder,
+        "--solvers",
+        "misbehaving:Honest",
+        "--time-limit",
+        3,
+        "--seeds",
+        2,
+        "--no-report",
+    ]
+    assert cli(*args, "--out", "runs")[0] == 0
     runs = stored_json(tmp_path / "runs")
     assert sorted((run["instance"]["name"], run["seed"], run["time_limit"]) for run in runs.values()) == [
         (f"r4-2-{k}", seed, 3.0) for k in range(3) for seed in range(2)
     ]
 
 
-def test_too_many_threads_are_warned_of(workbench, instance_file):
+def test_flags_take_the_place_of_what_the_study_says(cli, study):
+    _, out, _ = cli("compare", study, "--dry-run", "--time-limit", 3, "--seeds", 1)
+    names = out.splitlines()[:-1]
+    assert len(names) == 2 * 3
+    assert all(name.endswith("-s0-t3.json") for name in names)
+
+
+def test_too_many_threads_are_warned_of(cli, instance_file):
     args = ["compare", instance_file, "--solvers", "misbehaving:Honest", "--threads", 64, "--dry-run"]
-    assert "64 threads each" in workbench(*args).stderr
+    assert "64 threads each" in cli(*args)[2]

@@ -166,15 +166,16 @@ def test_the_grace_is_five_seconds_and_a_tenth():
 
 
 def test_verification_forgives_rounding_only():
-    assert refute_cost(100.0 + 1e-5, 100.0) is None
-    assert refute_cost(100.1, 100.0)
+    assert refute_cost(100.0 + 1e-8, 100.0) is None
+    assert refute_cost(100.0 + 1e-6, 100.0)
     assert refute_cost(float("nan"), 100.0)
     assert refute_cost(1e-6, 1.1e-6)
-    assert refute_bound(100.0 + 1e-5, 100.0, tolerance=0.0) is None
+    assert refute_bound(100.0 + 1e-8, 100.0, tolerance=0.0) is None
     assert refute_bound(101.0, 100.0, tolerance=0.5)
     assert refute_bound(float("inf"), None, tolerance=0.0)
-    assert refute_proof(Status.OPTIMAL, 99.5, 100.0, tolerance=0.5) is None
-    assert refute_proof(Status.OPTIMAL, 99.4, 100.0, tolerance=0.5)
+    assert refute_proof(Status.OPTIMAL, 99.95, 100.0, tolerance=0.05) is None
+    assert refute_proof(Status.OPTIMAL, 99.94, 100.0, tolerance=0.05)
+    assert refute_proof(Status.OPTIMAL, 99.5, 100.0, tolerance=0.5)  # 0.5 % is no proof
     assert refute_proof(Status.OPTIMAL, None, 100.0, tolerance=0.5)
     assert refute_proof(Status.OPTIMAL, 99.9, 100.0, tolerance=float("nan"))
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 @click.option("--retry", help="Run again what ended so: error, killed, no_solution (comma-separated).")
 @click.option("--shard", help="Run only part i of n: i/n. The parts may share a folder.")
 @click.option("--scheduler", metavar="tcp://...", help="Run on a dask.distributed cluster.")
+@click.option("--report/--no-report", default=True, help="Whether to write results.csv and report.html at the end.")
 @click.option("--dry-run", is_flag=True, help="Say what would be run and how long it would take.")
 @click.pass_context
 def command(
@@ -40,6 +41,7 @@ def command(
     retry: str | None,
     shard: str | None,
     scheduler: str | None,
+    report: bool,
     dry_run: bool,
 ) -> None:
     """Run a study and report on it: STUDY.toml, the name of a shipped study, or INSTANCES with --solvers.
@@ -56,18 +58,25 @@ def command(
     study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
     folder = out or Path("runs") / study.name
     plan, store = _planned(study, folder, retry, shard, dry_run)
-    _warn(study, plan, parallel if scheduler is None else 1)
+    if scheduler is None:
+        _warn_of_crowding(study, parallel)
     if dry_run:
         _tell_plan(plan, parallel)
         return
     given_up = _execute(plan, store, parallel, scheduler)
-    from workbench.publish import publish  # here: pandas and matplotlib are not needed while solvers run
-
-    problems = given_up + publish(folder)
+    problems = [*given_up, *(_publish(folder) if report else plan.damaged)]
     for problem in problems:
         click.echo(problem, err=True)
-    click.echo(f"{folder / 'results.csv'}\n{folder / 'report.html'}")
     context.exit(1 if problems else 0)
+
+
+def _publish(folder: Path) -> list[str]:
+    """Write results.csv and report.html in `folder`; return what could not be read there."""
+    from workbench.publish import publish  # here: pandas and matplotlib are not needed while solvers run
+
+    problems = publish(folder)
+    click.echo(f"{folder / 'results.csv'}\n{folder / 'report.html'}")
+    return problems
 
 
 def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, object]) -> Study:
@@ -87,11 +96,9 @@ def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, obj
     tables = load_tables(path) if path else {}
     if solvers is not None:
         tables["solvers"] = [{"name": name} for name in names(solvers, "--solvers")]
-    for key, value in changes.items():
-        tables[key] = value
-        tables["solvers"] = [{k: v for k, v in entry.items() if k != key} for entry in tables.get("solvers", [])]
+    name, base = (path.stem, path.parent) if path else ("compare", Path())
     try:
-        study = study_from(tables, name=path.stem if path else "compare", base=path.parent if path else Path())
+        study = study_from(tables, name=name, base=base, changes=changes)
     except InputError as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from None
     return study.with_files([Path(target) for target in given])
@@ -121,7 +128,7 @@ def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, d
     return plan(jobs, store, [Status(name) for name in again]).shard(*part), store
 
 
-def _warn(study: Study, plan: Plan, parallel: int) -> None:
+def _warn_of_crowding(study: Study, parallel: int) -> None:
     from workbench.machine import available_cores
 
     threads = max(entry.threads for entry in study.entries)
@@ -129,8 +136,6 @@ def _warn(study: Study, plan: Plan, parallel: int) -> None:
     if threads * parallel > cores:
         asked = f"{parallel} runs at once with {threads} threads each"
         click.echo(f"warning: {asked} on {cores} cores: times will be those of a crowded machine", err=True)
-    for sentence in plan.damaged:
-        click.echo(f"warning: {sentence}", err=True)
 
 
 def _tell_plan(plan: Plan, parallel: int) -> None:

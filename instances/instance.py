@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from instances.errors import InputError
+from instances.errors import InputError, naming
 
 MAX_NODES = 20_000
 """Most nodes n + m of an instance: its costs alone fill 3.2 GB."""
@@ -49,13 +49,8 @@ class Instance:
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.strip():
-            raise InputError(f"instance: name must be a non-empty text, got {self.name!r}")
-        if not self.name.isprintable() or set(self.name) & set("/\\") or self.name[0] == "." or len(self.name) > 120:
-            raise InputError(
-                "instance: name is used in file names, so it must be printable, without slashes or a leading dot, "
-                f"and of at most 120 characters, got {self.name[:130]!r}"
-            )
+        with naming("instance"):
+            check_name(self.name)
         for label in ("n_tasks", "n_depots"):
             value = getattr(self, label)
             if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 1:
@@ -105,6 +100,17 @@ class Instance:
         return (
             f"{self.name}: {self.n_tasks} tasks, {self.n_depots} depots, "
             f"cost asymmetry {self.asymmetry:.1%}, digest {self.digest}"
+        )
+
+
+def check_name(name: object) -> None:
+    """Raise InputError where `name` is no text that can stand in the name of a file."""
+    if not isinstance(name, str) or not name.strip():
+        raise InputError(f"name must be a non-empty text, got {name!r}")
+    if not name.isprintable() or set(name) & set("/\\") or name[0] == "." or len(name) > 120:
+        raise InputError(
+            "name is used in file names, so it must be printable, without slashes or a leading dot, "
+            f"and of at most 120 characters, got {name[:130]!r}"
         )
 
 

@@ -32,6 +32,7 @@ from instances.disk import read_text, write_aside
 from instances.environment.region import Region, polygons, read_geojson
 from instances.environment.wind import WindField, wind_from_toml
 from instances.errors import InputError, naming, suggestion
+from instances.instance import check_name
 from instances.metrics import positive
 from instances.toml_text import toml_text
 
@@ -76,8 +77,7 @@ class Scenario:
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.strip():
-            raise InputError(f"name must be a non-empty text, got {self.name!r}")
+        check_name(self.name)
         object.__setattr__(self, "airspeed", positive(self.airspeed, "airspeed [m/s]"))
         object.__setattr__(self, "no_fly", tuple(self.no_fly))
         free = self.free

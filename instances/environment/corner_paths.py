@@ -8,7 +8,7 @@ With vorticity (shear, rotation) the true minimum bends between corners too, wit
 walls let it, and has no closed form. What is computed is then the exact cost, by exact line integrals along the legs,
 of the cheapest path *of straight legs through corners*: a path that can be flown, hence an upper bound of the minimum.
 A leg of length d costs more than its arc by (d/v0)(1 − g(κd/2)) of `closed_form`, about (d/v0)(κd)²/24: 1 % of the time
-in calm air at κd = 0.5.
+in calm air at κd = 0.5. (With the default wind of the family `corridor`, refined paths were up to 4 % cheaper.)
 """
 
 from __future__ import annotations

@@ -105,9 +105,11 @@ class Region:
     def sample(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """Return `count` points uniform in the region, shape (count, 2) [m]."""
         x0, y0, x1, y1 = self.bounds
+        # thin regions need many tries a point; a million at a time keeps the memory small
+        size = int(min(2 * count * (x1 - x0) * (y1 - y0) / self.area + 16, 1e6))
         found = np.empty((0, 2))
         while len(found) < count:
-            p = rng.uniform((x0, y0), (x1, y1), (2 * count + 16, 2))
+            p = rng.uniform((x0, y0), (x1, y1), (size, 2))
             found = np.concatenate([found, p[self.contains(p)]])
         return found[:count]
 

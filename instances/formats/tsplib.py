@@ -3,7 +3,7 @@
 What these files say of UAVs and depots, and how it is read:
 
 * DEPOT_SECTION holds ``node`` or ``node count`` (1-based; count UAVs stand there), closed by −1. A depot with count c
-  is c depots at one place. Without the section node 1 is the depot.
+  is c depots at one place. LKH's keyword DEPOT names a single one. Without either node 1 is the depot.
 * VEHICLES (or SALESMEN) is m. With one depot and no count, all m start there; with as many depots as vehicles, one
   each; where counts are given, their sum must be m. Without it there is one UAV per depot listed.
 * Every other node is a task, in the order of the file. ``provenance["nodes"]`` maps our node numbers to the file's
@@ -33,7 +33,7 @@ from instances.instance import Instance, check_size
 from instances.metrics import metric_cost
 from instances.routes import Routes, as_routes
 
-KEYWORDS = frozenset({"NAME", "TYPE", "COMMENT", "DIMENSION", "VEHICLES", "SALESMEN", "EDGE_WEIGHT_TYPE"}) | {
+KEYWORDS = frozenset({"NAME", "TYPE", "COMMENT", "DIMENSION", "VEHICLES", "SALESMEN", "DEPOT", "EDGE_WEIGHT_TYPE"}) | {
     "EDGE_WEIGHT_FORMAT",
     "NODE_COORD_TYPE",
     "DISPLAY_DATA_TYPE",
@@ -55,7 +55,10 @@ def read_tsplib(path: Path) -> Instance:
         size = _whole(specs, "DIMENSION")
         if size is None:
             raise InputError("the keyword DIMENSION is missing")
-        nodes, n_depots = _nodes(sections.get("DEPOT"), _vehicles(specs), size)
+        if "DEPOT" in specs and "DEPOT" in sections:
+            raise InputError("both DEPOT and DEPOT_SECTION are given")
+        depots = [specs["DEPOT"]] if "DEPOT" in specs else sections.get("DEPOT")
+        nodes, n_depots = _nodes(depots, _vehicles(specs), size)
         place = np.array(nodes) - 1
         coordinates = _coordinates(sections, size)
         if coordinates is not None:
@@ -164,9 +167,9 @@ def _depot_lines(lines: list[str], size: int) -> tuple[list[int], list[int] | No
     counts: list[int] = []
     for line in lines:
         words = line.split()
-        if words[0] == "-1":
+        if words[:1] == ["-1"]:
             break
-        if len(words) > 2 or not all(w.isascii() and w.isdigit() and len(w) < 10 for w in words):
+        if len(words) not in (1, 2) or not all(w.isascii() and w.isdigit() and len(w) < 10 for w in words):
             raise InputError(f"DEPOT_SECTION must hold 'node' or 'node count', got {line[:40]!r}")
         node, *count = map(int, words)
         if not 1 <= node <= size:

@@ -101,6 +101,7 @@ made_by = "hand"
         (GOOD + '[wind]\nkind = "unform"', "unknown kind 'unform'; did you mean 'uniform'"),
         (GOOD + '[wind]\nkind = "uniform"\nvelocty = [1, 2]', "no field 'velocty'; did you mean 'velocity'"),
         (GOOD + "name = ''", "name must be a non-empty text, got ''"),
+        (GOOD + "name = 'a/b'", "name is used in file names"),
         ("airspeed = ", "is not valid TOML"),
         ("a = " + "[" * 5000, "is not valid TOML"),
         ("\x00", "binary"),
@@ -151,7 +152,7 @@ any_wind = st.none() | st.one_of(
 
 @settings(deadline=None, max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
-    st.text(min_size=1).filter(lambda t: t.strip() and t.isprintable()),
+    st.text(min_size=1).filter(lambda t: t.strip() and t.isprintable() and not set(t) & set("./\\")),
     st.lists(st.tuples(numbers, numbers), min_size=1, max_size=4),
     st.integers(1, 9) | st.lists(st.tuples(numbers, numbers), min_size=1, max_size=4),
     any_wind,

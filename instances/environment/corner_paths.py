@@ -106,6 +106,10 @@ def sees(points: NDArray[np.float64], region: Region) -> NDArray[np.bool_]:
             a_left = moment + at_a[None, :] - at_a[rows, None] > 0
             b_left = moment + at_b[None, :] - at_b[rows, None] > 0
             visible[rows] &= ~(apart & (a_left != b_left))
+    # a leg between two walls may run outside without crossing either: those few points are looked at one by one
+    on_wall = np.abs(region.signed_distance(points)) <= slack
+    visible[on_wall] = _sees_exactly(points[on_wall], points, region)
+    visible[:, on_wall] = visible[on_wall].T
     return visible
 
 
@@ -116,7 +120,8 @@ def _sees_exactly(a: NDArray[np.float64], b: NDArray[np.float64], region: Region
     shapely.prepare(roomy)
     ends = np.empty((len(a), len(b), 2, 2))
     ends[:, :, 0], ends[:, :, 1] = a[:, None], b[None, :]
-    return np.asarray(shapely.covers(roomy, shapely.linestrings(ends)), dtype=bool)
+    covered = np.asarray(shapely.covers(roomy, shapely.linestrings(ends)), dtype=bool)
+    return covered | (a[:, None] == b[None, :]).all(axis=2)  # a leg of no length is no line to shapely
 
 
 def _leg_costs(

@@ -2,16 +2,12 @@
 
 import numpy as np
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
-from scipy.sparse.csgraph import dijkstra
 
 from instances import InputError
 from instances.environment.closed_form import cost_matrix, pair_costs
-from instances.environment.corner_paths import corner_path_costs, sees, turning_corners
-from instances.environment.region import Region
 from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
 
 V0 = 20.0
@@ -141,70 +137,3 @@ def test_where_there_is_no_closed_form(wind, sentence):
 def test_points_too_far_apart_for_their_arc():
     with pytest.raises(InputError, match=r"too strong for points 1000 m apart .* at most 400 m"):
         pair_costs([0.0, 0.0], [1000.0, 0.0], 20.0, Rotation(0.05, (500.0, 0.0)))
-
-
-HOLED = Region.rectangle(20_000, 20_000).minus(
-    [
-        shapely.box(0, 0, 6_000, 5_000),
-        shapely.box(8_000, 8_000, 12_000, 13_000),
-    ]
-)
-
-
-def test_corners_a_string_can_bend_around():
-    assert {tuple(c) for c in turning_corners(HOLED)} == {
-        (6_000, 5_000),
-        (8_000, 8_000),
-        (12_000, 8_000),
-        (12_000, 13_000),
-        (8_000, 13_000),
-    }
-
-
-def test_sight_agrees_with_shapely():
-    p = HOLED.sample(60, np.random.default_rng(0))
-    ends = np.stack(np.broadcast_arrays(p[:, None], p[None, :]), axis=2)
-    assert (sees(p, HOLED) == shapely.covers(HOLED.polygon, shapely.linestrings(ends)))[~np.eye(60, dtype=bool)].all()
-
-
-def test_legs_along_a_wall_and_from_corner_to_corner_are_seen():
-    p = 1000.0 * np.array([(8, 5), (8, 8), (8, 13), (8, 18), (15, 13)])
-    cost = corner_path_costs(p, HOLED, 1.0, None)
-    assert cost[0, 3] == pytest.approx(13_000)
-    assert cost[1, 2] == pytest.approx(5_000)
-    assert cost[2, 4] == pytest.approx(7_000)
-
-
-@winds
-def test_corner_paths_against_shortest_paths_of_a_fine_lattice(wind):
-    """A fine lattice with straight links is another way to the same shortest paths, from above."""
-    p = HOLED.sample(8, np.random.default_rng(3))
-    cost = corner_path_costs(p, HOLED, V0, wind)
-    free = cost_matrix(p, V0, wind)
-    assert (cost >= free * (1 - 1e-12)).all()  # walls never help
-    seen = sees(p, HOLED)
-    straight = np.array([[polyline_cost(np.array([a, b]), wind) if a is not b else 0.0 for b in p] for a in p])
-    assert (cost[seen] <= straight[seen] * (1 + 1e-12) + 1e-9).all()
-    nodes = np.concatenate([p, HOLED.cell_centres(14, 14), turning_corners(HOLED)])
-    roomy = HOLED.polygon.buffer(1e-6)
-    ends = np.stack(np.broadcast_arrays(nodes[:, None], nodes[None, :]), axis=2)
-    inside = shapely.covers(roomy, shapely.linestrings(ends))
-    legs = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=-1) / V0
-    if wind is not None:
-        flat = ends.reshape(-1, 2, 2)
-        legs -= wind.line_integral(flat[:, 0], flat[:, 1]).reshape(legs.shape) / V0**2
-    other = dijkstra(np.where(inside, legs, 0.0), indices=range(8))[:, :8]
-    if wind is None or isinstance(wind, Uniform):
-        assert cost == pytest.approx(other, rel=1e-9, abs=1e-6)  # closed form 2: exact
-    else:
-        # straight legs, where the optimum bends between corners too: a few per cent
-        assert (cost <= other * 1.06 + 1e-6).all()
-
-
-def test_points_outside_and_unusable_wind():
-    with pytest.raises(InputError, match="there is no closed form for a Gusts"):
-        corner_path_costs([[7_000.0, 1.0]], HOLED, V0, Gusts())
-    with pytest.raises(InputError, match=r"point 1 at \[1.0, 1.0\] m lies outside the region"):
-        corner_path_costs([[7_000.0, 1.0], [1.0, 1.0]], HOLED, V0, None)
-    with pytest.raises(InputError, match="it reaches 20 m/s in the region"):
-        corner_path_costs([[7_000.0, 1.0]], HOLED, V0, Uniform((0.0, 20.0)))

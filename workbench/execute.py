@@ -57,7 +57,6 @@ def plan(jobs: Iterable[Job], store: Store, retry: Collection[Status] = ()) -> P
             todo.append(job)
             continue
         try:
-            # The status is looked at only where it matters: a store of 10,000 runs is not read through for nothing.
             if store.get(job.path).status in retry:
                 todo.append(job)
         except InputError as error:

@@ -50,9 +50,12 @@ class FamilySource:
 
 
 def instance_files(given: Path) -> list[Path]:
-    """Return the instance files meant by a file, a folder (searched through) or a pattern; InputError if none."""
+    """Return the instance files meant by a file, a folder (searched through) or a pattern; InputError if none.
+
+    JSON files without the field n_tasks at their head, as others keep beside instances, are left out of a search.
+    """
     if given.is_dir():
-        found = sorted(path for path in given.rglob("*") if path.name.endswith(ENDINGS) and path.is_file())
+        found = sorted(path for path in given.rglob("*") if path.name.endswith(ENDINGS) and _may_be_instance(path))
     elif any(sign in str(given) for sign in "*?["):
         found = sorted(Path(path) for path in glob.glob(str(given), recursive=True))
     else:
@@ -60,3 +63,13 @@ def instance_files(given: Path) -> list[Path]:
     if not found:
         raise InputError(f"{given}: there is no instance file ({', '.join(ENDINGS)})")
     return found
+
+
+def _may_be_instance(path: Path) -> bool:
+    if path.suffix != ".json":
+        return path.is_file()
+    try:
+        with path.open("rb") as file:
+            return b'"n_tasks"' in file.read(4096)
+    except OSError:
+        return False

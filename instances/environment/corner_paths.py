@@ -108,8 +108,7 @@ def sees(points: NDArray[np.float64], region: Region) -> NDArray[np.bool_]:
             visible[rows] &= ~(apart & (a_left != b_left))
     # a leg between two walls may run outside without crossing either: those few points are looked at one by one
     on_wall = np.abs(region.signed_distance(points)) <= slack
-    visible[on_wall] = _sees_exactly(points[on_wall], points, region)
-    visible[:, on_wall] = visible[on_wall].T
+    visible[np.ix_(on_wall, on_wall)] = _sees_exactly(points[on_wall], points[on_wall], region)
     return visible
 
 

@@ -142,6 +142,14 @@ def test_a_familys_mission_round_trips(tmp_path, name):
     same(scenario, read_scenario(tmp_path / "a.toml"))
 
 
+def test_a_region_left_of_the_origin_round_trips(tmp_path):
+    region = Region(Polygon([(-9, -9), (-1, -9), (-1, -1), (-9, -1)]))
+    scenario = Scenario("west", region, np.array([[-5.0, -5.0]]), 20.0, n_tasks=3)
+    write_scenario(scenario, tmp_path / "a.toml")
+    same(scenario, read_scenario(tmp_path / "a.toml"))
+    assert (tmp_path / "a-region.geojson").exists()
+
+
 numbers = st.floats(0, 1000).map(lambda x: x + 0.0)
 any_wind = st.none() | st.one_of(
     st.builds(Uniform, st.tuples(numbers, numbers)),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from reports.metrics import contradictions, penalised, time_to_proof
 from reports.metrics.targets import proved
 from reports.statistics import ALPHA, bootstrap_interval, holm, signed_rank
-from reports.statistics.pairwise import differences, enough
+from reports.statistics.pairwise import enough
 
 QUALITY_ROUNDING = 1e-6
 """Relative change of a cost that is none."""
@@ -82,10 +82,10 @@ def _medians(runs: pd.DataFrame, values: pd.Series) -> pd.Series:
 
 def _relative(now: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (now − before) / before; infinite where only one is, 0 where both are or nothing changed."""
-    change = differences(now, before)
-    change = np.where(np.isfinite(now) & np.isfinite(before), change, np.sign(change) * np.inf)
-    change = np.where(now == before, 0.0, change)
-    return np.divide(change, before, out=change, where=np.isfinite(change) & (before > 0))
+    finite = np.isfinite(now) & np.isfinite(before)
+    change = np.where(now > before, np.inf, np.where(now < before, -np.inf, 0.0))
+    np.subtract(now, before, out=change, where=finite)
+    return np.divide(change, before, out=change, where=finite & (before > 0))
 
 
 def _compared(a: pd.Series, b: pd.Series, rounding: float) -> tuple[int, int, int, int, float, float, float, float]:

@@ -95,10 +95,12 @@ def ratios(table: pd.DataFrame) -> pd.DataFrame:
 def _profile(
     runs: pd.DataFrame, style: dict[str, Style], key: str, title: str, caption: str, label: str
 ) -> Drawn | None:
-    if runs.empty or not np.isfinite(runs["_time"].astype(float)).any():
+    if runs.empty:
         return None
     table = ratios(blocks(runs, "_time").clip(lower=SOONEST))
     finite = table.to_numpy(float)[np.isfinite(table.to_numpy(float))]
+    if not finite.size:
+        return None
     end = max(2.0, float(finite.max()) * 1.2)
     figure = new_figure()
     with rc_context(RC):

@@ -37,7 +37,7 @@ def contradictions(runs: pd.DataFrame) -> pd.DataFrame:
     if runs.empty:
         return pd.DataFrame(columns=COLUMNS)
     known = runs.drop(columns="best_known").merge(references(runs), left_on="digest", right_index=True, how="left")
-    best = runs.loc[runs.groupby("digest")["value"].idxmin(skipna=True).dropna()].set_index("digest")
+    best = runs[runs["value"].notna()].sort_values("value", kind="stable").drop_duplicates("digest").set_index("digest")
     known["best_by"] = known["digest"].map(best["method"] + ", seed " + best["seed"].astype(str))
     rows = [row for kind, test in _TESTS.items() for row in _found(kind, test, known)]
     return pd.DataFrame(rows, columns=COLUMNS).sort_values(

@@ -69,6 +69,8 @@ def run_record(instance, solver, seed, routes, *, values=(), proves=False, bound
 class StoreMaker:
     """Writes instances and runs into a folder the way the workbench does."""
 
+    record = staticmethod(run_record)
+
     def __init__(self, root: Path):
         self.root = root
         environment = {"machine": {"processor": "test", "cores": 2, "memory": 8e9}, "versions": {"python": "3.11"}}
@@ -119,6 +121,12 @@ class StoreMaker:
                     stopped_by="proof" if small else "time", log="line\n" * 5, statistics={"rounds": 3},
                 ),
             )  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def store_maker():
+    """Return the class itself, for fixtures of a wider scope."""
+    return StoreMaker
 
 
 @pytest.fixture

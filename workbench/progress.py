@@ -70,7 +70,8 @@ class StudyProgress:
         line = f"{run.instance['name']} {job.label} seed {job.seed}: {run.status} {value} in {run.elapsed:.1f} s"
         left = f"about {duration(self._estimate.left())} left"
         if self._bar:
-            self._bar.update(self._task, advance=1, description=f"{left}; {line}")
+            self._bar.console.print(line, highlight=False, markup=False, soft_wrap=True)
+            self._bar.update(self._task, advance=1, description=left)
         else:
             print(f"[{self._done}/{self._total}] {line}; {left}", file=sys.stderr, flush=True)
 

@@ -12,7 +12,9 @@ from formulations.moving_cost.field import search_field
 from formulations.moving_cost.method import MovingCosts, Progress, Query, silent
 from formulations.moving_cost.registry import DEFAULT, make_method
 from instances import Instance
-from instances.environment.wind import Uniform
+from instances.environment.raster import same_projection
+from instances.environment.terrain import read_terrain
+from instances.environment.wind import Uniform, WindField
 from instances.errors import InputError
 from instances.paths import Paths
 from instances.scenario import Scenario
@@ -22,7 +24,8 @@ CALM = Uniform((0.0, 0.0))
 
 def query_of(scenario: Scenario) -> Query:
     """Return what a moving-cost method needs of `scenario`; InputError where its wind does not cover the region."""
-    region, wind = scenario.free, scenario.wind or CALM
+    region = scenario.free
+    wind: WindField = CALM if scenario.wind is None else scenario.wind
     covered = getattr(wind, "bounds", None)
     if covered is not None:
         (x0, y0, x1, y1), (a0, b0, a1, b1) = region.bounds, covered
@@ -32,6 +35,8 @@ def query_of(scenario: Scenario) -> Query:
                 f"scenario {scenario.name}: the wind covers ({a0:g}, {b0:g}) to ({a1:g}, {b1:g}) m and not all of the "
                 f"region, ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m: are both in the same projection and unit?"
             )
+    if scenario.terrain is not None and (crs := getattr(wind, "crs", "")):
+        same_projection(read_terrain(scenario.terrain).crs, crs, f"scenario {scenario.name}: terrain and wind")
     return Query(scenario.points, region, wind, scenario.airspeed)
 
 

@@ -1,0 +1,171 @@
+"""Terrain: the ground's elevation on a rectangular grid, from a digital elevation model or synthetic mountains.
+
+Files are GeoTIFF or NetCDF (extra ``geo``) or ESRI ASCII grids, in metres of a map projection; a model in degrees, or
+with holes in it, is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from instances.environment.raster import METRES, coordinate, open_netcdf, projection, read_ascii_grid
+from instances.errors import InputError
+
+Floats = NDArray[np.float64]
+
+ELEVATIONS = (
+    "surface_altitude",
+    "height",
+    "ground_level_altitude",
+    "altitude",
+    "elevation",
+    "z",
+    "Band1",
+    "HGT",
+    "topo",
+)
+"""CF standard names and usual variable names of elevations."""
+
+
+@dataclass(frozen=True, eq=False)
+class Terrain:
+    """Elevation [m] of the ground: `height` (rows, columns), node (0, 0) at `origin` [m], rows going north.
+
+    `spacing` (dx, dy) [m]; `source` names the file, `crs` its map projection where the file says so.
+    """
+
+    origin: tuple[float, float]
+    spacing: tuple[float, float]
+    height: Floats
+    source: str = ""
+    crs: str = ""
+
+    def __post_init__(self) -> None:
+        where = f"terrain {self.source}".strip()
+        h = np.ascontiguousarray(self.height, dtype=np.float64)
+        h.setflags(write=False)
+        object.__setattr__(self, "height", h)
+        if h.ndim != 2 or min(h.shape) < 2:
+            raise InputError(f"{where}: elevations must fill a grid of at least 2 × 2, got shape {h.shape}")
+        if not (self.spacing[0] > 0 and self.spacing[1] > 0):
+            raise InputError(f"{where}: spacing must be positive [m], got {self.spacing}")
+        bad = ~np.isfinite(h)
+        if bad.any():
+            j, i = np.argwhere(bad)[0]
+            x, y = self.origin[0] + i * self.spacing[0], self.origin[1] + j * self.spacing[1]
+            raise InputError(
+                f"{where}: {int(bad.sum())} of {bad.size} elevations are missing (NaN or no data), first at "
+                f"({x:g}, {y:g}) m; fill the holes first"
+            )
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """x_min, y_min, x_max, y_max [m] of the nodes."""
+        rows, columns = self.height.shape
+        (x, y), (dx, dy) = self.origin, self.spacing
+        return x, y, x + (columns - 1) * dx, y + (rows - 1) * dy
+
+    def __call__(self, points: ArrayLike) -> Floats:
+        """Return the elevation [m] at `points` (k, 2) [m], bilinear, constant outside, shape (k,)."""
+        p = (np.asarray(points, dtype=float).reshape(-1, 2) - np.array(self.origin)) / np.array(self.spacing)
+        rows, columns = self.height.shape
+        fx, fy = np.clip(p[:, 0], 0, columns - 1), np.clip(p[:, 1], 0, rows - 1)
+        i, j = np.minimum(fx.astype(int), columns - 2), np.minimum(fy.astype(int), rows - 2)
+        s, t = fx - i, fy - j
+        h = self.height
+        return (1 - t) * ((1 - s) * h[j, i] + s * h[j, i + 1]) + t * ((1 - s) * h[j + 1, i] + s * h[j + 1, i + 1])
+
+    def resampled(self, cells: int) -> Terrain:
+        """Return the same ground on about square cells, `cells` of them along the longer side, bilinear."""
+        x0, y0, x1, y1 = self.bounds
+        size = max(x1 - x0, y1 - y0) / cells
+        columns, rows = (max(2, round(side / size)) + 1 for side in (x1 - x0, y1 - y0))
+        xs, ys = np.linspace(x0, x1, columns), np.linspace(y0, y1, rows)
+        h = self(np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)).reshape(rows, columns)
+        spacing = (float(xs[1] - xs[0]), float(ys[1] - ys[0]))
+        return Terrain((x0, y0), spacing, h, self.source, self.crs)
+
+
+def mountains(
+    size: float = 20_000.0, cells: int = 200, relief: float = 1500.0, length_scale: float = 6000.0, seed: int = 0
+) -> Terrain:
+    """Return seeded synthetic mountains on a square of `size` [m] with its lower left corner at the origin.
+
+    A Gaussian random field with spectrum ∝ (1 + (kL)²)^(−1.9), L = `length_scale` [m] over 2π, about the roughness of
+    real ranges (B. Mandelbrot, The Fractal Geometry of Nature, 1982), stretched from 0 to `relief` [m]; valleys
+    are flattened by squaring.
+    """
+    if not (size > 0 and cells >= 2 and relief >= 0 and length_scale > 0):
+        raise InputError("mountains: size and length_scale must be positive, relief ≥ 0 and cells at least 2")
+    n = cells + 1
+    wide = 2 * n  # twice the square: the field of a Fourier series is periodic
+    k = 2 * np.pi * np.fft.fftfreq(wide, size / cells)
+    kk = k[:, None] ** 2 + k[None, :] ** 2
+    amplitude = (1 + kk * (length_scale / (2 * np.pi)) ** 2) ** -0.95
+    noise = np.fft.fft2(np.random.default_rng(seed).standard_normal((wide, wide)))
+    field = np.fft.ifft2(noise * amplitude).real[:n, :n]
+    unit = (field - field.min()) / np.ptp(field)
+    return Terrain((0.0, 0.0), (size / cells, size / cells), relief * unit**2, f"mountains of seed {seed}")
+
+
+def read_terrain(path: Path | str) -> Terrain:
+    """Read a digital elevation model by the ending of its name; InputError names the file and what is wrong."""
+    path = Path(path)
+    if path.suffix.lower() in (".tif", ".tiff"):
+        return _read_geotiff(path)
+    if path.suffix in (".nc", ".nc4", ".cdf"):
+        return _read_netcdf(path)
+    if path.suffix == ".asc":
+        grid = read_ascii_grid(path)
+        return Terrain(grid.origin, (grid.spacing, grid.spacing), grid.values, str(path), grid.crs)
+    raise InputError(f"{path}: a terrain file must be GeoTIFF (.tif), NetCDF (.nc) or an ASCII grid (.asc)")
+
+
+def _read_geotiff(path: Path) -> Terrain:
+    try:
+        import rasterio
+    except ImportError:
+        raise InputError(
+            f"{path}: reading GeoTIFF needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')"
+        ) from None
+    try:
+        with rasterio.open(path) as data:
+            band = data.read(1, masked=True).astype(np.float64).filled(np.nan)
+            transform, crs = data.transform, data.crs
+    except rasterio.errors.RasterioError as error:
+        raise InputError(f"{path}: cannot be read as GeoTIFF ({error})") from None
+    if crs is not None and crs.is_geographic:
+        raise InputError(f"{path}: the elevation model is in degrees ({crs}); project it to metres first")
+    if crs is not None and crs.linear_units.lower() not in METRES:
+        raise InputError(f"{path}: the elevation model's coordinates are in {crs.linear_units}, not in metres")
+    if transform.b or transform.d or transform.a <= 0 or transform.e >= 0:
+        raise InputError(f"{path}: the elevation model must be north up, its transform is {tuple(transform)[:6]}")
+    dx, dy = transform.a, -transform.e
+    # Pixels are areas: the first node is the centre of the lower left one.
+    origin = (transform.c + dx / 2, transform.f - dy * (band.shape[0] - 0.5))
+    return Terrain(origin, (dx, dy), band[::-1], str(path), "" if crs is None else crs.to_wkt())
+
+
+def _read_netcdf(path: Path) -> Terrain:
+    with open_netcdf(path) as data:
+        named = [z for name, z in data.data_vars.items() if z.attrs.get("standard_name", name) in ELEVATIONS]
+        if not named:
+            have = ", ".join(f"'{name}'" for name in data.data_vars) or "none"
+            raise InputError(
+                f"{path}: no variable with standard_name surface_altitude or named elevation (it has: {have})"
+            )
+        z = named[0].squeeze(drop=True)
+        if z.ndim != 2:
+            raise InputError(f"{path}: variable '{z.name}' must have two dimensions, it has {tuple(z.sizes)}")
+        unit = str(z.attrs.get("units", "m"))
+        if unit not in METRES:
+            raise InputError(f"{path}: variable '{z.name}' must be in metres, its units are '{unit}'")
+        x, y = coordinate(z, "x", path), coordinate(z, "y", path)
+        z = z.sortby([x.name, y.name]).transpose(y.dims[0], x.dims[0])
+        xs, ys = np.sort(x.values.astype(float)), np.sort(y.values.astype(float))
+        spacing = (float(np.diff(xs).mean()), float(np.diff(ys).mean()))
+        return Terrain((float(xs[0]), float(ys[0])), spacing, z.values, str(path), projection(data, z))

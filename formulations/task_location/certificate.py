@@ -153,10 +153,10 @@ def _split(values: Array, total: float, n: int) -> tuple[int, float]:
 
 
 def design_nodes(region: Region, scales: Array) -> Array:
-    """Return nodes for a design: a lattice of three points a length scale (9 to 21 a side) and points on the border."""
+    """Return nodes for a design: a lattice, three points a length scale (13 to 21 a side), and the border."""
     x0, y0, x1, y1 = region.bounds
     sides = np.array([x1 - x0, y1 - y0])
-    counts = np.clip(np.ceil(3 * sides / scales) + 1, 9, 21).astype(int)
+    counts = np.clip(np.ceil(3 * sides / scales) + 1, 13, 21).astype(int)
     axes = [np.linspace(low, high, count) for low, high, count in zip((x0, y0), (x1, y1), counts, strict=True)]
     lattice = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
     inside = lattice[region.contains(lattice)]

@@ -100,7 +100,7 @@ class Criterion:
 
     def under(self, convention: Convention) -> Criterion:
         """Return the same criterion under another noise convention; the eigenvectors are shared."""
-        return dataclasses.replace(self, convention=convention, _eigenpairs=self._spectrum)
+        return dataclasses.replace(self, convention=Convention(convention), _eigenpairs=self._spectrum)
 
     @property
     def scales(self) -> Array:

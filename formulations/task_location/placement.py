@@ -212,8 +212,10 @@ def place(
 
     certificate [nats] : an upper bound to report beside them (certificate.py).
     observe : called with (elapsed, value, points) at each improvement.
-    Raises RuntimeError where the method offers nothing, or points outside the region.
+    Raises InputError for a negative seed, RuntimeError where the method offers nothing or points outside the region.
     """
+    if seed < 0:
+        raise InputError(f"placement: the seed must not be negative, got {seed}")
     method.prepare(problem)
     progress = Progress(limits or Limits(time=math.inf), observe)
     stopped_by = "finished"

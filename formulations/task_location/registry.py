@@ -38,11 +38,23 @@ def make_method(name: str, options: dict[str, Any] | None = None) -> PlacementMe
     """
     cls = method_class(name)
     options = options or {}
-    known: list[str] = [f.name for f in dataclasses.fields(cls)] if dataclasses.is_dataclass(cls) else []
+    defaults = option_defaults(cls)
     for key, value in options.items():
-        if key not in known:
-            has = ", ".join(known) or "none"
-            raise InputError(f"placement method {name} has no option '{key}'{suggestion(key, known)} (it has: {has})")
-        if isinstance(value, (int, float)) and not value >= 0:
+        if key not in defaults:
+            has = ", ".join(defaults) or "none"
+            raise InputError(
+                f"placement method {name} has no option '{key}'{suggestion(key, defaults)} (it has: {has})"
+            )
+        kind = type(defaults[key])
+        allowed = (int, float) if kind is float else kind
+        if not isinstance(value, allowed) or isinstance(value, bool) is not (kind is bool):
+            wanted = {str: "a text", int: "a whole number", float: "a number"}.get(kind, kind.__name__)
+            raise InputError(f"placement method {name}: {key} must be {wanted}, got {value!r}")
+        if kind in (int, float) and not value >= 0:
             raise InputError(f"placement method {name}: {key} must not be negative, got {value}")
     return cls(**options)
+
+
+def option_defaults(cls: type[PlacementMethod]) -> dict[str, Any]:
+    """Return the options of a method and their defaults, by name."""
+    return {f.name: f.default for f in dataclasses.fields(cls)} if dataclasses.is_dataclass(cls) else {}

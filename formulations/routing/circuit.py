@@ -8,6 +8,7 @@ D_1, tour of UAV 1, D_2, tour of UAV 2, …, back to D_1: the arc into the next 
                     x_ij ⇒ y_ik = y_jk (task to task);  x_{D_k} i ⇒ y_ik;  x_{i D_k+1} ⇒ y_ik
     t_i             when task i is reached [scaled s]: x_ij ⇒ t_j ≥ t_i + c_ij;  x_{D_k} i ⇒ t_i ≥ c_ki
     z               x_{i D_k+1} ⇒ z ≥ t_i + c_ik.   Minimise z.
+    average         m·z ≥ Σ c_ij x_ij. Implied; the linear relaxation, where the rows of t vanish, needs it.
 
 D_k → D_k+1 (UAV k stays home) is free: no cost between depots is ever used.
 
@@ -30,7 +31,7 @@ from formulations.recorder import Recorder
 from formulations.routing.cpsat import Values, search
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.scaling import ScaledCosts, scale_costs
-from formulations.routing.strengthening import in_order, shared_depots, used_arcs
+from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, used_arcs
 from formulations.routing.subtours import walk
 from formulations.solver import Limits, Observer, Result, Solver, ignore
 from instances import Instance, Routes, as_routes
@@ -45,13 +46,15 @@ class Circuit(Solver):
     Options
     -------
     per_uav : one circuit per UAV instead of one giant circuit.
-    symmetry : order UAVs that share a depot by their first task.
+    symmetry : order UAVs that share a depot by their smallest task; with symmetric costs, fly each tour one way only.
+    average : the longest tour is at least the mean of all (giant circuit only; one circuit per UAV implies it).
     """
 
     proves: ClassVar[bool] = True
 
     per_uav: bool = False
     symmetry: bool = True
+    average: bool = True
 
     def accepts(self, instance: Instance) -> str | None:
         """Return why the instance is too large, or None."""
@@ -77,7 +80,7 @@ class Circuit(Solver):
         if recorder.objective == 0 or recorder.routes is None:
             return recorder.result("proof", proved=True)
         scaled = scale_costs(instance, recorder.objective)
-        form = (CircuitPerUav if self.per_uav else GiantCircuit)(instance, scaled)
+        form = CircuitPerUav(instance, scaled) if self.per_uav else GiantCircuit(instance, scaled, self.average)
         if self.symmetry:
             form.break_symmetry()
         form.hint(in_order(instance, recorder.routes) if self.symmetry else recorder.routes)
@@ -97,7 +100,7 @@ class Circuit(Solver):
 class GiantCircuit:
     """The giant circuit of one instance: x, y, t and z as at the top of this file."""
 
-    def __init__(self, instance: Instance, scaled: ScaledCosts) -> None:
+    def __init__(self, instance: Instance, scaled: ScaledCosts, average: bool) -> None:
         self.instance, self.scaled = instance, scaled
         self.model = model = cp_model.CpModel()
         T, D = instance.tasks, instance.depots
@@ -111,6 +114,8 @@ class GiantCircuit:
             model.add_exactly_one(self.y[i, k] for k in D)
         self._same_uav()
         self._times()
+        if average:
+            self._average()
         model.minimize(self.z)
 
     def _arcs(self) -> list[tuple[int, int]]:
@@ -141,9 +146,22 @@ class GiantCircuit:
                 home = self.x[i, self.following[k]]
                 self.model.add(self.z >= self.t[i] + int(cost[i, k])).only_enforce_if(home)
 
+    def _average(self) -> None:
+        T, D, cost = self.instance.tasks, self.instance.depots, self.scaled.cost
+        costs = {(i, j): int(cost[i, j]) for i in T for j in T if i != j}
+        for i in T:
+            for k in D:
+                costs[k, i], costs[i, self.following[k]] = int(cost[k, i]), int(cost[i, k])
+        total = cp_model.LinearExpr.weighted_sum([self.x[arc] for arc in costs], list(costs.values()))
+        self.model.add(total <= len(D) * self.z)
+
     def break_symmetry(self) -> None:
-        """Order UAVs at one depot by their smallest task: y_ik ≤ Σ_{l<i} y_l,k−1."""
+        """Allow only routes as `in_order` has them (``strengthening.symmetry``)."""
         _order_by_smallest_task(self.model, self.y, self.instance)
+        if is_symmetric(self.instance):
+            for k, after in self.following.items():
+                first = sum(i * self.x[k, i] for i in self.instance.tasks)
+                self.model.add(first <= sum(i * self.x[i, after] for i in self.instance.tasks))
 
     def hint(self, routes: Routes) -> None:
         """Tell CP-SAT to try `routes` first."""
@@ -201,8 +219,12 @@ class CircuitPerUav:
         model.minimize(self.z)
 
     def break_symmetry(self) -> None:
-        """Order UAVs at one depot by their smallest task: y_ik ≤ Σ_{l<i} y_l,k−1."""
+        """Allow only routes as `in_order` has them (``strengthening.symmetry``)."""
         _order_by_smallest_task(self.model, self.y, self.instance)
+        if is_symmetric(self.instance):
+            for k in self.instance.depots:
+                first = sum(i * self.theta[k, i, k] for i in self.instance.tasks)
+                self.model.add(first <= sum(i * self.theta[i, k, k] for i in self.instance.tasks))
 
     def hint(self, routes: Routes) -> None:
         """Tell CP-SAT to try `routes` first."""

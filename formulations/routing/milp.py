@@ -40,7 +40,7 @@ class Milp(Solver):
     depot_linked : subtour cuts in the stronger depot-linked form too, not const6 alone.
     two_cycles : cut all sets S of two tasks from the start.
     every_solution : cut the subtours of every solution a round passes on its way, not only of its last.
-    symmetry : order UAVs that share a depot by their first task.
+    symmetry : order UAVs that share a depot by their smallest task; with symmetric costs, fly each tour one way only.
     reach : C_max ≥ the way to each task and back from the UAV that visits it; drop θ that no tour within the
         incumbent can use.
     hint : start a round from the last solution repaired (its subtours spliced into tours).

@@ -10,10 +10,11 @@ CP-SAT works on integers. With a scale s and C_int(k) = Σ ⌊s·c_ij⌋ over th
 s is a power of two: s·c is then exact in floating point, and the floor is the floor of the true product. The sum of a
 tour in floating point may be off by (n + 1) roundings, which bound and tolerance allow for.
 
-s follows the incumbent U: s·U lies in [2^30, 2^31), so the tolerance is about (n + 1)·1e-9 of the cost whatever its
-unit (1e-6 or 1e9). An arc that costs more than U is in no better solution; its cost is cut off just above ⌊s·U⌋,
-which keeps every number small. Costs are never put on enforced rows over Booleans, whose coefficient sums past 2^31
-made CP-SAT 9.15 certify a wrong optimum (google/or-tools#5293).
+s follows the incumbent U: s·U lies in [2^23, 2^24), so the tolerance is about (n + 1)·1e-7 of the cost whatever its
+unit (1e-6 or 1e9). More digits cost time: CP-SAT often raises its bound in steps of the integers. An arc that costs
+more than U is in no better solution; its cost is cut off just above ⌊s·U⌋, which keeps every number small. Costs are
+never put on enforced rows over Booleans, whose coefficient sums past 2^31 made CP-SAT 9.15 certify a wrong optimum
+(google/or-tools#5293).
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from numpy.typing import NDArray
 from instances import Instance
 
 UNIT_ROUNDOFF = 2.0**-53
-BITS = 31
+BITS = 24
 """⌊s·U⌋ < 2^BITS."""
 
 

@@ -25,26 +25,43 @@ def shared_depots(instance: Instance) -> list[list[int]]:
     return list(groups.values())
 
 
+def is_symmetric(instance: Instance) -> bool:
+    """Return whether every arc in use costs the same both ways, so that a tour may be flown backwards."""
+    n = instance.n_tasks
+    return bool((instance.cost[:n, :] == instance.cost[:, :n].T).all())
+
+
 def in_order(instance: Instance, routes: Routes) -> Routes:
-    """Return `routes` with those of a shared depot ordered by their smallest task, empty ones last."""
+    """Return `routes` with those of a shared depot ordered by their smallest task, empty ones last.
+
+    Where costs are symmetric, a route also starts with the smaller of its two ends.
+    """
     ordered = list(routes)
     for group in shared_depots(instance):
         best = sorted((routes[k - instance.n_tasks] for k in group), key=lambda route: min(route, default=np.inf))
         for k, route in zip(group, best, strict=True):
             ordered[k - instance.n_tasks] = route
+    if is_symmetric(instance):
+        ordered = [route if not route or route[0] <= route[-1] else route[::-1] for route in ordered]
     return tuple(ordered)
 
 
 def symmetry(paper: PaperModel, instance: Instance) -> None:
-    """Break the symmetry of UAVs at one depot: order them by their smallest task.
+    """Break the symmetry of UAVs at one depot and of symmetric costs: only routes as `in_order` has them.
 
     y_ik ≤ Σ_{l<i} y_l,k−1 for neighbours k − 1, k of a group: UAV k takes task i only if its predecessor has a
     smaller one. Exchanging routes within a group changes no cost, so an optimum of this order exists.
+    Σ_i i·θ_kik ≤ Σ_i i·θ_ikk where costs are symmetric: the first task is smaller than the last.
     """
     for group in shared_depots(instance):
         for before, k in pairwise(group):
             for i in instance.tasks:
                 paper.model.add(paper.entering(i, k) <= sum(paper.entering(j, before) for j in range(i)))
+    if is_symmetric(instance):
+        for k in instance.depots:
+            first = sum(i * paper.theta[k, i, k] for i in instance.tasks)
+            last = sum(i * paper.theta[i, k, k] for i in instance.tasks)
+            paper.model.add(first <= last)
 
 
 def shortest_ways(costs: NDArray[np.int64], n_tasks: int, k: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

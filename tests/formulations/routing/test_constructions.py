@@ -1,0 +1,178 @@
+"""The greedy construction and the genetic algorithm's operators, each against a naive twin or a count."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from formulations.registry import make_solver
+from formulations.routing.ga import border_line, depot_distance, next_generation, random_chromosome, winner
+from formulations.routing.ga_operators import (
+    best_cost_route_crossover,
+    evaluate,
+    insert_best,
+    inter_depot_mutation,
+    intra_depot_mutation,
+)
+from formulations.routing.greedy import greedy_routes
+from formulations.solver import Limits
+from instances import InputError, Instance, Routes, as_routes, check_routes, makespan, tour_costs
+
+Windy = Callable[..., Instance]
+
+
+def naive_greedy(instance: Instance) -> Routes:
+    routes: Routes = ((),) * instance.n_depots
+    for _ in instance.tasks:
+        routed = {task for route in routes for task in route}
+        choices = []
+        for k, route in enumerate(routes):
+            for task in set(instance.tasks) - routed:
+                for at in range(len(route) + 1):
+                    longer = (*routes[:k], (*route[:at], task, *route[at:]), *routes[k + 1 :])
+                    choices.append((tour_costs(instance, longer)[k], longer))
+        routes = min(choices, key=lambda choice: choice[0])[1]
+    return routes
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_greedy_is_cheapest_insertion_for_min_max(windy: Windy, seed: int) -> None:
+    instance = windy(9, 1 + seed, seed)
+    assert greedy_routes(instance) == naive_greedy(instance)
+
+
+def chromosome(windy: Windy, n: int, m: int, seed: int) -> tuple[Instance, np.ndarray, np.ndarray, np.ndarray]:
+    instance = windy(n, m, seed)
+    rng = np.random.default_rng(seed)
+    perm = rng.permutation(n).astype(np.int64)
+    cuts = np.sort(rng.integers(0, n + 1, m - 1))
+    sizes = np.diff([0, *cuts, n]).astype(np.int64)
+    totals = np.zeros(m)
+    evaluate(instance.cost, perm, sizes, totals, n)
+    return instance, perm, sizes, totals
+
+
+def routes_of(perm: np.ndarray, sizes: np.ndarray) -> Routes:
+    return as_routes(np.split(perm, np.cumsum(sizes)[:-1]))
+
+
+@given(st.integers(1, 12), st.integers(1, 4), st.integers(0, 10**6))
+@settings(deadline=None, max_examples=60)
+def test_every_operator_keeps_a_chromosome_a_chromosome(windy: Windy, n: int, m: int, seed: int) -> None:
+    instance, perm, sizes, totals = chromosome(windy, n, m, seed)
+    _, other, other_sizes, other_totals = chromosome(windy, n, m, seed + 1)
+    evaluate(instance.cost, other, other_sizes, other_totals, n)
+    rng = np.random.default_rng(seed)
+    pair = np.stack([perm, other]), np.stack([sizes, other_sizes]), np.stack([totals, other_totals])
+    best_cost_route_crossover(instance.cost, rng, *pair, n)
+    for row in range(2):
+        intra_depot_mutation(instance.cost, rng, pair[0][row], pair[1][row], pair[2][row], n)
+        inter_depot_mutation(
+            instance.cost, rng, pair[0][row], pair[1][row], pair[2][row], border_line(instance, 2.0), n
+        )
+        routes = routes_of(pair[0][row], pair[1][row])
+        assert check_routes(instance, routes) == []
+        fitness = evaluate(instance.cost, pair[0][row], pair[1][row], pair[2][row], n)
+        assert fitness == pytest.approx(makespan(instance, routes))
+        assert pair[2][row] == pytest.approx(tour_costs(instance, routes))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_insertion_takes_the_place_of_least_c_max(windy: Windy, seed: int) -> None:
+    instance, perm, sizes, totals = chromosome(windy, 7, 3, seed)
+    task, last = perm[-1], int(np.flatnonzero(sizes)[-1])
+    before = routes_of(perm, sizes)
+    before = (*before[:last], before[last][:-1], *before[last + 1 :])
+    sizes[last] -= 1
+    evaluate(instance.cost, perm, sizes, totals, 7)
+    insert_best(instance.cost, perm, sizes, totals, task, np.ones(3, dtype=np.bool_), 7)
+    every = [
+        (*before[:k], (*route[:at], int(task), *route[at:]), *before[k + 1 :])
+        for k, route in enumerate(before)
+        for at in range(len(route) + 1)
+    ]
+    assert makespan(instance, routes_of(perm, sizes)) == pytest.approx(min(makespan(instance, r) for r in every))
+
+
+def test_crossover_leaves_the_other_routes_in_order(windy: Windy) -> None:
+    """The tasks that a child is not given anew keep their order and their depot."""
+    instance, perm, sizes, totals = chromosome(windy, 10, 2, 3)
+    _, other, other_sizes, other_totals = chromosome(windy, 10, 2, 4)
+    parents = routes_of(perm, sizes), routes_of(other, other_sizes)
+    pair = np.stack([perm, other]), np.stack([sizes, other_sizes]), np.stack([totals, other_totals])
+    rng = np.random.default_rng(0)
+    k = int(np.random.default_rng(0).integers(0, 2))
+    best_cost_route_crossover(instance.cost, rng, *pair, 10)
+    for child in range(2):
+        moved = set(parents[1 - child][k])
+        kept = [[i for i in route if i not in moved] for route in parents[child]]
+        after = routes_of(pair[0][child], pair[1][child])
+        assert [[i for i in route if i not in moved] for route in after] == kept
+
+
+def test_first_chromosomes_group_by_nearest_depot_and_share_a_place(windy: Windy) -> None:
+    base = windy(20, 3, 0)
+    nodes = [*range(21), 20, 22]  # two UAVs at the first depot
+    instance = Instance("shared", base.cost[np.ix_(nodes, nodes)], 20, 3)
+    distance = depot_distance(instance)
+    used = set()
+    for seed in range(10):
+        routes = random_chromosome(instance, np.random.default_rng(seed))
+        assert check_routes(instance, routes) == []
+        for k, route in enumerate(routes):
+            assert all(distance[task, k] == distance[task].min() for task in route)
+            used |= {k} if route else set()
+    assert {0, 1} <= used
+
+
+def test_border_line_tasks_are_those_within_the_bound() -> None:
+    cost = np.zeros((4, 4))
+    cost[:2, 2:] = [[1.0, 2.9], [1.0, 3.1]]  # twice the nearest and more is 3 × 1
+    cost[2:, :2] = cost[:2, 2:].T
+    instance = Instance("border", cost, 2, 2)
+    assert border_line(instance, 2.0).tolist() == [[True, True], [True, False]]
+
+
+def test_tournament_prefers_the_fitter() -> None:
+    fitness = np.array([3.0, 1.0, 2.0])
+    rng = np.random.default_rng(0)
+    wins = np.bincount([winner(rng, fitness, 2, 0.8) for _ in range(4000)], minlength=3) / 4000
+    # of two entrants the fitter wins with 0.8 + 0.2 / 2: fittest 1/3·(1/3 + 2·2/3·0.9), …
+    assert wins == pytest.approx([1 / 9 + 4 / 9 * 0.1, 1 / 9 + 4 / 9 * 0.9, 1 / 9 + 2 / 9], abs=0.03)
+
+
+def test_elite_survives(windy: Windy) -> None:
+    instance, perm, sizes, totals = chromosome(windy, 8, 2, 0)
+    people = 20
+    rng = np.random.default_rng(0)
+    perms, all_sizes = np.tile(perm, (people, 1)), np.tile(sizes, (people, 1))
+    for row in perms:
+        rng.shuffle(row)
+    all_totals, fitness = np.tile(totals, (people, 1)), np.zeros(people)
+    for row in range(people):
+        fitness[row] = evaluate(instance.cost, perms[row], all_sizes[row], all_totals[row], 8)
+    candidates = border_line(instance, 2.0)
+    for _ in range(10):
+        best = fitness.min()
+        perms, all_sizes, all_totals, fitness = next_generation(
+            instance.cost, rng, perms, all_sizes, all_totals, fitness, candidates, 2, 0.8, 2, 0.6, False, 0.2
+        )
+        assert fitness.min() <= best
+
+
+def test_bad_options_are_named() -> None:
+    for options, name in (({"population": 1}, "population"), ({"crossover_rate": 1.5}, "crossover_rate")):
+        with pytest.raises(InputError, match=name):
+            make_solver("ga", options)
+    with pytest.raises(InputError, match="span_weight"):
+        make_solver("routing-library", {"span_weight": 0})
+
+
+def test_ga_ends_with_its_generations(windy: Windy) -> None:
+    result = make_solver("ga", {"generations": 5, "population": 20}).solve(windy(8, 2, 0), limits=Limits(time=60))
+    assert result.stopped_by == "finished"
+    assert result.statistics["generations"] == 5

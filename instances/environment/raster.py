@@ -127,3 +127,42 @@ def same_projection(one: str, other: str, what: str) -> None:
     """Raise InputError where two rasters state different map projections."""
     if one and other and "".join(one.split()) != "".join(other.split()):
         raise InputError(f"{what}: different map projections, '{one[:60]}' and '{other[:60]}'")
+
+
+@dataclass(frozen=True, eq=False)
+class Raster:
+    """Values on an equally spaced grid in metres of a map projection.
+
+    origin : node (0, 0) [m]; spacing (dx, dy) [m]; values (rows, columns), rows going north, NaN for no data.
+    """
+
+    origin: tuple[float, float]
+    spacing: tuple[float, float]
+    values: NDArray[np.float64]
+    crs: str
+
+
+def read_geotiff(path: Path) -> Raster:
+    """Read the first band of a north-up GeoTIFF in metres; InputError names what is wrong."""
+    try:
+        import rasterio
+    except ImportError:
+        raise InputError(
+            f"{path}: reading GeoTIFF needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')"
+        ) from None
+    try:
+        with rasterio.open(path) as data:
+            band = data.read(1, masked=True).astype(np.float64).filled(np.nan)
+            transform, crs = data.transform, data.crs
+    except rasterio.errors.RasterioError as error:
+        raise InputError(f"{path}: cannot be read as GeoTIFF ({error})") from None
+    if crs is not None and crs.is_geographic:
+        raise InputError(f"{path}: the raster is in degrees ({crs}); project it to metres first")
+    if crs is not None and crs.linear_units.lower() not in METRES:
+        raise InputError(f"{path}: the raster's coordinates are in {crs.linear_units}, not in metres")
+    if transform.b or transform.d or transform.a <= 0 or transform.e >= 0:
+        raise InputError(f"{path}: the raster must be north up, its transform is {tuple(transform)[:6]}")
+    dx, dy = transform.a, -transform.e
+    # Pixels are areas: the first node is the centre of the lower left one.
+    origin = (transform.c + dx / 2, transform.f - dy * (band.shape[0] - 0.5))
+    return Raster(origin, (dx, dy), band[::-1], "" if crs is None else crs.to_wkt())

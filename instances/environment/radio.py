@@ -1,0 +1,117 @@
+"""RadioMap: the strength of a radio signal over the region, what the paper's UAVs measure (§RF Signal Intensity Data).
+
+Received power [dBm] = transmitted power + antenna gains − path loss + shadowing (`propagation.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from instances.errors import InputError, suggestion
+
+Floats = NDArray[np.float64]
+
+SPEED_OF_LIGHT = 299_792_458.0
+"""[m/s]"""
+
+
+@dataclass(frozen=True)
+class RadioSource:
+    """An omni-directional transmitter and the receiver's antenna; the defaults are the paper's.
+
+    position : (x, y) [m]; height : mast above ground [m]; frequency [Hz]; power [dBm]; gains [dBi].
+    """
+
+    position: tuple[float, float]
+    height: float = 10.0
+    frequency: float = 146e6
+    power_dbm: float = 40.0
+    transmitter_gain_dbi: float = 6.0
+    receiver_gain_dbi: float = 2.0
+
+    def __post_init__(self) -> None:
+        numbers = [*self.position, *(getattr(self, f.name) for f in fields(self) if f.name != "position")]
+        if len(self.position) != 2 or not np.isfinite(np.array(numbers, dtype=float)).all():
+            raise InputError(f"radio source: position must be two finite numbers [m] and the rest finite, got {self}")
+        for key in ("height", "frequency"):
+            if not getattr(self, key) > 0:
+                raise InputError(f"radio source: {key} must be positive, got {getattr(self, key)}")
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> RadioSource:
+        """Read a scenario's ``[radio]`` table: this class's field names, SI units and dB."""
+        known = [f.name for f in fields(cls)]
+        for key in table:
+            if key not in known:
+                raise InputError(f"[radio]: unknown key '{key}'{suggestion(key, known)} (known: {', '.join(known)})")
+        if "position" not in table:
+            raise InputError("[radio]: position = [x, y] [m] is missing")
+        try:
+            numbers = {key: float(value) for key, value in table.items() if key != "position"}
+            x, y = table["position"]
+            return cls((float(x), float(y)), **numbers)
+        except (TypeError, ValueError):
+            raise InputError(f"[radio]: position must be [x, y] and the rest numbers, got {dict(table)}") from None
+
+    @property
+    def wavelength(self) -> float:
+        """λ [m]."""
+        return SPEED_OF_LIGHT / self.frequency
+
+
+@dataclass(frozen=True, eq=False)
+class RadioMap:
+    """Signal strength [dBm] at the nodes of a rectangular grid, bilinear between them and constant outside.
+
+    x : node positions [m], ascending and equally spaced, shape (nx,); y likewise, shape (ny,).
+    values : shape (ny, nx), rows going north; any scalar field a user wants mapped will do.
+    unit : of the values.
+    """
+
+    x: Floats
+    y: Floats
+    values: Floats
+    unit: str = "dBm"
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y", "values"):
+            array = np.ascontiguousarray(getattr(self, name), dtype=np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if self.values.shape != (len(self.y), len(self.x)) or min(self.values.shape) < 2:
+            raise InputError(
+                f"field: {len(self.x)} × {len(self.y)} nodes, at least 2 × 2, need values of shape "
+                f"({len(self.y)}, {len(self.x)}), got {self.values.shape}"
+            )
+        for name, axis in (("x", self.x), ("y", self.y)):
+            step = np.diff(axis)
+            if not (step > 0).all() or not np.allclose(step, step[0], rtol=1e-3):
+                raise InputError(f"field: {name} must be ascending and equally spaced [m]")
+        bad = np.argwhere(~np.isfinite(self.values))
+        if len(bad):
+            j, i = bad[0]
+            raise InputError(
+                f"field: {len(bad)} of {self.values.size} values are missing (NaN or no data), first at "
+                f"({self.x[i]:g}, {self.y[j]:g}) m"
+            )
+
+    def __call__(self, points: ArrayLike) -> Floats:
+        """Return the value at `points` (k, 2) [m], shape (k,)."""
+        p = np.asarray(points, dtype=float).reshape(-1, 2)
+        fx = np.clip((p[:, 0] - self.x[0]) / (self.x[1] - self.x[0]), 0, len(self.x) - 1)
+        fy = np.clip((p[:, 1] - self.y[0]) / (self.y[1] - self.y[0]), 0, len(self.y) - 1)
+        i, j = np.minimum(fx.astype(int), len(self.x) - 2), np.minimum(fy.astype(int), len(self.y) - 2)
+        s, t, v = fx - i, fy - j, self.values
+        south = (1 - s) * v[j, i] + s * v[j, i + 1]
+        north = (1 - s) * v[j + 1, i] + s * v[j + 1, i + 1]
+        return np.asarray((1 - t) * south + t * north)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """x_min, y_min, x_max, y_max [m] of the nodes."""
+        return float(self.x[0]), float(self.y[0]), float(self.x[-1]), float(self.y[-1])

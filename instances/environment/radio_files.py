@@ -1,0 +1,105 @@
+"""Files of a RadioMap, or of any scalar field a user wants mapped: CSV, NetCDF and GeoTIFF.
+
+CSV: a header ``x,y,<name>`` and a line a grid node, in metres and the field's unit, in any order.
+"""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from instances.disk import read_text, write_aside
+from instances.environment.radio import RadioMap
+from instances.environment.raster import coordinate, open_netcdf, read_geotiff
+from instances.errors import InputError
+
+
+def read_field(path: Path | str) -> RadioMap:
+    """Read a field by the ending of its name: .csv, .nc or .tif; InputError names the file and what is wrong."""
+    path = Path(path)
+    readers = {".csv": _read_csv, ".nc": _read_netcdf, ".tif": _read_geotiff, ".tiff": _read_geotiff}
+    if path.suffix.lower() not in readers:
+        raise InputError(f"{path}: a field file must be CSV (.csv), NetCDF (.nc) or GeoTIFF (.tif)")
+    try:
+        return readers[path.suffix.lower()](path)
+    except InputError as error:
+        raise InputError(str(error) if str(error).startswith(str(path)) else f"{path}: {error}") from None
+
+
+def write_field(field: RadioMap, path: Path | str) -> None:
+    """Write a field as .csv or .nc (extra ``geo``), aside and renamed."""
+    path = Path(path)
+    if path.suffix.lower() == ".csv":
+        write_aside(path, _csv(field))
+    elif path.suffix.lower() == ".nc":
+        _write_netcdf(field, path)
+    else:
+        raise InputError(f"{path}: a field is written as CSV (.csv) or NetCDF (.nc)")
+
+
+def _csv(field: RadioMap) -> str:
+    xs, ys = np.meshgrid(field.x, field.y)
+    rows = np.column_stack([xs.ravel(), ys.ravel(), field.values.ravel()])
+    out = io.StringIO()
+    out.write(f"x,y,{field.unit}\n")
+    np.savetxt(out, rows, delimiter=",", fmt="%.17g")
+    return out.getvalue()
+
+
+def _read_csv(path: Path) -> RadioMap:
+    lines = read_text(path).splitlines()
+    head = [name.strip().lower() for name in lines[0].split(",")] if lines else []
+    if len(head) != 3 or head[:2] != ["x", "y"]:
+        raise InputError(f"{path}: the first line must be 'x,y,<unit>', got '{lines[0] if lines else ''}'")
+    try:
+        rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:] if line.strip()])
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise InputError(f"{path}: every line must hold three numbers x, y and a value")
+    (x, i), (y, j) = (np.unique(rows[:, axis], return_inverse=True) for axis in (0, 1))
+    values = np.full((len(y), len(x)), np.nan)
+    values[j, i] = rows[:, 2]
+    if len(rows) != values.size:
+        raise InputError(f"{path}: {len(x)} × {len(y)} grid nodes need {values.size} lines, got {len(rows)}")
+    return RadioMap(x, y, values, lines[0].split(",")[2].strip())
+
+
+def _read_geotiff(path: Path) -> RadioMap:
+    raster = read_geotiff(path)
+    rows, columns = raster.values.shape
+    x = raster.origin[0] + raster.spacing[0] * np.arange(columns)
+    y = raster.origin[1] + raster.spacing[1] * np.arange(rows)
+    return RadioMap(x, y, raster.values)
+
+
+def _read_netcdf(path: Path) -> RadioMap:
+    with open_netcdf(path) as data:
+        flat = [v for v in data.data_vars.values() if v.squeeze(drop=True).ndim == 2]
+        if len(flat) != 1:
+            have = ", ".join(f"'{name}'" for name in data.data_vars) or "none"
+            raise InputError(f"{path}: must hold one variable of two dimensions, it has {have}")
+        v = flat[0].squeeze(drop=True)
+        x, y = coordinate(v, "x", path), coordinate(v, "y", path)
+        v = v.sortby([x.name, y.name]).transpose(y.dims[0], x.dims[0])
+        xs, ys = np.sort(x.values.astype(float)), np.sort(y.values.astype(float))
+        return RadioMap(xs, ys, v.values, str(v.attrs.get("units", "")))
+
+
+def _write_netcdf(field: RadioMap, path: Path) -> None:
+    try:
+        import xarray
+    except ImportError:
+        raise InputError(
+            f"{path}: writing NetCDF needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')"
+        ) from None
+    axes = {
+        name: (name, values, {"standard_name": f"projection_{name}_coordinate", "units": "m"})
+        for name, values in (("x", field.x), ("y", field.y))
+    }
+    signal = (("y", "x"), field.values, {"long_name": "field", "units": field.unit})
+    aside = path.with_name(path.name + ".part")
+    xarray.Dataset({"field": signal}, coords=axes, attrs={"Conventions": "CF-1.8"}).to_netcdf(aside, engine="netcdf4")
+    aside.replace(path)

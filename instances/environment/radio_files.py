@@ -70,8 +70,8 @@ def _read_csv(path: Path) -> RadioMap:
 def _read_geotiff(path: Path) -> RadioMap:
     raster = read_geotiff(path)
     rows, columns = raster.values.shape
-    x = raster.origin[0] + raster.spacing[0] * np.arange(columns)
-    y = raster.origin[1] + raster.spacing[1] * np.arange(rows)
+    x = raster.origin[0] + raster.spacing[0] * np.arange(columns, dtype=np.float64)
+    y = raster.origin[1] + raster.spacing[1] * np.arange(rows, dtype=np.float64)
     return RadioMap(x, y, raster.values)
 
 

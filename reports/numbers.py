@@ -7,6 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 NOTHING = "–"
+PER_CENT = "\u00a0%"
+"""A sign that stays with its number."""
 
 
 def _missing(value: Any) -> bool:
@@ -19,8 +21,8 @@ def share(value: Any) -> str:
         return NOTHING
     rounded = round(100 * value)
     if rounded in (0, 100) and value not in (0, 1):
-        return "< 1 %" if rounded == 0 else "> 99 %"
-    return f"{rounded} %"
+        return f"< 1{PER_CENT}" if rounded == 0 else f"> 99{PER_CENT}"
+    return f"{rounded}{PER_CENT}"
 
 
 def gap(value: Any) -> str:
@@ -31,10 +33,11 @@ def gap(value: Any) -> str:
         return "∞"
     percent = 100 * float(value)
     if abs(percent) < 5e-5:
-        return "0 %"
+        return f"0{PER_CENT}"
     if abs(percent) < 0.005:
-        return "< 0.01 %" if percent > 0 else "> −0.01 %"
-    return f"{percent:.2f} %".replace("-", "−") if abs(percent) < 10 else f"{percent:.1f} %".replace("-", "−")
+        return f"< 0.01{PER_CENT}" if percent > 0 else f"> −0.01{PER_CENT}"
+    digits = 2 if abs(percent) < 10 else 1
+    return f"{percent:.{digits}f}{PER_CENT}".replace("-", "−")
 
 
 def seconds(value: Any) -> str:
@@ -45,6 +48,8 @@ def seconds(value: Any) -> str:
         return "∞"
     if value >= 100:
         return f"{value:,.0f}"
+    if 0 < value < 0.0005:
+        return "< 0.001"
     return f"{value:.1f}" if value >= 10 else f"{value:.2f}" if value >= 0.1 else f"{value:.3f}"
 
 

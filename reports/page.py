@@ -25,8 +25,8 @@ from reports.sections import (
     environment_section,
     group_tables,
     meanings,
+    summary_notes,
     summary_table,
-    virtual_best_line,
 )
 from reports.significance import significance
 from reports.stores import Stores, read_stores
@@ -90,7 +90,7 @@ def _html(stores: Stores, report: Report, title: str) -> str:
         warnings=report.warnings[:MOST_WARNINGS],
         n_warnings=len(report.warnings),
         summary=summary_table(runs),
-        summary_notes=[virtual_best_line(runs)],
+        summary_notes=summary_notes(runs),
         against=against,
         figures=[_shown(drawn) for drawn in study_figures(runs)],
         statistics={"lines": found.lines, "figures": [_shown(d) for d in found.figures], "tables": found.tables},

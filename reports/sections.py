@@ -40,6 +40,19 @@ def summary_table(runs: pd.DataFrame) -> dict[str, Any]:
     return {"key": "summary", "headings": headings, "texts": 1, "rows": rows, "caption": caption}
 
 
+def summary_notes(runs: pd.DataFrame) -> list[str]:
+    """Return what must be known to read the summary: whether its rows rest on the same runs, and the virtual best."""
+    held = runs.groupby("method")["digest"].agg(frozenset)
+    notes = []
+    if held.nunique() > 1:
+        counts = ", ".join(f"{method} {len(on)}" for method, on in held.items())
+        notes.append(
+            f"The methods did not run on the same instances ({counts}), so the rows above are means over different "
+            "ones; the pairs below are compared on the instances both ran on."
+        )
+    return [*notes, virtual_best_line(runs)]
+
+
 def virtual_best_line(runs: pd.DataFrame) -> str:
     """Return what the best method of each run, known beforehand, would reach, and which methods it would need."""
     best = virtual_best(runs)

@@ -153,7 +153,7 @@ _TEX = {
     ">": "$>$",
     "~": r"\textasciitilde{}",
 }
-_TEX |= {character: f"\\{character}" for character in "&%$#_{}"} | {"^": r"\textasciicircum{}"}
+_TEX |= {"\u00a0": "~"} | {character: f"\\{character}" for character in "&%$#_{}"} | {"^": r"\textasciicircum{}"}
 
 
 def _tex(text: str) -> str:

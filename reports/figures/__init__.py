@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from reports.figures.ablation import ablated_solvers, ablation
-from reports.figures.convergence import convergence
+from reports.figures.convergence import convergence, convergence_panels
 from reports.figures.profiles import proof_profile, quality_profile, time_profile
 from reports.figures.scaling import gap_against_n
 from reports.figures.svg import Drawn
@@ -19,6 +19,7 @@ def study_figures(runs: pd.DataFrame) -> list[Drawn]:
     """Return every figure that `runs` (with gaps) have something to show in, in reading order."""
     drawn = [
         convergence(runs),
+        convergence_panels(runs),
         quality_profile(runs),
         time_profile(runs),
         proof_profile(runs),

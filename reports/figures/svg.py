@@ -34,7 +34,7 @@ def inline_svg(drawn: Drawn) -> str:
     svg = buffer.getvalue()
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
-    svg = re.sub(r"(\d+\.\d{2})\d+", r"\1", svg)
+    svg = re.sub(r'\b(?:d|x|y|transform|points)="[^"]*"', _rounded, svg)
     svg = re.sub(r'(id="|url\(#|xlink:href="#)', rf"\g<1>{drawn.key}-", svg)
     svg = svg.replace(INK, "currentColor").replace(PAPER, "var(--paper)").replace(FAINT, "var(--faint)")
     svg = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", svg, count=1)
@@ -42,6 +42,11 @@ def inline_svg(drawn: Drawn) -> str:
     label = html.escape(f"{drawn.title}. {drawn.caption}", quote=True)
     width = drawn.figure.get_figwidth() * 96
     return svg.replace("<svg", f'<svg role="img" aria-label="{label}" style="max-width:{width:.0f}px"', 1)
+
+
+def _rounded(attribute: re.Match[str]) -> str:
+    """Keep two decimals of the coordinates in an attribute."""
+    return re.sub(r"(\d\.\d{2})\d+", r"\1", attribute.group())
 
 
 def save_figure(figure: Figure, path: Path | str) -> None:

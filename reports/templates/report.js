@@ -28,7 +28,7 @@
     const p = 100 * value;
     return Math.abs(p) < 5e-5 ? "0 %" : Math.abs(p) < 0.005 ? "< 0.01 %" : (Math.abs(p) < 10 ? p.toFixed(2) : p.toFixed(1)) + " %";
   };
-  const seconds = (value) => (value === null || value === undefined ? dash : value >= 100 ? Math.round(value).toLocaleString("en") : value >= 10 ? value.toFixed(1) : value >= 0.1 ? value.toFixed(2) : value.toFixed(3));
+  const seconds = (value) => (value === null || value === undefined ? dash : value >= 100 ? Math.round(value).toLocaleString("en") : value >= 10 ? value.toFixed(1) : value >= 0.1 ? value.toFixed(2) : value > 0 && value < 0.0005 ? "< 0.001" : value.toFixed(3));
   const compare = (a, b) => {
     const gone = (x) => x === null || x === undefined || x === "";
     if (gone(a) || gone(b)) return gone(a) - gone(b);
@@ -236,7 +236,7 @@
     let low = Math.min(...all), high = Math.max(...all);
     const slack = (high - low || Math.abs(high) || 1) * 0.06; low -= slack; high += slack;
     const times = lines.flatMap(({ trace }) => trace.map((p) => p[0])).filter((t) => t > 0);
-    const first = Math.max(Math.min(...times, limit / 10), 1e-4), span = Math.log(limit / first) || 1;
+    const first = Math.min(Math.max(Math.min(...times, limit / 10), 1e-3), limit / 10), span = Math.log(limit / first) || 1;
     const x = (t) => left + (W - left - right) * Math.max(0, Math.min(1, Math.log(Math.max(t, first) / first) / span));
     const y = (v) => top + (H - top - bottom) * (high - v) / (high - low);
     const svg = draw("svg", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": label });

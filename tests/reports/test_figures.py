@@ -28,14 +28,14 @@ def runs(make_store):
 def test_every_figure_is_there_with_title_caption_and_units(runs):
     drawn = study_figures(runs)
     assert [d.key for d in drawn] == [
-        "convergence", "profile-quality", "profile-time", "profile-proof", "time-to-target", "ecdf", "gap-n",
-        "tradeoff", "ablation-milp",
+        "convergence", "convergence-panels", "profile-quality", "profile-time", "profile-proof",
+        "time-to-target", "ecdf", "gap-n", "tradeoff", "ablation-milp",
     ]  # fmt: skip
     for d in drawn:
         assert d.caption.endswith(".")
         assert len(d.caption) > 100
         for axes in d.figure.axes:
-            label = axes.get_xlabel()
+            label = axes.get_xlabel() or d.figure.get_supxlabel()
             assert re.search(r"\[|τ|tasks n|times the", label), (d.key, label)
 
 

@@ -30,6 +30,8 @@ EXIT_GRACE = 5.0
 """Seconds a child may take to end once it has told its result."""
 TICK = 0.1
 """Seconds between two looks at the clock and the memory."""
+SEARCH = 1.0
+"""Seconds between two searches for processes that the child started."""
 LOG_KEPT = 8192
 """Bytes kept of what the child printed."""
 
@@ -93,6 +95,8 @@ class _Child:
         self.killed, self.out_of_memory = "", False
         self.peak, self.cpu_before, self.prepare = 0, 0.0, 0.0
         self.phase, self.usage = "preparing", 0.0
+        self.next_weighing, self.next_search = 0.0, 0.0
+        self.offspring: list[psutil.Process] = []
         self.began = time.monotonic()
         self.deadline = self.began + PREPARE_LIMIT
         pipe, childs_end = os.pipe()
@@ -206,10 +210,17 @@ class _Child:
             self.peak = max(self.peak, message.get("peak_memory", 0))
 
     def _weigh(self) -> None:
+        """Look at the memory held, once a tick; for processes that the child started less often, as that takes longer."""
+        now = time.monotonic()
+        if now < self.next_weighing:
+            return
+        self.next_weighing = now + TICK
         with contextlib.suppress(psutil.Error):
             leader = psutil.Process(self.process.pid)
+            if now >= self.next_search:
+                self.offspring, self.next_search = leader.children(recursive=True), now + SEARCH
             held = leader.memory_info().rss
-            for other in leader.children(recursive=True):
+            for other in self.offspring:
                 with contextlib.suppress(psutil.Error):
                     held += other.memory_info().rss
             self.peak = max(self.peak, held)

@@ -6,11 +6,17 @@ from typing import Any
 
 from instances import Instance
 from instances.families import FAMILIES, generate
+from instances.families import family as family_of
 
 
 def make_instance(family: str, n_tasks: int, n_depots: int, seed: int, parameters: dict[str, Any]) -> Instance:
     """Return one instance of `family`; InputError for an unknown family, parameter or value."""
     return generate(family, n_tasks, n_depots, seed, **parameters)
+
+
+def check_family(family: str, parameters: dict[str, Any]) -> None:
+    """Raise InputError for an unknown family, parameter or value, without making anything."""
+    family_of(family).values(parameters)
 
 
 def families() -> dict[str, dict[str, Any]]:

@@ -22,6 +22,7 @@ max_tasks = 200                  # larger instances are not given to this solver
 from __future__ import annotations
 
 import itertools
+import math
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -34,6 +35,7 @@ from formulations.registry import make_solver, option_defaults
 from formulations.solver import Limits
 from instances.errors import InputError, suggestion
 from workbench.job import Job
+from workbench.making import check_family
 from workbench.sources import FamilySource, FileSource, Source, instance_files
 
 STUDY_KEYS = (
@@ -48,6 +50,8 @@ STUDY_KEYS = (
     "solvers",
 )
 FAMILY_KEYS = ("family", "tasks", "depots", "seeds", "parameters")
+LARGEST_SEED = 2**31 - 1
+"""The largest every engine takes."""
 NONE: Mapping[str, Any] = MappingProxyType({})
 SOLVER_KEYS = ("name", "options", "seeds", "time_limit", "threads", "iterations", "max_tasks")
 
@@ -63,6 +67,15 @@ class Entry:
     threads: int = 1
     iterations: int | None = None
     max_tasks: int | None = None
+
+    def __post_init__(self) -> None:
+        for limit in self.time_limits:
+            Limits(time=limit, threads=self.threads, iterations=self.iterations)
+            if limit == math.inf:
+                raise InputError("time limit must be finite [s], got inf")
+        for seed in self.seeds:
+            if not 0 <= seed <= LARGEST_SEED:
+                raise InputError(f"seed must be from 0 to {LARGEST_SEED}, got {seed}")
 
     def jobs(self, folder: str, n_tasks: int) -> Iterator[Job]:
         """Yield this entry's jobs on the instance kept in `folder`."""
@@ -152,15 +165,14 @@ def _families(table: dict[str, Any], where: str) -> list[Source]:
     for key in ("family", "tasks", "depots"):
         if key not in table:
             raise InputError(f"{where}: '{key}' is missing")
-    parameters = _typed(table.get("parameters", {}), dict, f"{where}.parameters")
-    return [
-        FamilySource(_typed(family, str, f"{where}.family"), tasks, depots, seed, combination)
-        for family in _listed(table["family"])
-        for tasks in _counts(table["tasks"], f"{where}.tasks")
-        for depots in _counts(table["depots"], f"{where}.depots")
-        for combination in _grid(parameters)
-        for seed in seeds_from(table.get("seeds", 1), f"{where}.seeds")
-    ]
+    names = [_typed(name, str, f"{where}.family") for name in _listed(table["family"])]
+    combinations = _grid(_typed(table.get("parameters", {}), dict, f"{where}.parameters"))
+    for name, combination in itertools.product(names, combinations):
+        check_family(name, combination)
+    tasks = _counts(table["tasks"], f"{where}.tasks")
+    depots = _counts(table["depots"], f"{where}.depots")
+    seeds = seeds_from(table.get("seeds", 1), f"{where}.seeds")
+    return [FamilySource(*made) for made in itertools.product(names, tasks, depots, seeds, combinations)]
 
 
 def _entries(table: dict[str, Any], study: dict[str, Any], changes: Mapping[str, Any], where: str) -> list[Entry]:
@@ -179,8 +191,6 @@ def _entries(table: dict[str, Any], study: dict[str, Any], changes: Mapping[str,
     iterations = either("iterations", None, lambda value, at: _typed(value, int, at))
     limits: tuple[float, ...] = either("time_limit", (10.0,), _limits)
     seeds: tuple[int, ...] = either("seeds", (0,), seeds_from)
-    for limit in limits:
-        Limits(time=limit, threads=threads, iterations=iterations)
     max_tasks = _typed(table["max_tasks"], int, f"{where}.max_tasks") if "max_tasks" in table else None
     return [
         checked_entry(

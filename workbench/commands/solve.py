@@ -41,16 +41,16 @@ def command(
     plot: Path | None,
 ) -> None:
     """Solve INSTANCE. Exit code 1 where that ends without routes, by a crash or by a kill."""
-    from formulations.solver import Limits, Status
+    from formulations.solver import Status
     from instances.files import read_instance, read_routes, write_routes
     from workbench.job import Job, folder_of
     from workbench.runner import run
     from workbench.settings import key_values
     from workbench.study import checked_entry
 
-    Limits(time=time_limit, threads=threads, iterations=iterations)
     chosen = key_values(options, "--option")
-    entry = checked_entry(solver, chosen, seeds=(seed,), time_limits=(time_limit,))
+    limits = {"time_limits": (time_limit,), "threads": threads, "iterations": iterations}
+    entry = checked_entry(solver, chosen, seeds=(seed,), **limits)
     instance = read_instance(instance_file)
     begin = read_routes(start, instance) if start else None
     for path, endings in ((out, (".sol",)), (plot, (".svg",))):

@@ -1,0 +1,94 @@
+"""Task locations on the map of what stays unknown, and the same along a line before and after sensing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps, rc_context
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.contour import QuadContourSet
+from numpy.typing import NDArray
+
+from instances.environment.region import Region
+from reports.figures.style import COLOURS, INK, PAPER, RC, new_figure
+from reports.figures.svg import Drawn, save_figure
+from reports.figures.wind import KM, map_axes
+
+Array = NDArray[np.float64]
+MAP = "Blues"
+"""Light where little is left unknown; one hue, so that it also reads in grey."""
+
+
+def save_placement(path: Path | str, drawn: Drawn) -> None:
+    """Write a picture of a placement to `path` (.svg, .png or .pdf)."""
+    save_figure(drawn.figure, path)
+
+
+@rc_context(RC)
+def draw_placement(
+    region: Region, points: Array, tests: Array, sd: tuple[Array, Array, Array], prior_sd: float, title: str
+) -> Drawn:
+    """Return the map of the posterior sd after readings at the tasks, and two cuts through it.
+
+    points (n, 2), tests (m, 2) [m]. sd : coordinates x (p,) and y (q,) [m] and the posterior sd (q, p), NaN outside the
+    region. prior_sd : σ_f.
+    """
+    figure = new_figure(7.2, 3.9)
+    plan, cut = figure.subplots(1, 2, width_ratios=[1.35, 1.0])
+    shades = uncertainty(plan, region, sd, prior_sd)
+    plan.scatter(tests[:, 0] / KM, tests[:, 1] / KM, s=2.0, color=INK, alpha=0.35, linewidths=0, zorder=3)
+    tasks(plan, points)
+    bar = figure.colorbar(shades, ax=plan, location="bottom", shrink=0.8, aspect=40, pad=0.02)
+    bar.set_label("posterior sd after readings at the tasks [unit of the signal]")
+    _cuts(cut, sd, prior_sd)
+    figure.suptitle(title, fontsize=9.5)
+    return Drawn(
+        "placement",
+        "Task locations over what stays unknown",
+        "Left: tasks (white discs) and test points (dots) over the posterior standard deviation once every task has "
+        "been read; dark is unknown. Right: the same along the two middle lines of the map, as a band of two standard "
+        "deviations about the mean, before (grey) and after (blue): sensing narrows the band.",
+        figure,
+    )
+
+
+def uncertainty(axes: Axes, region: Region, sd: tuple[Array, Array, Array], prior_sd: float) -> QuadContourSet:
+    """Draw the map of the posterior sd and the region's outline; return the shades for a colour bar."""
+    map_axes(axes, region)
+    xs, ys, values = sd
+    levels = prior_sd * np.array([0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0001])
+    shades = _shades(len(levels) - 1)
+    return axes.contourf(xs / KM, ys / KM, np.ma.masked_invalid(values), levels=levels, colors=shades, zorder=1)
+
+
+def tasks(axes: Axes, points: Array) -> None:
+    """Draw task locations as discs that stand out on light and dark."""
+    size = float(np.clip(1200 / max(len(points), 1), 7, 34))
+    axes.scatter(points[:, 0] / KM, points[:, 1] / KM, s=size, color=PAPER, edgecolors=INK, linewidths=0.9, zorder=5)
+
+
+def _shades(count: int) -> list[str]:
+    return [to_hex(colormaps[MAP](0.06 + 0.86 * i / (count - 1))) for i in range(count)]
+
+
+def _cuts(axes: Axes, sd: tuple[Array, Array, Array], prior_sd: float) -> None:
+    """Draw ±2 sd along the middle row and the middle column of the map, before and after."""
+    xs, ys, values = sd
+    lines = [
+        (xs / KM, values[len(ys) // 2], f"west to east at y = {ys[len(ys) // 2] / KM:.3g} km"),
+        (ys / KM, values[:, len(xs) // 2], f"south to north at x = {xs[len(xs) // 2] / KM:.3g} km"),
+    ]
+    axes.set_axis_off()
+    for k, (along, after, words) in enumerate(lines):
+        panel = axes.inset_axes((0.12, 0.62 - 0.58 * k, 0.86, 0.34))
+        before = np.where(np.isnan(after), np.nan, prior_sd)
+        panel.fill_between(along, -2 * before, 2 * before, color=INK, alpha=0.14, linewidth=0, label="before")
+        panel.fill_between(along, -2 * after, 2 * after, color=COLOURS[0], alpha=0.75, linewidth=0, label="after")
+        panel.axhline(0.0, color=INK, linewidth=0.7)
+        panel.set_title(words, fontsize=8)
+        panel.set_ylabel("mean ± 2 sd")
+        panel.set_xlabel("[km]", labelpad=1)
+        if k == 0:
+            panel.legend(loc="upper right", ncols=2, fontsize=7, borderpad=0.1)

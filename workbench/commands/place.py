@@ -1,0 +1,120 @@
+"""`workbench place`: choose task locations of most information."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from formulations.task_location.criterion import Criterion
+    from instances.environment.region import Region
+
+
+@click.command("place")
+@click.argument("region_file", metavar="[REGION.geojson]", required=False, type=click.Path(path_type=Path))
+@click.option("--tasks", default=40, show_default=True, help="How many tasks, n.")
+@click.option("--method", default="nlp", show_default=True, help="nlp, l-bfgs-b, slsqp, greedy-swap, greedy, ...")
+@click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
+@click.option("--tests", default="20x20", show_default=True, help="Cell centres inside, or a CSV: x, y[, weight].")
+@click.option("--signal-sd", default=30.0, show_default=True, help="σ_f, in the unit of the signal.")
+@click.option("--length-scale", default="4000", show_default=True, metavar="L|LX,LY", help="[m]")
+@click.option("--noise-sd", default=1.0, show_default=True, help="σ_n of a reading at a task.")
+@click.option("--test-noise-sd", type=float, help="σ_o of a reading at a test point, criterion b.  [default: σ_n]")
+@click.option("--criterion", default="b", show_default=True, help="b both noisy, a latent tests, ig information gain.")
+@click.option("--seed", default=0, show_default=True)
+@click.option("--time-limit", type=float, help="Seconds of wall clock.  [default: none]")
+@click.option("--certificate/--no-certificate", default=True, help="Also compute the upper bound.  [default: yes]")
+@click.option("--study", metavar="n=A..B[:STEP]", help="How many tasks? Try every n from A to B.")
+@click.option("--sd-limit", default=3.0, show_default=True, help="--study: a place with a larger sd is uncovered.")
+@click.option("--max-sd", type=float, help="Fewest tasks that leave a posterior sd of at most this everywhere.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@click.option("--out", type=click.Path(path_type=Path), help="Write .geojson, .json or .csv.")
+@click.option("--plot", type=click.Path(path_type=Path), help="Draw a picture (.svg).")
+def command(
+    region_file: Path | None,
+    tasks: int,
+    method: str,
+    options: tuple[str, ...],
+    seed: int,
+    time_limit: float | None,
+    certificate: bool,
+    study: str | None,
+    sd_limit: float,
+    max_sd: float | None,
+    as_json: bool,
+    out: Path | None,
+    plot: Path | None,
+    **setting: Any,
+) -> None:
+    """Choose task locations of most information in REGION (a GeoJSON polygon in metres), by default a 20 km square."""
+    from formulations.solver import Limits
+    from formulations.task_location.registry import make_method
+    from instances.errors import InputError
+    from workbench.placing import OUT_ENDINGS, check_target, criterion_of, region_of
+    from workbench.settings import key_values
+
+    if study is not None and max_sd is not None:
+        raise InputError("place: --study and --max-sd answer different questions; give one of them")
+    check_target(out, (".json", ".csv") if study is not None else OUT_ENDINGS)
+    check_target(plot, (".svg",))
+    chosen = make_method(method, key_values(options, "--option"))
+    region = region_of(region_file)
+    criterion = criterion_of(region, **setting)
+    limits = Limits(time=float("inf") if time_limit is None else time_limit)
+    if study is not None:
+        from workbench.placement_study import run_study
+
+        run_study(region, criterion, study, method, chosen, seed, sd_limit, as_json=as_json, out=out, plot=plot)
+    elif max_sd is not None:
+        from workbench.placement_study import run_fewest
+
+        run_fewest(region, criterion, max_sd, seed, as_json=as_json, out=out, plot=plot)
+    else:
+        _place(region, criterion, tasks, method, chosen, seed, limits, certificate, as_json=as_json, out=out, plot=plot)
+
+
+def _place(
+    region: Region,
+    criterion: Criterion,
+    tasks: int,
+    name: str,
+    method: Any,
+    seed: int,
+    limits: Any,
+    certified: bool,
+    *,
+    as_json: bool,
+    out: Path | None,
+    plot: Path | None,
+) -> None:
+    from formulations.task_location.certificate import certificate
+    from formulations.task_location.criterion import Convention
+    from formulations.task_location.placement import PlacementProblem, place
+    from workbench.placing import write_placement
+
+    problem = PlacementProblem(region, criterion, tasks)
+    bound = certificate(criterion.under(Convention.BOTH_NOISY), region, tasks) if certified else None
+    placement = place(
+        problem,
+        method,
+        name,
+        seed=seed,
+        limits=limits,
+        certificate=None if bound is None else bound.bound,
+        observe=lambda elapsed, value, _: click.echo(f"{elapsed:8.2f} s  {value:.4f} nats", err=True),
+    )
+    if out is not None:
+        write_placement(placement, out)
+    if plot is not None:
+        from workbench.placement_pictures import draw  # here: matplotlib takes its time
+
+        draw(problem, placement, plot)
+    if as_json:
+        kind = None if bound is None else bound.kind
+        click.echo(json.dumps({**placement.as_dict(), "certificate_kind": kind}))
+    else:
+        worth = ", ".join(f"({name}) {value:.4f}" for name, value in placement.information.items())
+        click.echo(f"{placement.summary()}\ninformation [nats]: {worth}")

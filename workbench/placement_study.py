@@ -1,0 +1,167 @@
+"""`workbench place --study` and `--max-sd`: how many tasks."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import click
+
+from formulations.task_location.criterion import Convention, Criterion
+from formulations.task_location.fewest import fewest_tasks
+from formulations.task_location.how_many import Recommendation, Trial, recommend, trials
+from formulations.task_location.placement import Placement, PlacementMethod, PlacementProblem, PlacementStatus
+from instances.disk import write_aside
+from instances.environment.region import Region
+from instances.errors import InputError
+from workbench.placing import write_placement
+
+COLUMNS = (
+    "n", "length", "mutual_information", "mi1", "mi2", "per_km", "planning_noise", "uncovered", "uncovered_tasks",
+    "mean_sd", "highest_sd",
+)  # fmt: skip
+
+
+def numbers_from(text: str) -> list[int]:
+    """Return the numbers of ``n=5..80``, ``5..80:5`` or ``5,40,200``; InputError where it says something else."""
+    body = text.removeprefix("n=").strip()
+    span = re.fullmatch(r"(\d+)\.\.(\d+)(?::(\d+))?", body)
+    if span:
+        first, last, step = int(span[1]), int(span[2]), int(span[3] or 1)
+        found = list(range(first, last + 1, step)) if step else []
+    else:
+        parts = body.split(",")
+        found = [int(part) for part in parts] if all(part.strip().isdigit() for part in parts) else []
+    if not found or min(found) < 1:
+        raise InputError(
+            f"--study: must be n=A..B, n=A..B:STEP or a list such as 5,40,200 of numbers ≥ 1, got '{text}'"
+        )
+    return found
+
+
+def run_study(
+    region: Region,
+    criterion: Criterion,
+    text: str,
+    name: str,
+    method: PlacementMethod,
+    seed: int,
+    sd_limit: float,
+    *,
+    as_json: bool,
+    out: Path | None,
+    plot: Path | None,
+) -> None:
+    """Try every n, tell each on stderr, recommend one, and write what was asked for."""
+    numbers = numbers_from(text)
+    PlacementProblem(region, criterion, max(numbers))  # refuse a number that does not fit before the first is placed
+    spacing = min(criterion.kernel.length_scales) / 4
+    done = trials(
+        region, criterion, numbers, method, name, seed=seed, sd_limit=sd_limit, spacing=spacing, observe=_tell
+    )
+    advice = recommend(done)
+    answer = _answer(done, advice, sd_limit, spacing)
+    if out is not None:
+        write_aside(out, _csv(done) if out.suffix == ".csv" else json.dumps(answer))
+    if plot is not None:
+        from workbench.placement_pictures import draw_trials  # here: matplotlib takes its time
+
+        draw_trials(region, criterion, done, advice, spacing, plot)
+    click.echo(json.dumps(answer) if as_json else _text(done, advice))
+
+
+def run_fewest(
+    region: Region,
+    criterion: Criterion,
+    max_sd: float,
+    seed: int,
+    *,
+    as_json: bool,
+    out: Path | None,
+    plot: Path | None,
+) -> None:
+    """Find few tasks that keep the posterior sd under `max_sd` everywhere, and write what was asked for."""
+    import time
+
+    began = time.perf_counter()
+    found = fewest_tasks(region, criterion.kernel, criterion.noise_sd, max_sd, seed=seed)
+    worth = {str(c): criterion.under(c).value(found.points) for c in Convention}
+    placement = Placement(
+        points=found.points,
+        mutual_information=worth[Convention.BOTH_NOISY],
+        method="fewest",
+        status=PlacementStatus.HEURISTIC,
+        seed=seed,
+        elapsed=time.perf_counter() - began,
+        information=worth,
+    )
+    if out is not None:
+        write_placement(placement, out)
+    if plot is not None:
+        from workbench.placement_pictures import draw
+
+        draw(PlacementProblem(region, criterion, len(found.points)), placement, plot)
+    n = len(found.points)
+    if as_json:
+        more = {
+            "n": n,
+            "max_sd": max_sd,
+            "worst_sd": found.worst_sd,
+            "at_least": found.at_least,
+            "greedy": found.greedy,
+        }
+        click.echo(json.dumps({**placement.as_dict(), **more}))
+    else:
+        click.echo(
+            f"{n} tasks keep the posterior sd at most {found.worst_sd:.4g} everywhere (asked: {max_sd:g}), "
+            f"{placement.elapsed:.2f} s\nat least {found.at_least} are needed; greedy takes {found.greedy}"
+        )
+
+
+def _tell(trial: Trial) -> None:
+    click.echo(
+        f"n = {trial.n:3d}  {trial.length / 1000:6.1f} km  MI1 {trial.mi1:6.1f}  MI2 {trial.mi2:6.1f}  "
+        f"uncovered {trial.uncovered:6.1%}",
+        err=True,
+    )
+
+
+def _row(trial: Trial) -> dict[str, Any]:
+    return {name: getattr(trial, name) for name in COLUMNS}
+
+
+def _answer(done: list[Trial], advice: Recommendation, sd_limit: float, spacing: float) -> dict[str, Any]:
+    return {
+        "recommended": advice.n,
+        "reason": advice.reason,
+        "underfitted_below": advice.underfitted_below,
+        "overfitted_above": advice.overfitted_above,
+        "sd_limit": sd_limit,
+        "spacing": spacing,
+        "trials": [{**_row(t), "points": t.points.tolist(), "order": t.order} for t in done],
+    }
+
+
+def _csv(done: list[Trial]) -> str:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(_row(trial) for trial in done)
+    return text.getvalue()
+
+
+def _text(done: list[Trial], advice: Recommendation) -> str:
+    lines = ["   n     km    MI1    MI2  nats/km  sigma_T  uncovered  highest sd"]
+    for t in done:
+        per_km = "      -" if t.per_km is None else f"{t.per_km:7.2f}"
+        noise = "      -" if t.planning_noise is None else f"{t.planning_noise:7.3f}"
+        lines.append(
+            f"{t.n:4d} {t.length / 1000:6.1f} {t.mi1:6.1f} {t.mi2:6.1f}  {per_km}  {noise}  {t.uncovered:8.1%}"
+            f"  {t.highest_sd:10.2f}"
+        )
+    edges = f"underfitted below {advice.underfitted_below}, overfitted above {advice.overfitted_above}"
+    return "\n".join([*lines, f"recommended: {advice.n} tasks, {advice.reason}", edges])

@@ -1,0 +1,130 @@
+"""From what is typed (region file, test points, kernel) to a criterion; placements to files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.kernel import SquaredExponential
+from formulations.task_location.criterion import Criterion, convention
+from formulations.task_location.placement import Placement
+from instances.disk import read_text, write_aside
+from instances.environment.region import Region
+from instances.errors import InputError
+
+DEFAULT_SIDE = 20_000.0
+"""Side [m] of the square that stands for a region that is not given (paper, Numerical Example)."""
+OUT_ENDINGS = (".geojson", ".json", ".csv")
+
+
+def region_of(path: Path | None) -> Region:
+    """Return the region in a GeoJSON file, or the paper's 20 km square."""
+    return Region.rectangle(DEFAULT_SIDE, DEFAULT_SIDE) if path is None else Region.read(path)
+
+
+def criterion_of(
+    region: Region,
+    *,
+    tests: str = "20x20",
+    signal_sd: float = 30.0,
+    length_scale: str = "4000",
+    noise_sd: float = 1.0,
+    test_noise_sd: float | None = None,
+    criterion: str = "b",
+) -> Criterion:
+    """Return the criterion that the settings describe; InputError names the one that cannot be used."""
+    chosen = convention(criterion)
+    points, weights = tests_of(tests, region)
+    kernel = SquaredExponential(signal_sd, length_scales_of(length_scale))
+    return Criterion(kernel, points, weights, noise_sd, test_noise_sd, chosen)
+
+
+def length_scales_of(text: str) -> tuple[float, float]:
+    """Return (l_x, l_y) [m] of ``l`` or ``lx,ly``."""
+    try:
+        scales = [float(part) for part in str(text).split(",")]
+    except ValueError:
+        scales = []
+    if len(scales) not in (1, 2):
+        raise InputError(f"--length-scale: must be one length or two, lx,ly [m], got '{text}'")
+    return scales[0], scales[-1]
+
+
+def tests_of(text: str, region: Region) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Return test points inside `region` and their weights: ``COLUMNSxROWS`` cell centres, or a CSV file.
+
+    The file has columns x, y [m] and, where not all points count alike, weight.
+    """
+    shape = re.fullmatch(r"(\d+)[x×](\d+)", text)
+    if shape:
+        columns, rows = int(shape[1]), int(shape[2])
+        if columns < 1 or rows < 1:
+            raise InputError(f"--tests: needs at least one column and one row, got '{text}'")
+        points = region.cell_centres(columns, rows)
+        if not len(points):
+            raise InputError(f"--tests: none of the {text} cell centres lies inside the region; ask for more")
+        return points, None
+    if not text.lower().endswith(".csv"):
+        raise InputError(f"--tests: must be COLUMNSxROWS such as 20x20, or a .csv file with columns x, y, got '{text}'")
+    points, weights = _test_file(Path(text))
+    inside = region.contains(points) if len(points) else np.zeros(0, dtype=bool)
+    if not inside.any():
+        raise InputError(f"{text}: none of its {len(points)} test points lies inside the region")
+    return points[inside], None if weights is None else weights[inside]
+
+
+def _test_file(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    rows = csv.DictReader(io.StringIO(read_text(path)))
+    columns = set(rows.fieldnames or ())
+    if not {"x", "y"} <= columns:
+        raise InputError(f"{path}: must have columns 'x' and 'y' [m]")
+    names = ("x", "y", "weight") if "weight" in columns else ("x", "y")
+    table = []
+    for number, row in enumerate(rows, 2):
+        for name in names:
+            try:
+                value = float(row[name])
+            except (TypeError, ValueError):
+                raise InputError(f"{path}: line {number}: {name} must be a number, got {row[name]!r}") from None
+            if not np.isfinite(value) or (name == "weight" and value < 0):
+                raise InputError(f"{path}: line {number}: {name} must be finite and not negative, got {row[name]}")
+        table.append([float(row[name]) for name in names])
+    values = np.array(table, dtype=float).reshape(-1, len(names))
+    return values[:, :2], values[:, 2] if "weight" in columns else None
+
+
+def check_target(path: Path | None, endings: tuple[str, ...]) -> None:
+    """Refuse before the search what could not be written after it."""
+    if path is None:
+        return
+    if path.suffix not in endings:
+        raise InputError(f"{path}: must end in {' or '.join(endings)}")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: there is no folder {path.parent}")
+
+
+def write_placement(placement: Placement, path: Path) -> None:
+    """Write the points as GeoJSON, everything as JSON, or x, y as CSV, by the ending of `path`."""
+    if path.suffix == ".csv":
+        text = "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in placement.points.tolist())
+    elif path.suffix == ".geojson":
+        text = json.dumps(geojson(placement))
+    else:
+        text = json.dumps(placement.as_dict())
+    write_aside(path, text)
+
+
+def geojson(placement: Placement) -> dict[str, Any]:
+    """Return the tasks as a FeatureCollection of points, numbered from 0."""
+    features = [
+        {"type": "Feature", "properties": {"task": i}, "geometry": {"type": "Point", "coordinates": point}}
+        for i, point in enumerate(placement.points.tolist())
+    ]
+    return {"type": "FeatureCollection", "features": features}

@@ -210,7 +210,7 @@ class _Child:
             self.peak = max(self.peak, message.get("peak_memory", 0))
 
     def _weigh(self) -> None:
-        """Look at the memory held, once a tick; for processes that the child started less often, as that takes longer."""
+        """Look at the memory held, once a tick; less often for processes the child started, as that takes longer."""
         now = time.monotonic()
         if now < self.next_weighing:
             return

@@ -5,12 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 from instances import Instance
-from instances.families import FAMILIES, generate
+from instances.families import FAMILIES, MISSIONS, generate, make_scenario
 from instances.families import family as family_of
 
 
 def make_instance(family: str, n_tasks: int, n_depots: int, seed: int, parameters: dict[str, Any]) -> Instance:
     """Return one instance of `family`; InputError for an unknown family, parameter or value."""
+    if family in MISSIONS:
+        from formulations.moving_cost.costing import instance_of  # here: numba takes its time
+
+        return instance_of(make_scenario(family, n_tasks, n_depots, seed, **parameters))[0]
     return generate(family, n_tasks, n_depots, seed, **parameters)
 
 
@@ -29,5 +33,5 @@ def families() -> dict[str, dict[str, Any]]:
                 for p in family.parameters
             },
         }
-        for name, family in FAMILIES.items()
+        for name, family in (FAMILIES | MISSIONS).items()
     }

@@ -1,4 +1,7 @@
-"""Generator families: random instances whose moving costs have a closed form. The same seed gives the same file."""
+"""Generator families: random instances with moving costs in closed form, and missions in wind that need planning.
+
+The same seed gives the same file.
+"""
 
 from __future__ import annotations
 
@@ -10,20 +13,25 @@ from instances.families.family import Family
 from instances.families.parameter import Parameter
 from instances.families.square import CLUSTERED, RING, UNIFORM
 from instances.families.square_wind import SQUARE_WIND
+from instances.families.wind_missions import WIND_MOUNTAINS, WIND_UNIFORM, WIND_VORTICES
 from instances.instance import Instance, check_size
 from instances.scenario import Scenario
 
-__all__ = ["FAMILIES", "Family", "Parameter", "family", "generate", "make_scenario"]
+__all__ = ["FAMILIES", "MISSIONS", "Family", "Parameter", "family", "generate", "make_scenario"]
 
 FAMILIES: dict[str, Family] = {f.name: f for f in (UNIFORM, CLUSTERED, RING, CORRIDOR, SQUARE_WIND)}
 """Name → family; its `description` and `parameters` (name, default, unit, meaning, choices) are there to be listed."""
 
+MISSIONS: dict[str, Family] = {f.name: f for f in (WIND_UNIFORM, WIND_VORTICES, WIND_MOUNTAINS)}
+"""Families that make a Scenario only: its moving costs are planned by ``formulations.moving_cost``."""
+
 
 def family(name: str) -> Family:
     """Return the family of this name; InputError with the near miss."""
-    if name not in FAMILIES:
-        raise InputError(f"unknown family '{name}'{suggestion(name, FAMILIES)} (known: {', '.join(FAMILIES)})")
-    return FAMILIES[name]
+    known = FAMILIES | MISSIONS
+    if name not in known:
+        raise InputError(f"unknown family '{name}'{suggestion(name, known)} (known: {', '.join(known)})")
+    return known[name]
 
 
 def make_scenario(name: str, n_tasks: int, n_depots: int, seed: int, **parameters: Any) -> Scenario:
@@ -43,7 +51,8 @@ def generate(name: str, n_tasks: int, n_depots: int, seed: int, **parameters: An
     Raises
     ------
     InputError
-        for an unknown family or parameter (with the near miss) and for a value that cannot be used.
+        for an unknown family or parameter (with the near miss), for a value that cannot be used, and for a family
+        whose moving costs have no closed form.
     """
     scenario = make_scenario(name, n_tasks, n_depots, seed, **parameters)
     return family(name).instance(scenario)

@@ -1,0 +1,166 @@
+"""The families `wind-uniform`, `wind-vortices`, `wind-mountains`: missions with no-fly zones in a wind with vorticity.
+
+They make Scenarios. Their moving costs have no closed form: `formulations.moving_cost` finds them. A wind without
+vorticity changes no tour, so each wind here carries some.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from instances.environment.region import Region
+from instances.environment.wind import Sum, Uniform, WindField
+from instances.environment.wind_vortices import Vortices
+from instances.errors import InputError
+from instances.families import depots
+from instances.families.family import Family
+from instances.families.parameter import Parameter, Values
+from instances.families.square import SIZE, square, uniform_tasks
+from instances.families.wind_zones import PARAMETERS as ZONES
+from instances.families.wind_zones import no_fly_zones
+from instances.instance import Instance
+from instances.scenario import Scenario
+
+STEADY = (
+    Parameter("airspeed", 20.0, "m/s", "speed of the UAVs through the air", at_least=1e-9),
+    Parameter("wind_speed", 7.0, "m/s", "speed of the steady wind", at_least=0.0),
+    Parameter("wind_direction", 225.0, "degree", "where the steady wind blows to, anticlockwise from east"),
+)
+
+MakeWind = Callable[[Region, np.random.Generator, Values], WindField]
+
+
+@dataclass(frozen=True)
+class Mission(Family):
+    """A family of missions whose moving costs are found by path planning."""
+
+    wind: MakeWind | None = None
+    """Region, random numbers, parameters → the wind."""
+
+    def scenario(self, n_tasks: int, n_depots: int, seed: int, given: Mapping[str, Any]) -> Scenario:
+        """Return the mission of this size and seed; zones, wind, tasks and depots have separate random numbers."""
+        values = self.values(given)
+        region = self.region(values)
+        streams = map(np.random.default_rng, np.random.SeedSequence(seed).spawn(4))
+        for_zones, for_wind, for_tasks, for_depots = streams
+        try:
+            zones = no_fly_zones(region, for_zones, values)
+        except InputError as error:
+            raise InputError(f"family {self.name}: {error}") from None
+        free = region.minus(zones)
+        assert self.wind is not None
+        return Scenario(
+            name=f"{self.name}-n{n_tasks}-m{n_depots}-s{seed}",
+            region=region,
+            depots=depots.place_depots(free, n_depots, for_depots, values),
+            airspeed=values["airspeed"],
+            wind=self.wind(region, for_wind, values),
+            tasks=self.tasks(free, n_tasks, for_tasks, values),
+            no_fly=zones,
+            provenance={"family": self.name, "parameters": values, "seed": seed},
+        )
+
+    def instance(self, scenario: Scenario) -> Instance:
+        """Raise InputError: there is no closed form."""
+        raise InputError(
+            f"family {self.name}: its moving costs have no closed form; they are planned by formulations.moving_cost"
+        )
+
+
+def _steady(values: Values) -> Uniform:
+    angle = math.radians(values["wind_direction"])
+    return Uniform((values["wind_speed"] * math.cos(angle), values["wind_speed"] * math.sin(angle)))
+
+
+def _gusty(region: Region, rng: np.random.Generator, values: Values) -> WindField:
+    from instances.environment.wind_turbulence import Turbulence  # here: numba takes its time
+
+    turbulence = Turbulence(values["turbulence"], values["eddy_size"], int(rng.integers(2**31)))
+    return Sum((_steady(values), turbulence)) if values["turbulence"] > 0 else _steady(values)
+
+
+def _vortices(region: Region, rng: np.random.Generator, values: Values) -> WindField:
+    count, core = values["vortices"], values["core"]
+    candidates = region.sample(64 * count, rng)
+    centres = candidates[:1]
+    for p in candidates[1:]:
+        if len(centres) < count and np.hypot(*(centres - p).T).min() > 2.5 * core:
+            centres = np.vstack([centres, p])
+    if len(centres) < count:
+        raise InputError(f"family wind-vortices: {count} vortices with cores of {core:g} m do not fit into the region")
+    # A Scully vortex is fastest at the edge of its core, with Γ/(4π c).
+    gamma = 4 * math.pi * core * values["vortex_speed"] * rng.choice([-1.0, 1.0], count)
+    whirls = Vortices(tuple((float(x), float(y)) for x, y in centres), tuple(map(float, gamma)), (core,) * count)
+    return Sum((_steady(values), whirls))
+
+
+def _mountains(region: Region, rng: np.random.Generator, values: Values) -> WindField:
+    from instances.environment.mass_consistent import Inflow  # here: numba takes its time
+    from instances.environment.wind_terrain import TerrainWind
+
+    ground = {
+        "size": values["size"],
+        "relief": values["relief"],
+        "length_scale": values["range_size"],
+        "seed": int(rng.integers(2**31)),
+    }
+    inflow = Inflow(_steady(values).velocity, values["profile"], reference=1000.0)
+    return TerrainWind(inflow, values["altitude"], None, ground, values["cells"])
+
+
+WIND_UNIFORM = Mission(
+    "wind-uniform",
+    "a steady wind with turbulence (stream function), no-fly zones; turbulence=0 leaves a wind that changes no tour",
+    (
+        SIZE,
+        *STEADY,
+        Parameter("turbulence", 2.5, "m/s", "root mean square speed of the turbulence", at_least=0.0),
+        Parameter("eddy_size", 6_000.0, "m", "size of its largest eddies", at_least=1.0),
+        *ZONES,
+        *depots.PARAMETERS,
+    ),
+    square,
+    uniform_tasks,
+    wind=_gusty,
+)
+
+WIND_VORTICES = Mission(
+    "wind-vortices",
+    "a steady wind from the north-east with vortices, no-fly zones",
+    (
+        SIZE,
+        *STEADY,
+        Parameter("vortices", 4, "", "number of vortices, either way round", at_least=1),
+        Parameter("vortex_speed", 5.0, "m/s", "largest speed in a vortex", at_least=0.0),
+        Parameter("core", 1_500.0, "m", "radius at which a vortex is fastest", at_least=1.0),
+        *ZONES,
+        *depots.PARAMETERS,
+    ),
+    square,
+    uniform_tasks,
+    wind=_vortices,
+)
+
+WIND_MOUNTAINS = Mission(
+    "wind-mountains",
+    "mass-consistent flow over synthetic mountains at a chosen altitude, inflow from the north-east, no-fly zones",
+    (
+        SIZE,
+        *STEADY,
+        Parameter("relief", 1_500.0, "m", "height of the mountains over the valleys", at_least=0.0),
+        Parameter("range_size", 5_000.0, "m", "size of the mountains", at_least=1.0),
+        Parameter("altitude", 1_600.0, "m", "altitude of the flight, above the highest ground", at_least=0.0),
+        Parameter("profile", "log", "", "how the inflow varies with height above ground", ("uniform", "log", "power")),
+        Parameter("cells", 160, "", "cells of the flow along a side", at_least=8),
+        *ZONES,
+        *depots.PARAMETERS,
+    ),
+    square,
+    uniform_tasks,
+    wind=_mountains,
+)

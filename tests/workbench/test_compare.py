@@ -166,6 +166,9 @@ def test_flags_take_the_place_of_what_the_study_says(cli, study):
     names = out.splitlines()[:-1]
     assert len(names) == 2 * 3
     assert all(name.endswith("-s0-t3.json") for name in names)
+    _, out, _ = cli("compare", "--dry-run", "--solvers", "greedy")  # of the study quick
+    assert len(out.splitlines()) > 4
+    assert all("/greedy-" in name for name in out.splitlines()[:-1])
 
 
 def test_too_many_threads_are_warned_of(cli, instance_file):

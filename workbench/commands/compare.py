@@ -85,7 +85,7 @@ def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, obj
     from workbench.study import load_tables, shipped_studies, study_from
 
     shipped = shipped_studies()
-    first = targets[0] if targets else "quick" if solvers is None else ""
+    first = targets[0] if targets else "quick"
     if first in shipped or first.endswith(".toml"):
         path, given = shipped.get(first, Path(first)), targets[1:]
     else:

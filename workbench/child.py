@@ -32,6 +32,8 @@ TICK = 0.1
 """Seconds between two looks at the clock and the memory."""
 SEARCH = 1.0
 """Seconds between two searches for processes that the child started."""
+LONGEST_MESSAGE = 1 << 26
+"""Bytes of the longest line that is still taken for a message."""
 LOG_KEPT = 8192
 """Bytes kept of what the child printed."""
 
@@ -191,16 +193,18 @@ class _Child:
 
     def _messages(self, data: bytes) -> None:
         *lines, self.unread = (self.unread + data).split(b"\n")
+        if len(self.unread) > LONGEST_MESSAGE:
+            lines, self.unread = [self.unread], b""
         for line in lines:
             try:
                 message = json.loads(line)
-                kind = message["kind"]
-            except (ValueError, KeyError, TypeError):
-                message, kind = {"kind": "error", "message": f"sent an unreadable message: {line[:80]!r}"}, "error"
-            self._follow(kind, message)
-            self.hear(message)
+                self._follow(message)
+                self.hear(message)
+            except (ValueError, KeyError, TypeError, AttributeError):  # whatever foreign code wrote into the pipe
+                self.hear({"kind": "rubbish", "line": line[:80].decode("utf-8", errors="replace")})
 
-    def _follow(self, kind: str, message: dict[str, Any]) -> None:
+    def _follow(self, message: dict[str, Any]) -> None:
+        kind = message["kind"]
         if kind == "prepared":
             self.phase, self.prepare = "solving", time.monotonic() - self.began
             self.cpu_before = message["cpu"]

@@ -48,6 +48,10 @@ def run(
     return _written(job, instance, witness, ending)
 
 
+AT_ONCE = 1e-3
+"""Events closer than this [s], after the first second this share of the elapsed time, are stored as one."""
+
+
 @dataclass
 class _Witness:
     """Hears the child's messages, keeps what is verified, and remembers the first false claim."""
@@ -68,6 +72,8 @@ class _Witness:
         """Take one message of the child."""
         kind = message["kind"]
         self.proves = message.get("proves", self.proves)
+        if kind == "rubbish":
+            self._refute(f"sent an unreadable message: {message['line']!r}", None)
         if kind in ("event", "result"):
             self._believe(message)
         if kind == "result":
@@ -92,6 +98,8 @@ class _Witness:
         if bound is not None and math.isfinite(bound) and (self.bound is None or bound > self.bound):
             self.bound, news = bound, True
         if news:
+            if self.trace and self.elapsed - self.trace[-1][0] < AT_ONCE * max(1.0, self.elapsed):
+                del self.trace[-1]
             self.trace.append((self.elapsed, self.objective, self.bound))
             self.observe(Event(self.elapsed, self.objective, self.bound, self.routes))
 

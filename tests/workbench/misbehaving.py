@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import os
 import sys
@@ -119,6 +120,28 @@ class PrintsRubbish(Honest):
         sys.stdout.flush()
         os.write(1, b"\xff\xfe\x00 the end")
         routes, value = told(instance, observe)
+        return Result(Status.FEASIBLE, value, None, 0.0, routes, stopped_by="finished")
+
+
+class WritesIntoEveryPipe(Honest):
+    """Writes nonsense and false messages into whatever is open, then answers well."""
+
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        routes, value = told(instance, observe)
+        for line in (b"rubbish\n", b"[]\n", b'{"kind": "event"}\n', b'{"kind": "result", "routes": 3}\n'):
+            for descriptor in range(3, 20):
+                with contextlib.suppress(OSError):
+                    os.write(descriptor, line)
+        return Result(Status.FEASIBLE, value, None, 0.0, routes, stopped_by="finished")
+
+
+class Chatters(Honest):
+    """Streams ten thousand bounds as fast as it can."""
+
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        routes, value = told(instance, observe)
+        for number in range(10_000):
+            observe(Event(0.0, value, 1e-4 * number * value, None))
         return Result(Status.FEASIBLE, value, None, 0.0, routes, stopped_by="finished")
 
 

@@ -102,6 +102,7 @@ def ends(pid: int) -> bool:
         ("ClaimsOptimalWithGap", "claimed OPTIMAL, but its routes cost"),
         ("BoundAboveRoutes", "claimed that no routes are shorter than"),
         ("NoRoutes", "gave no routes"),
+        ("WritesIntoEveryPipe", "sent an unreadable message: 'rubbish'"),
         ("ReturnsRubbish", "TypeError: solve returned str 'banana', not a Result"),
     ],
 )
@@ -125,6 +126,13 @@ def test_printed_rubbish_is_only_a_log(finish, all_with_first):
     assert (found.status, found.objective) == (Status.FEASIBLE, all_with_first)
     assert found.log.endswith("the end")
     assert len(found.log) <= child.LOG_KEPT
+
+
+def test_a_flood_of_events_is_thinned(finish, all_with_first):
+    found = finish("Chatters", 60)
+    assert found.bound == pytest.approx(0.9999 * all_with_first)
+    assert len(found.trace) < 5000
+    assert found.trace[-1][1:] == (found.objective, found.bound)
 
 
 def test_a_memory_eater_is_killed(finish, all_with_first):

@@ -12,6 +12,8 @@ UAV at each, E = (V × V) \ (D × D); θ_ijk = 1 where UAV k flies the arc (i, j
     const5    C_k ≤ C_max                                                   every k ∈ D
     const6    Σ_{i∈S} Σ_{j∈S} θ_ijk ≤ |S| − 1                               every k ∈ D, S ⊆ T, |S| ≥ 2
 
+and, for short, y_ik = θ_kik + Σ_j θ_jik, which is 1 where UAV k visits task i.
+
 Two remarks. The paper lets |S| run to n − 1; |S| = n is needed too, or a cycle through all tasks and no depot passes
 const1–const5. A UAV never uses another one's depot, so θ_ijk with i or j in D \ {k} is not made, and neither is θ_iik,
 which the paper sets to zero.
@@ -34,6 +36,8 @@ class PaperModel:
 
     model : the CP-SAT model.
     theta : ``theta[i, j, k]``, the paper's θ_ijk; i, j and k are node numbers, k ∈ D.
+    y : ``y[i, k]``, the y_ik above. The rows that are not the paper's are written in it: they are shorter, and CP-SAT
+        has something to branch on that settles many θ at once.
     C_max : the integer objective, the longest scaled tour, between 0 and the incumbent.
     """
 
@@ -44,7 +48,10 @@ class PaperModel:
         self.theta: dict[tuple[int, int, int], cp_model.IntVar] = {
             (i, j, k): self.model.new_bool_var(f"theta[{i},{j},{k}]") for k in self.D for i, j in self.edges(k)
         }
+        self.y = {(i, k): self.model.new_bool_var(f"y[{i},{k}]") for i in self.T for k in self.D}
         self.C_max = self.model.new_int_var(0, scaled.upper, "C_max")
+        for i, k in self.y:
+            self.model.add(self.entering(i, k) == self.y[i, k])
         self.c_max()
         self.const1()
         self.const2()
@@ -58,7 +65,7 @@ class PaperModel:
         return [(k, i) for i in self.T] + inner + [(i, k) for i in self.T]
 
     def entering(self, i: int, k: int) -> LinearExpr:
-        """Return θ_kik + Σ_j θ_jik: 1 where UAV k visits task i. Later files call it y_ik."""
+        """Return θ_kik + Σ_j θ_jik."""
         return LinearExpr.sum(self.theta[k, i, k], *(self.theta[j, i, k] for j in self.T if j != i))
 
     def leaving(self, i: int, k: int) -> LinearExpr:
@@ -116,9 +123,8 @@ class PaperModel:
         depot. It implies const6, because Σ_{i∈S} y_ik − y_vk ≤ |S| − 1.
         """
         for k in self.D:
-            visits = {i: self.entering(i, k) for i in S}
             for v in S:
-                self.model.add(self.within(S, k) <= LinearExpr.sum(*(visits[i] for i in S if i != v)))
+                self.model.add(self.within(S, k) <= LinearExpr.sum(*(self.y[i, k] for i in S if i != v)))
 
     def within(self, S: Sequence[int], k: int) -> LinearExpr:
         """Return Σ_{i∈S} Σ_{j∈S} θ_ijk."""

@@ -1,6 +1,6 @@
 """Rows that are not in the paper and cut off no optimum: what `milp` may add to the paper's model.
 
-y_ik stands for θ_kik + Σ_j θ_jik, 1 where UAV k visits task i.
+y_ik = θ_kik + Σ_j θ_jik, 1 where UAV k visits task i (``paper_model.py``).
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def symmetry(paper: PaperModel, instance: Instance) -> None:
     for group in shared_depots(instance):
         for before, k in pairwise(group):
             for i in instance.tasks:
-                paper.model.add(paper.entering(i, k) <= sum(paper.entering(j, before) for j in range(i)))
+                paper.model.add(paper.y[i, k] <= sum(paper.y[j, before] for j in range(i)))
     if is_symmetric(instance):
         for k in instance.depots:
             first = sum(i * paper.theta[k, i, k] for i in instance.tasks)
@@ -82,7 +82,7 @@ def reach(paper: PaperModel, instance: Instance) -> None:
     """
     ways = {k: shortest_ways(paper.scaled.cost, instance.n_tasks, k) for k in instance.depots}
     for i in instance.tasks:
-        paper.model.add(sum(int(ways[k][0][i] + ways[k][1][i]) * paper.entering(i, k) for k in paper.D) <= paper.C_max)
+        paper.model.add(sum(int(ways[k][0][i] + ways[k][1][i]) * paper.y[i, k] for k in paper.D) <= paper.C_max)
     for (i, j, k), theta in paper.theta.items():
         out, back = ways[k]
         length = paper.scaled.cost[i, j] + (out[i] if i != k else 0) + (back[j] if j != k else 0)
@@ -96,6 +96,9 @@ def hint(paper: PaperModel, instance: Instance, routes: Routes) -> None:
     paper.model.clear_hints()
     for key, theta in paper.theta.items():
         paper.model.add_hint(theta, key in used)
+    visits = {(j, k) for _, j, k in used}
+    for visit, y in paper.y.items():
+        paper.model.add_hint(y, visit in visits)
     costs = paper.scaled.cost
     tours = [sum(int(costs[i, j]) for i, j, of in used if of == k) for k in instance.depots]
     paper.model.add_hint(paper.C_max, min(max(tours), paper.scaled.upper))

@@ -173,7 +173,7 @@ def test_milp_stops_after_its_rounds_with_routes_and_a_bound(windy: Windy) -> No
 
 
 def test_milp_says_what_is_too_large_for_it() -> None:
-    assert make_solver("milp").accepts(Instance("large", np.zeros((105, 105)), 100, 5)) is None
+    assert make_solver("milp").accepts(Instance("large", np.zeros((63, 63)), 60, 3)) is None
     reason = make_solver("milp").accepts(Instance("larger", np.zeros((410, 410)), 400, 10))
     assert reason is not None
     assert "variables" in reason

@@ -55,6 +55,12 @@ def command(
     if parallel < 1:
         raise InputError(f"--jobs: must be at least 1, got {jobs}")
     changes = {"time_limit": time_limit, "seeds": seeds, "threads": threads}
+    if placement := _placement_study(targets):
+        from workbench.placement_compare import compare_placements
+
+        others = {"solvers": solvers, "retry": retry, "shard": shard, "scheduler": scheduler, "instances": targets[1:]}
+        given = {key: value for key, value in (changes | others).items() if value not in (None, ())}
+        context.exit(compare_placements(placement, out, parallel, given, dry_run))
     study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
     folder = out or Path("runs") / study.name
     plan, store = _planned(study, folder, retry, shard, dry_run)
@@ -68,6 +74,15 @@ def command(
     for problem in problems:
         click.echo(problem, err=True)
     context.exit(1 if problems else 0)
+
+
+def _placement_study(targets: tuple[str, ...]) -> Path | None:
+    """Return the file of the study that is named where it is about task locations (``problem = "placement"``)."""
+    from workbench.study import load_tables, shipped_studies
+
+    first = targets[0] if targets else ""
+    path = shipped_studies().get(first, Path(first))
+    return path if path.suffix == ".toml" and load_tables(path).get("problem") == "placement" else None
 
 
 def _publish(folder: Path) -> list[str]:

@@ -9,6 +9,8 @@ is replaced by one knife edge where the two horizon lines meet; with ν its diff
     J(ν) = 6.9 + 20 log₁₀(√((ν − 0.1)² + 1) + ν − 0.1) dB for ν > −0.78, else 0
     L    = J + (1 − exp(−J/6)) (10 + 0.02 d),   d in km
 
+Irregular Terrain Model: the accurate one, in the folder ``itm``.
+
 Shadowing: log-normal, that is Gaussian in dB, with correlation exp(−d/D) (M. Gudmundson, Electronics Letters 27(23),
 1991), drawn on the grid by circulant embedding.
 """
@@ -31,9 +33,9 @@ Floats = NDArray[np.float64]
 EFFECTIVE_EARTH = 4.0 / 3.0 * 6_371_000.0
 """a_e [m] for the median refractivity gradient."""
 
-MODELS = ("diffraction", "free-space")
+MODELS = ("diffraction", "free-space", "itm")
 
-Model = Literal["diffraction", "free-space"]
+Model = Literal["diffraction", "free-space", "itm"]
 
 
 @njit(cache=True)
@@ -74,7 +76,7 @@ def bullington(heights: Floats, step: float, transmitter: float, receiver: float
 
 
 @njit(cache=True)
-def _profile(
+def profile(
     ground: Floats, x0: float, y0: float, dx: float, dy: float, ax: float, ay: float, bx: float, by: float, step: float
 ) -> Floats:
     """Return terrain heights [m] from (ax, ay) to (bx, by) at about `step` [m], bilinear."""
@@ -101,7 +103,7 @@ def _diffraction_map(
     out = np.empty((len(ys), len(xs)))
     for j in range(len(ys)):
         for i in range(len(xs)):
-            heights = _profile(ground, x0, y0, dx, dy, ax, ay, xs[i], ys[j], min(dx, dy))
+            heights = profile(ground, x0, y0, dx, dy, ax, ay, xs[i], ys[j], min(dx, dy))
             step = math.hypot(xs[i] - ax, ys[j] - ay) / (len(heights) - 1)
             out[j, i] = bullington(heights, step, mast, altitude, wavelength)
     return out
@@ -144,7 +146,8 @@ def radio_map(
     """Return the signal at `altitude` [m above sea level] over `bounds` (x0, y0, x1, y1) [m].
 
     terrain : the ground, flat at 0 m where None. shadowing_sd [dB], 0 for none; decorrelation [m]; cells : along the
-    longer side. Raises InputError where the altitude is below ground or a value makes no sense.
+    longer side. The Irregular Terrain Model's own median excess takes the place of the diffraction loss; add shadowing
+    for what it leaves out. Raises InputError where the altitude is below ground or a value makes no sense.
     """
     if model not in MODELS:
         raise InputError(f"unknown propagation model '{model}'{suggestion(model, MODELS)} (known: {', '.join(MODELS)})")
@@ -166,6 +169,10 @@ def radio_map(
     if model == "diffraction":
         grid = (ground.height, *ground.origin, *ground.spacing)
         signal -= _diffraction_map(*grid, ax, ay, mast, xs, ys, altitude, source.wavelength)
+    if model == "itm":
+        from instances.environment.itm.loss import attenuation_map
+
+        signal -= attenuation_map(ground, source.position, source.height, (xs, ys), altitude, source.frequency)
     if shadowing_sd > 0:
         signal += shadowing(
             (len(ys), len(xs)), (float(xs[1] - xs[0]), float(ys[1] - ys[0])), shadowing_sd, decorrelation, seed

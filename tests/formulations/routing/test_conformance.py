@@ -12,6 +12,7 @@ iterations, because a run ended by the clock need not be deterministic. Instance
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -214,3 +215,27 @@ def test_a_bad_start_changes_no_proof(solver: Solver, windy: Windy, brute_force:
     agrees(solver, result, brute_force(instance)[0])
     assert result.objective is not None
     assert result.objective <= makespan(instance, all_on_one(instance))
+
+
+def test_the_suite_itself_refuses_false_claims(windy: Windy) -> None:
+    """A suite that cannot fail shows nothing: each of these false results is caught."""
+    instance = windy(3, 1, 0)
+    solver = make_solver("milp")
+    routes: Routes = ((0, 1, 2),)
+    value = makespan(instance, routes)
+    event = Event(0.0, value, None, routes)
+    honest = Result(Status.FEASIBLE, value, None, routes=routes, stopped_by="finished")
+    conforming(solver, instance, honest, [event])
+    false_claims = [
+        replace(honest, objective=0.9 * value),
+        replace(honest, routes=((0, 1),)),
+        replace(honest, bound=1.1 * value),
+        replace(honest, status=Status.OPTIMAL, bound=0.5 * value, tolerance=1e-3),
+        replace(honest, routes=None),
+        replace(honest, stopped_by=""),
+    ]
+    for result in false_claims:
+        with pytest.raises(AssertionError):
+            conforming(solver, instance, result, [event])
+    with pytest.raises(AssertionError):
+        conforming(solver, instance, honest, [event, Event(1.0, 2 * value, None)])

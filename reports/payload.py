@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from instances import InputError
 from instances.files import read_instance
 from reports.figures.style import COLOURS, styles
+from reports.figures.surroundings import surroundings
 from reports.metrics import instance_table
 from reports.runfile import STATUSES, read_run
 
@@ -36,6 +37,7 @@ def payload(runs: pd.DataFrame, instance_files: dict[str, Path]) -> dict[str, An
     methods = sorted(runs["method"].unique())
     number = {digest: i for i, digest in enumerate(table.index)}
     maps = dict(_maps(list(table.index), number, instance_files))
+    walls = {i: found for i, (_, found) in maps.items() if found}
     details = dict(_details(runs))
     look = styles(methods)
     return {
@@ -47,7 +49,8 @@ def payload(runs: pd.DataFrame, instance_files: dict[str, Path]) -> dict[str, An
         "statuses": STATUSES,
         "families": sorted(runs["family"].unique()),
         "instances": _instances(table, methods),
-        "maps": maps,
+        "maps": {i: places for i, (places, _) in maps.items()},
+        "walls": walls,
         "runs": _rows(runs, number, methods),
         "details": details,
     }
@@ -96,20 +99,27 @@ def _rows(runs: pd.DataFrame, number: dict[Any, int], methods: list[str]) -> dic
     }
 
 
-def _maps(digests: list[Any], number: dict[Any, int], files: dict[str, Path]) -> Iterator[tuple[int, list[Any]]]:
+def _maps(
+    digests: list[Any], number: dict[Any, int], files: dict[str, Path]
+) -> Iterator[tuple[int, tuple[list[Any], list[Any]]]]:
+    """Yield an instance's number, its coordinates [m] and the rings of its region, while the budget lasts."""
     spent = 0
     for digest in digests:
         if digest not in files or spent > MAPS_BUDGET:
             continue
         try:
-            coordinates = read_instance(files[digest]).coordinates
+            instance = read_instance(files[digest])
         except InputError:
             continue
-        if coordinates is not None:
-            shown = [[_number(x, 5), _number(y, 5)] for x, y in coordinates]
-            spent += 12 * len(shown)
+        if instance.coordinates is not None:
+            region, _ = surroundings(instance)
+            places, *rings = (
+                [[_number(x, 5), _number(y, 5)] for x, y in points]
+                for points in (instance.coordinates, *(region.rings if region is not None else []))
+            )
+            spent += 12 * (len(places) + sum(map(len, rings)))
             if spent <= MAPS_BUDGET:
-                yield number[digest], shown
+                yield number[digest], (places, rings)
 
 
 def _details(runs: pd.DataFrame) -> Iterator[tuple[int, dict[str, Any]]]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from instances import Instance, Routes, tour_costs
 from instances.environment.region import Region
 from reports.figures.style import COLOURS, DASHES, FAINT, INK, PAPER, RC
+from reports.figures.surroundings import flown, surroundings
 from reports.figures.svg import save_figure
 
 Wind = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -43,8 +44,11 @@ def draw_routes(
 ) -> Figure:
     """Return the tours on the map and, beside it, bars of their costs C_k [s].
 
-    Where the instance has no coordinates only the bars are drawn.
+    region, wind : drawn below the tours; where not given, those the instance was made in, if it states them. Where the
+    instance has no coordinates only the bars are drawn.
     """
+    stated_region, stated_wind = surroundings(instance)
+    region, wind = region or stated_region, wind or stated_wind
     with rc_context(RC):
         if instance.coordinates is None:
             figure = Figure(figsize=(7.2, 1.2 + 0.24 * min(instance.n_depots, 40)), layout="constrained")
@@ -82,7 +86,8 @@ def _map(
         _wind_arrows(axes, wind, region, corners, scale)
     for k, route in enumerate(routes):
         if len(route):
-            _tour(axes, xy[[instance.n_tasks + k, *route, instance.n_tasks + k]], k, instance.n_tasks < ARROWS_BELOW)
+            legs = flown(instance, [instance.n_tasks + k, *route, instance.n_tasks + k], region)
+            _tour(axes, [leg / scale for leg in legs], k, instance.n_tasks < ARROWS_BELOW)
     size = float(np.clip(30 - 5 * np.log(instance.n_tasks), 2, 20))
     axes.scatter(xy[: instance.n_tasks, 0], xy[: instance.n_tasks, 1], s=size, color=INK, zorder=4, linewidths=0)
     for k, depot in enumerate(xy[instance.n_tasks :]):
@@ -101,7 +106,7 @@ def _outline(region: Region, scale: float) -> PathPatch:
 
 
 def _wind_arrows(axes: Axes, wind: Wind, region: Region | None, corners: NDArray[np.float64], scale: float) -> None:
-    """Draw the wind on a coarse grid, with a key that gives the length of its strongest arrow [m/s]."""
+    """Draw the wind on a coarse grid and say how strong the strongest arrow is [m/s]."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     span = np.where(high > low, high - low, 1.0)
     cells = np.maximum(2, np.round(11 * span / span.max()).astype(int))
@@ -113,25 +118,31 @@ def _wind_arrows(axes: Axes, wind: Wind, region: Region | None, corners: NDArray
     strongest = float(np.hypot(*velocity.T).max(initial=0.0))
     if strongest == 0:
         return
-    arrows = axes.quiver(
+    axes.quiver(
         *(points / scale).T, *velocity.T, color=FAINT, pivot="mid", width=0.0035, headwidth=4.5,
         scale=strongest * 16, zorder=1,
     )  # fmt: skip
-    rounded = float(f"{strongest:.1g}")
-    axes.quiverkey(arrows, 0.86, 1.035, rounded, f"wind {rounded:g} m/s", labelpos="W", color=FAINT, labelcolor=INK)
+    axes.set_title(f"grey arrows: wind, up to {strongest:.2g} m/s", loc="left", fontsize=8)
 
 
-def _tour(axes: Axes, stops: NDArray[np.float64], k: int, arrows: bool) -> None:
+def _tour(axes: Axes, legs: list[NDArray[np.float64]], k: int, arrows: bool) -> None:
+    """Draw the polylines `legs` of UAV k, with an arrow halfway along the longest straight part of each."""
     colour = COLOURS[k % len(COLOURS)]
-    axes.plot(*stops.T, color=colour, linestyle=DASHES[k // len(COLOURS) % len(DASHES)], linewidth=1.5, zorder=3)
-    if arrows:
-        legs = np.diff(stops, axis=0)
-        heads = stops[:-1] + 0.55 * legs
-        long = np.hypot(*legs.T) > 0
+    path = np.concatenate(legs)
+    axes.plot(*path.T, color=colour, linestyle=DASHES[k // len(COLOURS) % len(DASHES)], linewidth=1.5, zorder=3)
+    parts = [_longest(leg) for leg in legs if np.ptp(leg, axis=0).any()]
+    if arrows and parts:
+        middles = np.array([0.45 * a + 0.55 * b for a, b in parts])
+        steps = np.array([(b - a) / np.hypot(*(b - a)) for a, b in parts])
         axes.quiver(
-            *heads[long].T, *(legs[long] / np.hypot(*legs[long].T)[:, None]).T, color=colour, angles="xy", pivot="mid",
-            scale=60, width=0.004, headwidth=6, headlength=6, headaxislength=5, minlength=0, zorder=3,
+            *middles.T, *steps.T, color=colour, angles="xy", pivot="mid", scale=60, width=0.004, headwidth=6,
+            headlength=6, headaxislength=5, minlength=0, zorder=3,
         )  # fmt: skip
+
+
+def _longest(leg: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    i = int(np.hypot(*np.diff(leg, axis=0).T).argmax())
+    return leg[i], leg[i + 1]
 
 
 def _bars(axes: Axes, instance: Instance, routes: Routes) -> None:

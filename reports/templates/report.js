@@ -194,11 +194,14 @@
 
   const drawRoutes = (places, instance, routes) => {
     const W = 520, H = 420, pad = 18;
-    const xs = places.map((p) => p[0]), ys = places.map((p) => p[1]);
+    const rings = data.walls[instance.index] || [], all = [...places, ...rings.flat()];
+    const xs = all.map((p) => p[0]), ys = all.map((p) => p[1]);
     const x0 = Math.min(...xs), y0 = Math.min(...ys), w = Math.max(...xs) - x0 || 1, h = Math.max(...ys) - y0 || 1;
     const scale = Math.min((W - 2 * pad) / w, (H - 2 * pad) / h);
-    const at = (i) => [pad + (places[i][0] - x0) * scale, 2 * pad / 2 + h * scale - (places[i][1] - y0) * scale];
+    const put = ([x, y]) => [pad + (x - x0) * scale, pad + h * scale - (y - y0) * scale], at = (i) => put(places[i]);
     const svg = draw("svg", { viewBox: `0 0 ${(w * scale + 2 * pad).toFixed(0)} ${(h * scale + 2 * pad).toFixed(0)}`, role: "img", "aria-label": `Routes of ${routes.filter((r) => r.length).length} UAVs on the map` });
+    const outline = rings.map((ring) => "M" + ring.map((p) => put(p).map((v) => v.toFixed(1)).join(",")).join("L") + "Z").join("");
+    if (outline) svg.append(draw("path", { d: outline, fill: "var(--wash)", stroke: "var(--faint)", "fill-rule": "evenodd" }));
     routes.forEach((route, k) => {
       if (!route.length) return;
       const stops = [instance.n + k, ...route, instance.n + k].map(at), colour = data.colours[k % data.colours.length];
@@ -213,7 +216,8 @@
     const r = Math.max(1, 3.4 - instance.n / 150);
     for (let i = 0; i < instance.n; i++) { const [cx, cy] = at(i); svg.append(draw("circle", { cx: cx.toFixed(1), cy: cy.toFixed(1), r, fill: "currentColor" })); }
     for (let k = 0; k < instance.m; k++) { const [x, y] = at(instance.n + k); svg.append(draw("rect", { x: (x - 6).toFixed(1), y: (y - 6).toFixed(1), width: 12, height: 12, fill: data.colours[k % data.colours.length], stroke: "var(--paper)", "stroke-width": 1.5 })); }
-    return svg;
+    if (!outline) return svg;
+    return make("div", {}, svg, make("p", { class: "soft" }, "Stops are joined by straight lines here; around walls the UAVs fly by the corners."));
   };
 
   const drawTours = (tours) => {
@@ -292,11 +296,12 @@
     ]));
     if (!detail) parts.push(make("p", { class: "soft" }, "Routes, trace and log of this run are not embedded in this page (it keeps those of the best runs); they are in the store."));
     else {
-      const drawings = [], map = data.maps[instance.index];
+      const drawings = [], beside = make("div"), map = data.maps[instance.index];
       if (detail.routes && map) drawings.push(part("Routes", drawRoutes(map, instance, detail.routes)));
-      if (detail.tours.length) drawings.push(part("Cost of each tour", drawTours(detail.tours)));
+      drawings.push(beside);
+      if (detail.tours.length) beside.append(part("Cost of each tour", drawTours(detail.tours)));
       const colour = data.styles[run.method][0];
-      drawings.push(part("Trace: longest tour (solid) and bound (dotted) [s]", drawTrace([{ trace: wholeTrace(run), colour, bounds: true }], run.limit, "Objective and bound over time")));
+      beside.append(part("Trace: longest tour (solid) and bound (dotted) [s]", drawTrace([{ trace: wholeTrace(run), colour, bounds: true }], run.limit, "Objective and bound over time")));
       parts.push(make("div", { class: "pair" }, ...drawings));
       if (detail.routes) parts.push(make("details", {}, make("summary", {}, "Routes as task numbers"), make("pre", {}, detail.routes.map((r, k) => `UAV ${k}: ${r.join(" ") || "stays home"}`).join("\n"))));
       if (detail.log) parts.push(make("details", {}, make("summary", {}, "End of its output"), make("pre", {}, detail.log)));

@@ -6,9 +6,11 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pandas as pd
 import pytest
+from shapely.geometry import LineString
 
 from instances import InputError, Instance
 from instances.environment.region import Region
+from instances.families import generate
 from reports import load
 from reports.figures import study_figures
 from reports.figures.ablation import ablated_solvers, worth
@@ -16,6 +18,7 @@ from reports.figures.profiles import ratios
 from reports.figures.routes import draw_routes, save_routes
 from reports.figures.steps import cumulative
 from reports.figures.style import COLOURS, DASHES, styles
+from reports.figures.surroundings import flown, surroundings
 from reports.figures.svg import inline_svg
 from reports.metrics import with_gaps
 
@@ -115,3 +118,29 @@ def test_a_picture_of_unknown_ending_is_refused(tmp_path):
     with pytest.raises(InputError, match="must end in"):
         save_routes(instance(), ((0, 1), (2, 3)), tmp_path / "routes.txt")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("wind", ["none", "rotation"])
+def test_legs_bend_around_walls_as_their_costs_do(wind):
+    given = generate("corridor", 12, 2, 3, wind=wind)
+    region, _ = surroundings(given)
+    roomy = region.polygon.buffer(1e-3)
+    bent = 0
+    for i in range(0, 12, 3):
+        for j in range(1, 12, 4):
+            (leg,) = flown(given, [i, j], region)
+            np.testing.assert_array_equal(leg[[0, -1]], given.coordinates[[i, j]])
+            assert roomy.covers(LineString(leg))
+            if wind == "none":
+                assert LineString(leg).length / 20.0 == pytest.approx(given.cost[i, j], rel=1e-9)
+            bent += len(leg) > 2
+    assert bent > 2
+
+
+def test_legs_in_open_country_are_straight():
+    given = generate("uniform", 5, 2, 0, wind="uniform")
+    region, wind = surroundings(given)
+    assert region is None
+    assert wind is not None
+    assert [len(leg) for leg in flown(given, [5, 0, 1, 5], region)] == [2, 2, 2]
+    assert surroundings(instance()) == (None, None)

@@ -78,13 +78,14 @@ class Circuit(Solver):
         """Solve in one search."""
         recorder = Recorder(instance, limits, observe, start)
         recorder.incumbent(greedy_routes(instance))
-        if recorder.objective == 0 or recorder.routes is None:
+        if recorder.objective == 0:
             return recorder.result("proof", proved=True)
         scaled = scale_costs(instance, recorder.objective)
         form = CircuitPerUav(instance, scaled) if self.per_uav else GiantCircuit(instance, scaled, self.average)
         if self.symmetry:
             form.break_symmetry()
-        form.hint(in_order(instance, recorder.routes) if self.symmetry else recorder.routes)
+        best = recorder.routes or ()
+        form.hint(in_order(instance, best) if self.symmetry else best)
         search(
             form.model,
             scaled,

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from instances.environment.raster import METRES, coordinate, open_netcdf, projection, read_ascii_grid
+from instances.environment.raster import METRES, coordinate, open_netcdf, projection, read_ascii_grid, read_geotiff
 from instances.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -126,28 +126,8 @@ def read_terrain(path: Path | str) -> Terrain:
 
 
 def _read_geotiff(path: Path) -> Terrain:
-    try:
-        import rasterio
-    except ImportError:
-        raise InputError(
-            f"{path}: reading GeoTIFF needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')"
-        ) from None
-    try:
-        with rasterio.open(path) as data:
-            band = data.read(1, masked=True).astype(np.float64).filled(np.nan)
-            transform, crs = data.transform, data.crs
-    except rasterio.errors.RasterioError as error:
-        raise InputError(f"{path}: cannot be read as GeoTIFF ({error})") from None
-    if crs is not None and crs.is_geographic:
-        raise InputError(f"{path}: the elevation model is in degrees ({crs}); project it to metres first")
-    if crs is not None and crs.linear_units.lower() not in METRES:
-        raise InputError(f"{path}: the elevation model's coordinates are in {crs.linear_units}, not in metres")
-    if transform.b or transform.d or transform.a <= 0 or transform.e >= 0:
-        raise InputError(f"{path}: the elevation model must be north up, its transform is {tuple(transform)[:6]}")
-    dx, dy = transform.a, -transform.e
-    # Pixels are areas: the first node is the centre of the lower left one.
-    origin = (transform.c + dx / 2, transform.f - dy * (band.shape[0] - 0.5))
-    return Terrain(origin, (dx, dy), band[::-1], str(path), "" if crs is None else crs.to_wkt())
+    raster = read_geotiff(path)
+    return Terrain(raster.origin, raster.spacing, raster.values, str(path), raster.crs)
 
 
 def _read_netcdf(path: Path) -> Terrain:

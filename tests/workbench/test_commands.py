@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import shutil
 
 import numpy as np
 import pytest
 
 from instances import Instance, makespan
 from instances.files import read_instance, read_routes, write_instance, write_routes
+from workbench.cli import main
 
 KEYS = (
     "instance",
@@ -74,11 +76,28 @@ def test_check_of_routes(cli, instance, instance_file, tmp_path):
     assert "Task 3 is visited by no route." in out
 
 
+@pytest.fixture(scope="session")
+def finished_runs(tmp_path_factory):
+    """A store of two solvers on three instances, made once."""
+    folder = tmp_path_factory.mktemp("finished")
+    for seed in range(3):
+        assert (
+            called("generate", "uniform", "--tasks", 4, "--depots", 2, "--seed", seed, "--out", folder / "given") == 0
+        )
+    args = ["--solvers", "greedy,subset-dp", "--out", folder / "runs", "--no-report"]
+    assert called("compare", folder / "given", *args) == 0
+    return folder / "runs"
+
+
+def called(*args: object) -> int:
+    with pytest.raises(SystemExit) as ended:
+        main([str(arg) for arg in args])
+    return int(ended.value.code or 0)
+
+
 @pytest.fixture
-def runs(cli, instance_folder, tmp_path):
-    code, _, err = cli("compare", instance_folder, "--solvers", "greedy,subset-dp", "--out", "runs", "--no-report")
-    assert code == 0, err
-    return tmp_path / "runs"
+def runs(finished_runs, tmp_path):
+    return shutil.copytree(finished_runs, tmp_path / "runs")
 
 
 def test_compare_then_status_check_and_report(cli, runs, stored_json, tmp_path):
@@ -93,7 +112,7 @@ def test_compare_then_status_check_and_report(cli, runs, stored_json, tmp_path):
     assert all((tmp_path / f"r.{ending}").stat().st_size > 100 for ending in ("html", "csv", "tex", "md"))
 
     # what is missing, damaged or false is counted, named and shown
-    first, *others = sorted(runs.glob("r*/greedy*.json"))
+    first, *others = sorted(runs.glob("u*/greedy*.json"))
     first.unlink()
     code, out, _ = cli("status", runs)
     assert (code, out.splitlines()[-1]) == (0, "5 of 6 runs stored, 1 missing")
@@ -109,13 +128,12 @@ def test_compare_then_status_check_and_report(cli, runs, stored_json, tmp_path):
     assert others[1].name in out
 
 
-def test_a_regression_can_fail(cli, runs, tmp_path, stored_json):
+def test_a_regression_can_fail(cli, runs, tmp_path):
     """A newer store in which a bound contradicts routes is worse than the old one."""
-    cli("compare", tmp_path / "given", "--solvers", "greedy,subset-dp", "--out", "new", "--no-report")
-    (path, *_) = (tmp_path / "new").glob("r*/greedy*.json")
+    new = shutil.copytree(runs, tmp_path / "new")
+    path = next(new.glob("u*/greedy*.json"))
     run = json.loads(path.read_text())
     path.write_text(json.dumps(run | {"bound": 2 * run["objective"]}))
-    assert cli("report", "new", "--against", runs)[0] == 0
     code, out, _ = cli("report", "new", "--against", runs, "--fail-on-regression")
     assert (code, "contradiction" in out) == (1, True)
 

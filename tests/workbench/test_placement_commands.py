@@ -1,0 +1,279 @@
+"""`workbench place` and placement studies of `workbench compare`, from the command line."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+
+from formulations.task_location.placement import PlacementProblem
+from instances.environment.region import Region
+from instances.errors import InputError
+from workbench.cli import main
+from workbench.job import Job
+from workbench.placement_jobs import Task, placement_study_from
+from workbench.placement_runner import run_placement
+from workbench.placement_study import numbers_from
+
+RING = [[0, 0], [20_000, 0], [20_000, 9000], [9000, 9000], [9000, 20_000], [0, 20_000], [0, 0]]
+HOLE = [[3000, 3000], [6000, 3000], [6000, 6000], [3000, 6000], [3000, 3000]]
+
+
+def call(*words: str) -> int:
+    with pytest.raises(SystemExit) as ending:
+        main(list(words))
+    return int(ending.value.code or 0)
+
+
+@pytest.fixture
+def area(tmp_path):
+    path = tmp_path / "area.geojson"
+    path.write_text(json.dumps({"type": "Polygon", "coordinates": [RING, HOLE]}))
+    return path
+
+
+def test_json_states_what_was_placed(area, tmp_path, capsys):
+    out, plot = tmp_path / "tasks.geojson", tmp_path / "tasks.svg"
+    words = ["place", str(area), "--tasks", "5", "--tests", "8x8", "--json", "--out", str(out), "--plot", str(plot)]
+    assert call(*words) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert {"method", "status", "points", "mutual_information", "certificate", "elapsed"} <= said.keys()
+    assert (said["method"], said["status"]) == ("nlp", "locally solved")
+    assert said["mutual_information"] == said["information"]["b"] <= said["information"]["a"] <= said["certificate"]
+    assert Region.read(area).signed_distance(said["points"]).min() >= -1e-6
+    written = json.loads(out.read_text())
+    assert [f["geometry"]["coordinates"] for f in written["features"]] == said["points"]
+    assert plot.read_text().startswith("<?xml")
+
+
+def test_csv_and_json_files(tmp_path, capsys):
+    for ending in ("csv", "json"):
+        path = tmp_path / f"tasks.{ending}"
+        assert call("place", "--tasks", "3", "--tests", "5x5", "--method", "greedy", "--out", str(path)) == 0
+    rows = list(csv.DictReader((tmp_path / "tasks.csv").open()))
+    assert [[float(r["x"]), float(r["y"])] for r in rows] == json.loads((tmp_path / "tasks.json").read_text())["points"]
+    assert "3 tasks worth" in capsys.readouterr().out
+
+
+def test_weighted_test_points_from_a_file(tmp_path, capsys):
+    path = tmp_path / "tests.csv"
+    path.write_text("x,y,weight\n1000,1000,1\n2000,1500,3\n19000,19000,0\n-5,-5,1\n")
+    assert call("place", "--tasks", "1", "--tests", str(path), "--json", "--no-certificate") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["certificate"] is None
+    assert np.linalg.norm(np.array(said["points"][0]) - [1500, 1250]) < 2000
+
+
+def test_maximising_information_gain_is_reported_under_both_noisy_too(capsys):
+    assert call("place", "--tasks", "4", "--tests", "6x6", "--criterion", "ig", "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["maximised"] == "ig"
+    assert said["information"]["ig"] == pytest.approx(0.5 * 4 * math.log(901), abs=0.01)
+    assert said["mutual_information"] < said["information"]["ig"]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--tasks", "0"], "at least 1"),
+        (["--tasks", "5000"], "do not fit"),
+        (["--length-scale", "0"], "positive"),
+        (["--length-scale", "-4000,4000"], "positive"),
+        (["--length-scale", "4km"], "--length-scale"),
+        (["--signal-sd", "nan"], "signal_sd"),
+        (["--noise-sd", "0"], "noise_sd"),
+        (["--criterion", "literal"], "ill-posed"),
+        (["--criterion", "c"], "unknown criterion"),
+        (["--method", "nelder-meat"], "did you mean 'nelder-mead'"),
+        (["--option", "startz=2"], "did you mean 'starts'"),
+        (["--option", "starts=x"], "whole number"),
+        (["--tests", "0x4"], "at least one column"),
+        (["--tests", "grid"], "COLUMNSxROWS"),
+        (["--tests", "missing.csv"], "cannot be read"),
+        (["--seed", "-1"], "seed"),
+        (["--time-limit", "0"], "time limit"),
+        (["--out", "tasks.txt"], "must end in"),
+        (["--out", "nowhere/tasks.csv"], "no folder"),
+        (["--plot", "tasks.gif"], "must end in .svg"),
+        (["--study", "n=80..5"], "--study"),
+        (["--study", "n=5..2000"], "do not fit"),
+        (["--study", "a"], "--study"),
+        (["--max-sd", "40"], "max-sd"),
+        (["--max-sd", "3", "--study", "n=5..6"], "one of them"),
+        (["absent.geojson"], "cannot be read"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_2(words, sentence, capsys):
+    assert call("place", *words) == 2
+    said = capsys.readouterr()
+    assert sentence in said.err
+    assert said.err.strip().count("\n") == 0
+    assert said.out == ""
+
+
+@pytest.mark.parametrize(
+    ("rings", "sentence"),
+    [
+        ([[[0, 0], [9, 9], [9, 0], [0, 9], [0, 0]]], "not valid"),
+        ([[[0, 0], [9, 9], [18, 18], [0, 0]]], "region"),
+    ],
+)
+def test_bad_regions_are_named(rings, sentence, tmp_path, capsys):
+    path = tmp_path / "bad.geojson"
+    path.write_text(json.dumps({"type": "Polygon", "coordinates": rings}))
+    assert call("place", str(path)) == 2
+    said = capsys.readouterr().err
+    assert sentence in said
+    assert "bad.geojson" in said
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x,y,weight\n1,1,nan\n", "line 2: weight"),
+        ("x,y,weight\n1,1,-1\n", "line 2: weight"),
+        ("x,y\n1,one\n", "line 2: y"),
+        ("x,y\ninf,1\n", "line 2: x"),
+        ("a,b\n1,1\n", "columns 'x' and 'y'"),
+        ("x,y\n-1,-1\n", "none of its 1 test points"),
+        ("x,y,weight\n1,1,0\n", "all are 0"),
+    ],
+)
+def test_bad_test_files_are_named(text, sentence, tmp_path, capsys):
+    path = tmp_path / "tests.csv"
+    path.write_text(text)
+    assert call("place", "--tests", str(path)) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_no_test_point_inside_the_region(tmp_path, capsys):
+    path = tmp_path / "ring.geojson"
+    ring = [[0, 0], [9000, 0], [9000, 9000], [0, 9000], [0, 0]]
+    hole = [[100, 100], [8900, 100], [8900, 8900], [100, 8900], [100, 100]]
+    path.write_text(json.dumps({"type": "Polygon", "coordinates": [ring, hole]}))
+    assert call("place", str(path), "--tests", "2x2") == 2
+    assert "none of the 2x2 cell centres" in capsys.readouterr().err
+
+
+def test_study_recommends_a_number_with_the_reason(tmp_path, capsys):
+    out, plot = tmp_path / "study.csv", tmp_path / "study.svg"
+    words = [
+        "place",
+        "--study",
+        "n=3..9:3",
+        "--length-scale",
+        "12000",
+        "--tests",
+        "6x6",
+        "--method",
+        "greedy",
+        "--sd-limit",
+        "6",
+    ]
+    assert call(*words, "--json", "--out", str(out), "--plot", str(plot)) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert [row["n"] for row in said["trials"]] == [3, 6, 9]
+    assert said["recommended"] in (3, 6, 9)
+    assert "fewest tasks" in said["reason"]
+    assert [int(row["n"]) for row in csv.DictReader(out.open())] == [3, 6, 9]
+    assert plot.stat().st_size > 10_000
+
+
+def test_numbers_of_a_study():
+    assert numbers_from("n=5..8") == [5, 6, 7, 8]
+    assert numbers_from("5..20:5") == [5, 10, 15, 20]
+    assert numbers_from("5,40,200") == [5, 40, 200]
+    for bad in ("", "0..3", "5..", "1.5", "5..9:0"):
+        with pytest.raises(InputError, match="--study"):
+            numbers_from(bad)
+
+
+def test_fewest_tasks_from_the_command_line(capsys):
+    assert call("place", "--max-sd", "8", "--length-scale", "12000", "--tests", "6x6", "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["n"] == len(said["points"]) >= said["at_least"] >= 1
+    assert said["worst_sd"] <= 8
+
+
+STUDY = {
+    "problem": "placement",
+    "tasks": [2, 3],
+    "tests": "5x5",
+    "time_limit": 20,
+    "methods": [{"name": "greedy"}, {"name": "random", "seeds": 2}, {"name": "nlp", "max_tasks": 2}],
+}
+
+
+def test_a_placement_study_is_run_stored_and_reported_once(area, tmp_path, capsys):
+    file = tmp_path / "mine.toml"
+    methods = '[[methods]]\nname = "greedy"\n[[methods]]\nname = "nlp"\n'
+    file.write_text(f'problem = "placement"\nregions = ["area.geojson"]\ntasks = [3]\ntests = "5x5"\n{methods}')
+    folder = tmp_path / "runs"
+    assert call("compare", str(file), "--out", str(folder), "--jobs", "2") == 0
+    stored = sorted(folder.glob("area-n3-*/*-s0-*.json"))
+    assert [path.name for path in stored] == ["greedy-default-s0-t60.json", "nlp-default-s0-t60.json"]
+    runs = [json.loads(path.read_text()) for path in stored]
+    for run in runs:
+        assert run["problem"] == "placement"
+        assert run["objective"] == -run["mutual_information"]
+        assert run["bound"] == -run["certificate"] <= run["objective"]
+    assert runs[0]["mutual_information"] <= runs[1]["mutual_information"]
+    rows = list(csv.DictReader((folder / "results.csv").open()))
+    assert {row["method"] for row in rows} == {"greedy", "nlp"}
+    assert "certificate" in (folder / "report.html").read_text()
+    before = [path.stat().st_mtime_ns for path in stored]
+    assert call("compare", str(file), "--out", str(folder)) == 0
+    assert [path.stat().st_mtime_ns for path in stored] == before
+
+
+def test_jobs_of_a_placement_study(tmp_path):
+    study = placement_study_from(STUDY, name="x", base=tmp_path)
+    assert [(task.n_tasks, job.label, job.seed) for task, job in study.jobs] == [
+        (2, "greedy", 0),
+        (2, "random", 0),
+        (2, "random", 1),
+        (2, "nlp", 0),
+        (3, "greedy", 0),
+        (3, "random", 0),
+        (3, "random", 1),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"methods": []}, "names no methods"),
+        ({"methods": [{"name": "greedi"}]}, "did you mean 'greedy'"),
+        ({"methods": [{"nam": "greedy"}]}, "did you mean 'name'"),
+        ({"methods": [{"name": "nlp", "options": {"starts": -1}}]}, "negative"),
+        ({"time_limit": "long"}, "time_limit"),
+        ({"tasks": [0]}, "at least 1"),
+        ({"region": "square"}, "did you mean 'regions'"),
+        ({"tests": "no"}, "--tests"),
+    ],
+)
+def test_bad_placement_studies_are_refused(change, sentence, tmp_path):
+    with pytest.raises(InputError, match=sentence):
+        placement_study_from(STUDY | change, name="x", base=tmp_path)
+
+
+def test_a_false_claim_and_a_crash_are_errors(monkeypatch, tmp_path):
+    task = Task("square-n2", placement_study_from(STUDY, name="x", base=tmp_path).tasks[0].polygon, {"tests": "5x5"}, 2)
+    problem: PlacementProblem = task.problem()
+    crashed = run_placement(task, Job(task.folder, "nelder-mead", {"form": "round"}), problem, 7.0)
+    assert (crashed["status"], crashed["mutual_information"]) == ("ERROR", None)
+    assert "form" in crashed["message"]
+
+    def lying(task, job):
+        points = [[1.0, 1.0], [2.0, 2.0]] if job.solver == "liar" else [[-1.0, 1.0], [2.0, 2.0]]
+        message = {"kind": "result", "status": "heuristic", "elapsed": 1.0, "cpu": 1.0, "claimed": 99.0}
+        return [message | {"points": points, "stopped_by": "finished", "peak_memory": 1}], "", "", 1.0
+
+    monkeypatch.setattr("workbench.placement_runner._listen", lying)
+    for name, sentence in (("liar", "claimed 99.0 nats"), ("stray", "outside the region")):
+        run = run_placement(task, Job(task.folder, name), problem, 7.0)
+        assert (run["status"], run["mutual_information"]) == ("ERROR", None)
+        assert sentence in run["message"]

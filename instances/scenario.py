@@ -80,9 +80,13 @@ class Scenario:
         check_name(self.name)
         object.__setattr__(self, "airspeed", positive(self.airspeed, "airspeed [m/s]"))
         object.__setattr__(self, "no_fly", tuple(self.no_fly))
+        object.__setattr__(self, "depots", _points(self.depots, "depots", self.region))
         free = self.free
+        self._check_reached("depots", self.depots, free)
         object.__setattr__(self, "depots", _points(self.depots, "depots", free))
         if self.tasks is not None:
+            object.__setattr__(self, "tasks", _points(self.tasks, "tasks", self.region))
+            self._check_reached("tasks", self.tasks, free)
             object.__setattr__(self, "tasks", _points(self.tasks, "tasks", free))
             if self.n_tasks not in (0, len(self.tasks)):
                 raise InputError(f"n_tasks is {self.n_tasks} but there are {len(self.tasks)} tasks")
@@ -97,8 +101,23 @@ class Scenario:
 
     @property
     def free(self) -> Region:
-        """The region without its no-fly zones."""
-        return self.region.minus(list(self.no_fly)) if self.no_fly else self.region
+        """The region without its no-fly zones; where these cut it into parts, the part of the first depot."""
+        parts = self.region.parts_without(list(self.no_fly)) if self.no_fly else [self.region]
+        home = [part for part in parts if part.contains(self.depots[:1])[0]]
+        if not parts:
+            raise InputError("region: the no-fly zones leave nothing of it")
+        return home[0] if home else parts[0]
+
+    def _check_reached(self, label: str, points: NDArray[np.float64], free: Region) -> None:
+        """Raise InputError where a point lies in a part of the region that no path leads to."""
+        away = np.flatnonzero(~free.contains(points))
+        parts = self.region.parts_without(list(self.no_fly)) if len(away) else []
+        for i in away:
+            if len(parts) > 1 and any(part.contains(points[i : i + 1])[0] for part in parts):
+                raise InputError(
+                    f"{label}[{i}] = {points[i].tolist()} cannot be reached from depots[0] = "
+                    f"{self.depots[0].tolist()}: the no-fly zones cut the region into parts"
+                )
 
     @property
     def points(self) -> NDArray[np.float64]:

@@ -312,17 +312,31 @@ def path_free(p: Floats, space: FreeSpace) -> bool:
 
 
 @njit(cache=True)
-def mean_square_turn(p: Floats, corner: Ints) -> float:
-    """Mean squared turning angle [rad²] at the nodes that are no pins: 24 times the polyline's relative excess."""
-    total, count = 0.0, 0
-    for k in range(1, len(p) - 1):
+def refine(p: Floats, corner: Ints, precision: float) -> tuple[Floats, Ints]:
+    """Halve the segments at every node whose turn θ is too sharp: a polyline exceeds its smooth curve by θ²/24.
+
+    Pins may turn as they like. Returns the path itself where nothing is left to halve.
+    """
+    n = len(p)
+    halve = np.zeros(n, dtype=np.bool_)
+    for k in range(1, n - 1):
         if corner[k] >= 0:
             continue
         ax, ay, bx, by = p[k, 0] - p[k - 1, 0], p[k, 1] - p[k - 1, 1], p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1]
         turn = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
-        total += turn * turn
-        count += 1
-    return total / count if count else 0.0
+        if turn * turn > 24 * precision:
+            halve[k - 1] = halve[k] = True
+    if not halve.any():
+        return p, corner
+    q, c = np.empty((n + halve.sum(), 2)), np.full(n + halve.sum(), -1, dtype=np.int64)
+    at = 0
+    for k in range(n):
+        q[at], c[at] = p[k], corner[k]
+        at += 1
+        if halve[k]:
+            q[at] = 0.5 * (p[k] + p[k + 1])
+            at += 1
+    return q, c
 
 
 @njit(cache=True)
@@ -338,8 +352,8 @@ def polish_all(
 ) -> tuple[Floats, Ints, Ints]:
     """Polish paths given end to end: path i is ``points[offsets[i]:offsets[i+1]]``; returns the same three arrays.
 
-    Each is split to pieces of `spacing` [m], relaxed, and refined (pieces halved) while the polyline's own excess over
-    the smooth curve, mean square turn / 24, is above `precision`; at most six times. A path that ended up in an
+    Each is split to pieces of `spacing` [m], relaxed, and refined (pieces halved) where the polyline's own excess over
+    the smooth curve is above `precision`, at most six times. A path that ended up in an
     obstacle comes back as it was given.
     """
     out_points, out_corners = np.empty((len(points) * 2 + 1024, 2)), np.empty(len(points) * 2 + 1024, dtype=np.int64)
@@ -353,12 +367,13 @@ def polish_all(
         h = min(spacing, length / 4)  # a path of one piece could not turn
         p, c = subdivide(given, marks, h)
         p, c = relax(p, c, field, v0, space, 1e-4)
-        size = h
         for _ in range(6):
-            if precision <= 0.0 or mean_square_turn(p, c) <= 24 * precision:
+            if precision <= 0.0:
                 break
-            size *= 0.5
-            p, c = subdivide(p, c, size)
+            count = len(p)
+            p, c = refine(p, c, precision)
+            if len(p) == count:
+                break
             p, c = relax(p, c, field, v0, space, 1e-3)
         if not path_free(p, space):
             p, c = given, marks

@@ -51,7 +51,7 @@ class Refined(MovingCostMethod):
     samples: int = 2500
     slack: float = 0.03
     candidates: int = 4
-    precision: float = 1e-6
+    precision: float = 2e-6
 
     def __post_init__(self) -> None:
         if self.samples < 1 or self.slack < 0 or self.candidates < 1 or not self.precision > 0:

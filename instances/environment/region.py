@@ -59,13 +59,18 @@ class Region:
 
     def minus(self, zones: list[Polygon]) -> Region:
         """Return the region without `zones` (no-fly zones); InputError where that leaves no single polygon."""
+        parts = self.parts_without(zones)
+        if len(parts) != 1:
+            raise InputError("region: the no-fly zones cut it into parts or leave nothing of it")
+        return parts[0]
+
+    def parts_without(self, zones: list[Polygon]) -> list[Region]:
+        """Return the parts that `zones` (no-fly zones) leave of the region; InputError for a zone that is not valid."""
         for zone in zones:
             if not zone.is_valid:
                 raise InputError(f"region: a no-fly zone is not valid: {explain_validity(zone)}")
         rest = self.polygon.difference(shapely.union_all(zones)) if zones else self.polygon
-        if not isinstance(rest, Polygon):
-            raise InputError("region: the no-fly zones cut it into parts or leave nothing of it")
-        return Region(rest)
+        return [Region(part) for part in shapely.get_parts(rest) if isinstance(part, Polygon) and part.area > 0]
 
     @property
     def area(self) -> float:

@@ -10,15 +10,22 @@ from instances.errors import InputError
 
 
 @click.command("check")
-@click.argument("target", metavar="INSTANCE|RUNS-DIR", type=click.Path(path_type=Path))
-@click.argument("routes_file", metavar="[ROUTES.sol]", required=False, type=click.Path(path_type=Path))
+@click.argument("target", metavar="INSTANCE|RUNS-DIR|NAME.paths.json.gz", type=click.Path(path_type=Path))
+@click.argument("routes_file", metavar="[ROUTES.sol|SCENARIO.toml]", required=False, type=click.Path(path_type=Path))
 @click.pass_context
 def command(context: click.Context, target: Path, routes_file: Path | None) -> None:
-    """Verify the routes of INSTANCE, or every run stored in RUNS-DIR. Exit code 1 where a problem is found."""
+    """Verify the routes of INSTANCE, or every run stored in RUNS-DIR. Exit code 1 where a problem is found.
+
+    Planned paths (NAME.paths.json.gz) are flown again in their scenario: length, wind, collisions.
+    """
     if target.is_dir():
         if routes_file is not None:
             raise InputError(f"{target}: is a folder of runs; routes are checked against an instance file")
         looked_at, problems = _check_store(target)
+    elif target.name.endswith(".paths.json.gz"):
+        from workbench.planning import check_plan
+
+        looked_at, problems = check_plan(target, routes_file)
     else:
         if routes_file is None:
             raise InputError(f"{target}: give the routes to check as well (ROUTES.sol), or a folder of runs")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from pathlib import Path
 
@@ -20,13 +19,12 @@ def command(scenario_file: Path, method: str, options: tuple[str, ...], out: Pat
 
     Writes the instance, and the paths beside it (NAME.paths.json.gz); prints how much the wind matters.
     """
-    from formulations.moving_cost.costing import instance_of, query_of
     from formulations.moving_cost.effect import WindEffect
     from formulations.moving_cost.registry import make_method
     from instances.errors import InputError
-    from instances.files import WRITERS, write_instance
-    from instances.paths import check_paths, paths_file, write_paths
+    from instances.files import WRITERS
     from instances.scenario import read_scenario
+    from workbench.planning import plan, write_plan
     from workbench.settings import key_values
 
     chosen = key_values(options, "--option")
@@ -38,15 +36,9 @@ def command(scenario_file: Path, method: str, options: tuple[str, ...], out: Pat
             raise InputError(f"{path}: there is no folder {path.parent}")
     scenario = read_scenario(scenario_file)
     began = time.perf_counter()
-    instance, paths = instance_of(scenario, method, chosen, _tell)
+    instance, paths = plan(scenario, method, chosen, _tell)
     elapsed = time.perf_counter() - began
-    query = query_of(scenario)
-    potential = instance.provenance.get("node_potential")
-    faults = check_paths(paths, instance.cost, query.terminals, query.region, query.wind, query.v0, potential)
-    if faults:
-        raise RuntimeError("the independent check refutes the moving costs: " + " ".join(faults))
-    write_instance(instance, out)
-    write_paths(paths, instance, paths_file(out), os.path.relpath(scenario_file, out.parent))
+    write_plan(instance, paths, out, scenario_file)
     if plot:
         from reports.figures.paths import save_paths  # here: matplotlib takes its time
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -18,7 +19,11 @@ from instances.errors import InputError
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="A parameter of the family; repeatable.")
 @click.option("--out", type=click.Path(path_type=Path), default=Path(), show_default="this folder", help="Folder.")
 def command(family: str, tasks: int, depots: int, count: int, seed: int, settings: tuple[str, ...], out: Path) -> None:
-    """Make instances of FAMILY, one file each, and print their paths (workbench families lists families)."""
+    """Make instances of FAMILY, one file each, and print their paths (workbench families lists families).
+
+    A family of missions in wind has its moving costs planned; its scenario and paths lie beside the instance.
+    """
+    from instances.families import MISSIONS
     from instances.files import write_instance
     from workbench.making import make_instance
     from workbench.settings import key_values
@@ -27,11 +32,29 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
         raise InputError(f"--count: must be at least 1, got {count}")
     parameters = key_values(settings, "--set")
     for number in range(seed, seed + count):
+        if family in MISSIONS:
+            click.echo(str(_make_mission(out, family, tasks, depots, number, parameters)))
+            continue
         instance = make_instance(family, tasks, depots, number, parameters)
         _make_folder(out)
         path = out / f"{instance.name}.json"
         write_instance(instance, path)
         click.echo(str(path))
+
+
+def _make_mission(out: Path, family: str, tasks: int, depots: int, seed: int, parameters: dict[str, Any]) -> Path:
+    """Write a mission's scenario, its instance and the paths behind its costs; return the instance's file."""
+    from instances.families import make_scenario
+    from instances.scenario import write_scenario
+    from workbench.planning import plan, write_plan
+
+    scenario = make_scenario(family, tasks, depots, seed, **parameters)
+    instance, paths = plan(scenario)
+    _make_folder(out)
+    path = out / f"{instance.name}.json"
+    write_scenario(scenario, path.with_suffix(".toml"))
+    write_plan(instance, paths, path, path.with_suffix(".toml"))
+    return path
 
 
 def _make_folder(folder: Path) -> None:

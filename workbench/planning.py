@@ -1,0 +1,61 @@
+"""Plan the moving costs of a scenario, have them confirmed, write them; and confirm written ones."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from formulations.moving_cost.costing import instance_of, query_of
+from formulations.moving_cost.registry import DEFAULT
+from instances import Instance
+from instances.errors import InputError
+from instances.files import read_instance, write_instance
+from instances.paths import ENDING, Paths, check_paths, paths_file, paths_of, read_paths_table, write_paths
+from instances.scenario import Scenario, read_scenario
+
+
+def plan(
+    scenario: Scenario,
+    method: str = DEFAULT,
+    options: dict[str, Any] | None = None,
+    progress: Callable[[float, str], None] = lambda fraction, words: None,
+) -> tuple[Instance, Paths]:
+    """Return the instance `scenario` becomes and its paths, re-evaluated independently; RuntimeError where refuted."""
+    instance, paths = instance_of(scenario, method, options, progress)
+    faults = refute(instance, paths, scenario)
+    if faults:
+        raise RuntimeError("the independent check refutes the moving costs: " + " ".join(faults))
+    return instance, paths
+
+
+def refute(instance: Instance, paths: Paths, scenario: Scenario) -> list[str]:
+    """Return what is wrong with the moving costs of `instance` and the paths behind them, a sentence each."""
+    query = query_of(scenario)
+    shift = instance.provenance.get("node_potential")
+    potential = None if shift is None else np.array(shift, dtype=float)
+    return check_paths(paths, instance.cost, query.terminals, query.region, query.wind, query.v0, potential)
+
+
+def write_plan(instance: Instance, paths: Paths, out: Path, scenario_file: Path) -> None:
+    """Write the instance to `out` and its paths beside it."""
+    write_instance(instance, out)
+    write_paths(paths, instance, paths_file(out), os.path.relpath(scenario_file, out.parent))
+
+
+def check_plan(target: Path, scenario_file: Path | None) -> tuple[str, list[str]]:
+    """Check a file of paths against the instance beside it and the scenario it names; what was seen, and problems."""
+    table = read_paths_table(target)
+    stem = target.name.removesuffix(ENDING)
+    beside = [target.with_name(stem + ending) for ending in (".json", ".json.gz", ".atsp")]
+    found = [path for path in beside if path.exists()]
+    if not found:
+        raise InputError(f"{target}: there is no instance {beside[0].name} beside it")
+    instance = read_instance(found[0])
+    paths = paths_of(table, instance, target)
+    scenario = read_scenario(scenario_file or target.parent / str(table.get("scenario", "")))
+    count = paths.n_nodes * (paths.n_nodes - 1)
+    return f"{count} paths of {instance.name}", [f"{target}: {fault}" for fault in refute(instance, paths, scenario)]

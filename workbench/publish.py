@@ -19,12 +19,13 @@ from reports.tables import SUMMARY_COLUMNS, cells, shown, write_csv
 def publish(folder: Path) -> list[str]:
     """Print the summary per solver on stdout, write ``results.csv`` and ``report.html`` in `folder`.
 
-    Return what could not be read in the store, a sentence each.
+    Return what could not be read in the store and what contradicts itself there, a sentence each.
     """
     report = write_report([folder], folder / "report.html")
     write_csv(report.runs, folder / "results.csv")
     print_summary(report.runs)
-    return report.warnings
+    false = report.contradictions[["instance", "method", "seed", "sentence"]].itertuples(index=False)
+    return [*report.warnings, *(f"{instance} {method} seed {seed}: {told}" for instance, method, seed, told in false)]
 
 
 def print_summary(runs: pd.DataFrame) -> None:

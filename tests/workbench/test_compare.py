@@ -170,6 +170,12 @@ def test_flags_take_the_place_of_what_the_study_says(cli, study):
     assert all("/greedy-" in name for name in out.splitlines()[:-1])
 
 
+def test_a_false_claim_is_told_at_the_end(cli, instance_file):
+    code, _, err = cli("compare", instance_file, "--solvers", "misbehaving:LiesAboutCost,greedy", "--out", "runs")
+    assert code == 1
+    assert "misbehaving:LiesAboutCost" in err.splitlines()[-1]
+
+
 def test_too_many_threads_are_warned_of(cli, instance_file):
     args = ["compare", instance_file, "--solvers", "misbehaving:Honest", "--threads", 64, "--dry-run"]
     assert "64 threads each" in cli(*args)[2]

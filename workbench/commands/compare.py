@@ -47,7 +47,7 @@ def command(
     """Run a study and report on it: STUDY.toml, the name of a shipped study, or INSTANCES with --solvers.
 
     Without arguments the shipped study `quick`. What is already stored is not run again. Exit code 1 where files in
-    the folder are damaged.
+    the folder are damaged or a claim in it is false.
     """
     from workbench.machine import available_cores
 
@@ -86,7 +86,7 @@ def _placement_study(targets: tuple[str, ...]) -> Path | None:
 
 
 def _publish(folder: Path) -> list[str]:
-    """Write results.csv and report.html in `folder`; return what could not be read there."""
+    """Write results.csv and report.html in `folder`; return what is damaged or contradicts itself there."""
     from workbench.publish import publish  # here: pandas and matplotlib are not needed while solvers run
 
     problems = publish(folder)

@@ -18,7 +18,16 @@ from reports.tables import SUMMARY_COLUMNS, Column, shown
 MOST_CHANGES = 40
 """Changed instances listed at most."""
 
-BEST_IS_LEAST = {"gap_known", "gap_found", "gap_bound", "time", "proof_time", "target_time", "primal_integral"}
+BEST_IS_LEAST = {
+    "gap_known",
+    "gap_found",
+    "gap_bound",
+    "time",
+    "proof_time",
+    "target_time",
+    "primal_integral",
+    "primal_dual_integral",
+}
 BEST_IS_MOST = {"solved", "proved", "certified"}
 
 
@@ -165,7 +174,7 @@ def against_section(comparison: Comparison) -> dict[str, Any]:
 
 def environment_section(runs: pd.DataFrame, stores: Stores) -> list[dict[str, Any]]:
     """Return limits and, for each machine the runs were made on, what it is and the versions."""
-    limits = ", ".join(f"{limit:g} s" for limit in sorted(runs["time_limit"].dropna().unique()))
+    limits = _limits(runs)
     threads = ", ".join(f"{count:g}" for count in sorted(runs["threads"].dropna().unique()))
     when = [text[:16].replace("T", " ") for text in (runs["created"].min(), runs["created"].max()) if text]
     rows = [("Time limit of a run", limits), ("Threads of a run", threads)]
@@ -180,6 +189,14 @@ def environment_section(runs: pd.DataFrame, stores: Stores) -> list[dict[str, An
             {"title": title, "rows": found or [("Machine", f"not stated in the store ({str(digest) or 'no digest'})")]}
         )
     return parts
+
+
+def _limits(runs: pd.DataFrame) -> str:
+    """Return the time limits, with the methods of each where there are several."""
+    groups = [(limit, sorted(of["method"].unique())) for limit, of in runs.groupby("time_limit", sort=True)]
+    if len(groups) == 1:
+        return f"{float(str(groups[0][0])):g} s"
+    return "; ".join(f"{float(str(limit)):g} s: {', '.join(methods)}" for limit, methods in groups)
 
 
 def _items(part: Any) -> list[tuple[Any, Any]]:

@@ -46,8 +46,15 @@ def significance(runs: pd.DataFrame) -> Significance:
 
 def _measure(section: Significance, runs: pd.DataFrame, measure: str, key: str, about: str) -> None:
     table = blocks(runs, measure)
-    test = friedman(table)
-    complete = int(table.notna().all(axis=1).sum())
+    rare = table.notna().mean() < 0.5
+    if rare.any():
+        section.lines.append(
+            f"Left out of the ranks by {about}, having run on fewer than half of the instances: "
+            f"{', '.join(map(str, table.columns[rare]))}."
+        )
+    often = table.loc[:, ~rare]
+    test = friedman(often)
+    complete = int(often.notna().all(axis=1).sum())
     if test is not None:
         section.figures.append(critical_difference_diagram(test, styles(runs["method"]), f"ranks-{key}", about))
         if test.p >= ALPHA:
@@ -57,10 +64,10 @@ def _measure(section: Significance, runs: pd.DataFrame, measure: str, key: str, 
             )
         if complete < 10:
             section.lines.append(
-                f"The ranks by {about} rest on {complete} instances that every method ran on; below about ten, "
-                "Friedman's test and the critical difference are rough (Demšar 2006)."
+                f"The ranks by {about} rest on {complete} instances that every ranked method ran on; below about "
+                "ten, Friedman's test and the critical difference are rough (Demšar 2006)."
             )
-    elif table.shape[1] > 2:
+    elif often.shape[1] > 2:
         section.lines.append(f"Too few instances ({complete}) that every method ran on to rank methods by {about}.")
     kept = table.rank(axis=1).mean().sort_values(kind="stable").index[:MOST_METHODS]
     if len(kept) < table.shape[1]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ COLUMNS: dict[str, str] = {
     "asymmetry": "mean |c_ij - c_ji| / (c_ij + c_ji), dimensionless",
     "best_known": "best known value [s] stored with the instance",
     "solver": "registered name of the solver",
-    "method": "solver, its options where not default, and the time limit where it has several on one instance",
+    "method": "name in tables and figures: the label, cut short where long, and the limit where it has several",
     "label": "solver and its options where not default",
     "options": "options as JSON",
     "proves": "whether the method can prove optimality",
@@ -64,6 +64,8 @@ COLUMNS: dict[str, str] = {
 """Columns of the frame, in order, each with what it holds."""
 
 _IDENTITY = ["digest", "solver", "options", "seed", "time_limit", "threads", "iterations"]
+LONGEST_LABEL = 36
+"""Longer names of methods do not fit into legends."""
 RELATIVE_ROUNDING = 1e-9
 """Two costs that differ by less than this share differ by floating-point rounding only."""
 
@@ -188,6 +190,22 @@ def _recomputed(run: dict[str, Any], instance: Instance | None) -> dict[str, Any
     return {"value": cost if right else math.nan, "recomputed": cost, "fault": "", "tour_costs": costs}
 
 
+def short_labels(labels: Iterable[str]) -> dict[str, str]:
+    """Return for each label a name of at most about `LONGEST_LABEL` characters, different ones for different labels.
+
+    "milp (a=1, b=2, c=3)" becomes "milp (a=1, 2 more)"; where that is not unique, a number is added.
+    """
+    named: dict[str, str] = {}
+    for label in sorted(labels):
+        short = label
+        if len(label) > LONGEST_LABEL:
+            first, *others = label.split(", ")
+            short = f"{first}, {len(others)} more)" if others else f"{label[: LONGEST_LABEL - 1]}…"
+        taken = sum(used == short or used.startswith(f"{short} #") for used in named.values())
+        named[label] = f"{short} #{taken + 1}" if taken else short
+    return named
+
+
 def _frame(rows: list[dict[str, Any]], warnings: list[str]) -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=list(COLUMNS))
     if frame.empty:
@@ -205,6 +223,6 @@ def _frame(rows: list[dict[str, Any]], warnings: list[str]) -> pd.DataFrame:
     limits = (
         frame.groupby(["digest", "label"])["time_limit"].transform("nunique").groupby(frame["label"]).transform("max")
     )
-    limited = frame["label"] + " @ " + frame["time_limit"].map("{:g} s".format)
-    frame["method"] = frame["label"].where(limits <= 1, limited)
+    name = frame["label"].map(short_labels(frame["label"].unique()))
+    frame["method"] = name.where(limits <= 1, name + " @ " + frame["time_limit"].map("{:g} s".format))
     return frame

@@ -64,6 +64,12 @@ SUMMARY_COLUMNS = [
         numbers.ratio,
         "mean over runs of the integral of the gap over the time limit, as a share of it: 0 perfect at once, 1 nothing",
     ),
+    Column(
+        "primal_dual_integral",
+        "Primal-dual integral",
+        numbers.ratio,
+        "the same of the gap between a run's own routes and bound, for methods that give bounds",
+    ),
     Column("memory", "Peak memory", numbers.memory, "greatest of a run's process"),
     Column("failed", "Failed", numbers.count, "runs that were killed or ended in error"),
 ]

@@ -20,6 +20,9 @@ CERTIFIED = 0.01
 GROUPINGS = {"family": "Family", "n_tasks": "Tasks n", "n_depots": "UAVs m", "asymmetry": "Cost asymmetry"}
 """What scores are split by → its heading."""
 
+MOST_SIZES = 10
+"""Up to so many values of n are shown one by one."""
+
 _TASK_BANDS = [0, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]
 _ASYMMETRY_BANDS = [0.0, 0.02, 0.05, 0.10, 0.20]
 
@@ -30,8 +33,8 @@ def summary(runs: pd.DataFrame) -> pd.DataFrame:
     runs, instances, seeds: how many; solved, proved: shares of runs; failed: runs KILLED or in ERROR; certified: share
     of runs whose routes any run's bound proves within `CERTIFIED`; gap_known, gap_found, gap_bound: means over solved
     runs; time: shifted geometric mean [s] of the solve, proof_time: until the proof, target_time: until within 1 % of
-    the best, each with a penalty for runs that failed; primal_integral: mean share of the limit, 0 to 1; memory:
-    greatest [bytes].
+    the best, each with a penalty for runs that failed; primal_integral, primal_dual_integral: mean shares of the limit,
+    0 to 1, the latter where there are bounds; memory: greatest [bytes].
     """
     return scores(runs, [])
 
@@ -52,8 +55,10 @@ def scores(runs: pd.DataFrame, by: list[str]) -> pd.DataFrame:
 
 
 def banded(runs: pd.DataFrame) -> pd.DataFrame:
-    """Return `runs` with n and the asymmetry as bands ("11-20", "5-10 %"), for `scores` by them."""
-    n = pd.cut(runs["n_tasks"].astype(float), [*_TASK_BANDS, np.inf], labels=_task_labels())
+    """Return `runs` with the asymmetry and, where it has many values, n as bands ("11-20", "5-10 %"), for `scores`."""
+    n = runs["n_tasks"]
+    if n.nunique() > MOST_SIZES:
+        n = pd.cut(n.astype(float), [*_TASK_BANDS, np.inf], labels=_task_labels())
     edges = [-np.inf, *_ASYMMETRY_BANDS, np.inf]
     labels = ["0 (symmetric)", *[f"{100 * a:g}-{100 * b:g} %" for a, b in _pairs(_ASYMMETRY_BANDS)]]
     labels.append(f"over {100 * _ASYMMETRY_BANDS[-1]:g} %")
@@ -92,6 +97,7 @@ def _measured(runs: pd.DataFrame) -> pd.DataFrame:
         _proof=penalised(time_to_proof(known), limits),
         _target=penalised(time_to_target(known, [0.01])[0.01], limits),
         _primal=known["primal_integral"] / limits,
+        _dual=known["primal_dual_integral"] / limits,
     )
 
 
@@ -111,6 +117,7 @@ def _score(group: pd.DataFrame) -> dict[str, Any]:
         "proof_time": shifted_geometric_mean(group["_proof"]) if group["proves"].any() else np.nan,
         "target_time": shifted_geometric_mean(group["_target"]),
         "primal_integral": group["_primal"].mean(),
+        "primal_dual_integral": group["_dual"].mean() if group["bound"].notna().any() else np.nan,
         "memory": group["peak_memory"].max(),
     }
 

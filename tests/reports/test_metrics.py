@@ -138,7 +138,8 @@ def test_summary_by_hand(runs):
 
 
 def test_scores_by_group_keep_the_order_of_bands(make_store):
-    runs = load(make_store().study(sizes=((8, 2), (12, 3), (105, 4)), count=2, seeds=2, efforts={"greedy": 1, "ga": 3}))
+    sizes = [(n, 2) for n in (*range(4, 14), 105)]
+    runs = load(make_store().study(sizes=sizes, count=2, seeds=1, efforts={"greedy": 1, "ga": 3}))
     table = scores(banded(runs), ["n_tasks"])
     assert list(dict.fromkeys(table.index.get_level_values(0))) == ["1-10", "11-20", "101-200"]
     assert table.loc[("1-10", "milp"), "proved"] == 1.0
@@ -146,6 +147,8 @@ def test_scores_by_group_keep_the_order_of_bands(make_store):
     bands = set(banded(runs)["asymmetry"])
     assert "0 (symmetric)" in bands
     assert len(bands) > 1
+    few = banded(runs[runs["n_tasks"] < 10])
+    assert set(few["n_tasks"]) == {4, 5, 6, 7, 8, 9}
 
 
 def test_virtual_best_and_contributions(runs):

@@ -9,7 +9,7 @@ import pytest
 from instances import InputError, makespan
 from instances.files import read_instance
 from reports import load
-from reports.stores import COLUMNS, read_stores
+from reports.stores import COLUMNS, read_stores, short_labels
 
 
 def test_a_row_a_run_with_recomputed_value(make_store):
@@ -93,3 +93,20 @@ def test_import_is_cheap():
 
     code = "import sys, reports; sys.exit(any(m in sys.modules for m in ('pandas', 'numpy', 'matplotlib')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_long_labels_become_short_and_stay_different():
+    labels = [
+        "milp",
+        "milp (symmetry=false)",
+        "milp (depot_linked=false, hint=false, reach=false)",
+        "milp (depot_linked=false, hint=false, symmetry=false)",
+        "x" * 60,
+    ]
+    names = short_labels(labels)
+    assert names["milp"] == "milp"
+    assert names[labels[1]] == labels[1]
+    assert names[labels[2]] == "milp (depot_linked=false, 2 more)"
+    assert names[labels[3]] == "milp (depot_linked=false, 2 more) #2"
+    assert len(set(names.values())) == len(labels)
+    assert max(map(len, names.values())) <= 40

@@ -1,0 +1,182 @@
+"""Measure task placement against its bars, side by side in one run: python tests/benchmarks/placement.py [--quick].
+
+Setting: 20 km square, test points at cell centres, σ_f = 30, l = 4 km, σ_n = 1. Times are CPU seconds of this process
+after import; run with OMP_NUM_THREADS=1. --quick leaves out the literal Nelder–Mead and does 4 of 20 regions.
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+import time
+from collections.abc import Callable
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon
+
+from formulations.kernel import SquaredExponential
+from formulations.task_location.certificate import certificate
+from formulations.task_location.criterion import Convention, Criterion
+from formulations.task_location.discrete_certificate import discrete_certificate
+from formulations.task_location.log_det_relaxation import log_det_relaxation
+from formulations.task_location.placement import Placement, PlacementProblem, lattice, place
+from formulations.task_location.registry import METHODS, make_method
+from instances.environment.region import Region
+
+SQUARE = Region.rectangle(20_000, 20_000)
+KERNEL = SquaredExponential(30.0, (4000.0, 4000.0))
+
+
+def timed(work: Callable[[], Placement]) -> tuple[Placement, float]:
+    """Return what `work` gives and its CPU seconds."""
+    began = time.process_time()
+    result = work()
+    return result, time.process_time() - began
+
+
+def fresh(n: int, name: str, seed: int = 0, **options: object) -> Placement:
+    """Place n tasks in the square from nothing: test points, eigenvectors and all."""
+    problem = PlacementProblem(SQUARE, Criterion(KERNEL, SQUARE.cell_centres(20, 20)), n)
+    return place(problem, make_method(name, options), name, seed=seed)
+
+
+def say(what: str, measured: str, bar: str, kept: bool) -> bool:
+    """Print one line: what was measured, its bar, and whether it is kept."""
+    print(f"{'ok  ' if kept else 'MISS'}  {what:58s} {measured:>34s}   bar: {bar}", flush=True)
+    return kept
+
+
+def nlp_bars() -> list[bool]:
+    """n = 40: at least 105.0 nats in at most 1 s, over ten seeds."""
+    fresh(40, "nlp")
+    results = [timed(lambda seed=seed: fresh(40, "nlp", seed)) for seed in range(10)]
+    least = min(placement.mutual_information for placement, _ in results)
+    most, middle = max(cpu for _, cpu in results), float(np.median([cpu for _, cpu in results]))
+    return [
+        say("nlp, n = 40, (b), worst of 10 seeds", f"{least:.4f} nats", ">= 105.0 nats", least >= 105.0),
+        say("nlp, n = 40, CPU, median (largest) of 10 seeds", f"{middle:.2f} ({most:.2f}) s", "<= 1 s", most <= 1.0),
+    ]
+
+
+def nelder_mead_bars() -> list[bool]:
+    """n = 10: 200 times faster than the literal Nelder–Mead and never worse."""
+    fresh(10, "nlp")
+    pairs = []
+    for seed in range(5):
+        nlp, quick = timed(lambda seed=seed: fresh(10, "nlp", seed))
+        literal, slow = timed(lambda seed=seed: fresh(10, "nelder-mead", seed, form="literal"))
+        reduced, between = timed(lambda seed=seed: fresh(10, "nelder-mead", seed))
+        pairs.append(
+            (nlp.mutual_information, quick, literal.mutual_information, slow, reduced.mutual_information, between)
+        )
+    values = np.array(pairs)
+    ratio, reduced_ratio = float(np.median(values[:, 3] / values[:, 1])), float(np.median(values[:, 5] / values[:, 1]))
+    worst = float((values[:, 0] - np.maximum(values[:, 2], values[:, 4])).min())
+    return [
+        say(
+            "literal Nelder-Mead / nlp, CPU, n = 10, median of 5 seeds",
+            f"{np.median(values[:, 3]):.1f} s / {np.median(values[:, 1]):.3f} s = {ratio:.0f}x",
+            ">= 200x",
+            ratio >= 200,
+        ),
+        say("n x n Nelder-Mead / nlp, CPU, for comparison", f"{reduced_ratio:.1f}x", "none", True),
+        say("nlp minus best Nelder-Mead of either form, worst seed", f"{worst:+.4f} nats", ">= 0", worst >= 0),
+    ]
+
+
+def random_region(seed: int) -> Region:
+    """Return a non-convex polygon with a hole where one fits, about 20 km across."""
+    rng = np.random.default_rng(seed)
+    while True:
+        angles = np.sort(rng.uniform(0, 2 * np.pi, 11))
+        radii = rng.uniform(3500, 11_000, 11)
+        outline = Polygon(np.c_[radii * np.cos(angles), radii * np.sin(angles)] + 11_000)
+        hole = shapely.Point(outline.representative_point()).buffer(rng.uniform(500, 1500), quad_segs=3)
+        if outline.is_valid and outline.area > 8e7 and outline.area < 0.9 * outline.convex_hull.area:
+            return Region(outline.difference(hole) if outline.buffer(-200).contains(hole) else outline)
+
+
+def region_bars(count: int) -> list[bool]:
+    """On random non-convex regions, nlp within 0.1 % of the best of all methods."""
+    gaps, best_of = [], dict.fromkeys(METHODS, 0)
+    for seed in range(count):
+        region = random_region(seed)
+        problem = PlacementProblem(region, Criterion(KERNEL, region.cell_centres(20, 20)), 15)
+        found = {name: place(problem, make_method(name), name, seed=seed).mutual_information for name in METHODS}
+        best = max(found.values())
+        best_of[max(found, key=lambda name: found[name])] += 1
+        gaps.append(1 - found["nlp"] / best)
+    print(f"      best method by region: { {name: wins for name, wins in best_of.items() if wins} }")
+    worst = max(gaps)
+    return [
+        say(
+            f"nlp, gap to the best of all on {count} regions, n = 15",
+            f"{worst:.4%} at worst",
+            "<= 0.1 %",
+            worst <= 1e-3,
+        )
+    ]
+
+
+def certificate_bars() -> list[bool]:
+    """IG bound against the best IG found, n = 20 and 40, its time; brute force; (b) discrete at n = 40."""
+    bars = []
+    gain = Criterion(KERNEL, SQUARE.cell_centres(20, 20), convention=Convention.INFORMATION_GAIN)
+    for n, least in ((20, 0.993), (40, 0.985)):
+        best = max(
+            place(PlacementProblem(SQUARE, gain, n), make_method("nlp"), "nlp", seed=seed).information["ig"]
+            for seed in range(3)
+        )
+        began = time.process_time()
+        bound = certificate(gain, SQUARE, n).bound
+        cpu = time.process_time() - began
+        bars.append(
+            say(f"IG, n = {n}: best found / certificate", f"{best:.3f} / {bound:.3f} = {best / bound:.2%}",
+                f">= {least:.1%}", least <= best / bound <= 1)
+        )  # fmt: skip
+        bars.append(say(f"IG, n = {n}: certificate, CPU", f"{cpu:.2f} s", "<= 2 s", cpu <= 2))
+    return bars + _brute_force_bars() + _discrete_bars()
+
+
+def _brute_force_bars() -> list[bool]:
+    """4 × 4 candidates, l = 8 km: no bound lies under the brute-forced best."""
+    bars = []
+    long = Criterion(SquaredExponential(30.0, (8000.0, 8000.0)), SQUARE.cell_centres(20, 20))
+    gain, sites = long.under(Convention.INFORMATION_GAIN), lattice(SQUARE, 4)
+    for n in (4, 6):
+        best = max(gain.value(sites[list(s)]) for s in itertools.combinations(range(16), n))
+        bounds = {
+            "continuous": certificate(gain, SQUARE, n).bound,
+            "discrete": discrete_certificate(gain, sites, n).bound,
+            "log det": log_det_relaxation(gain, sites, n)[0],
+        }
+        words = ", ".join(f"{name} {bound:.4f}" for name, bound in bounds.items())
+        bars.append(say(f"brute force, n = {n}: {best:.4f}", words, "none below", min(bounds.values()) >= best))
+    return bars
+
+
+def _discrete_bars() -> list[bool]:
+    problem = PlacementProblem(SQUARE, Criterion(KERNEL, SQUARE.cell_centres(20, 20)), 40, candidates_per_axis=21)
+    best = place(problem, make_method("greedy-swap"), "greedy-swap").mutual_information
+    began = time.process_time()
+    bound = discrete_certificate(problem.criterion, problem.candidates, 40).bound
+    cpu = time.process_time() - began
+    words = f"{best:.3f} / {bound:.3f} = {best / bound:.2%} ({cpu:.1f} s)"
+    return [
+        say("(b), 21 x 21 sites, n = 40: greedy-swap / discrete bound", words, ">= 95 %", 0.95 <= best / bound <= 1)
+    ]
+
+
+def main() -> None:
+    """Measure everything; exit code 1 where a bar is missed."""
+    quick = "--quick" in sys.argv[1:]
+    for name in METHODS:
+        place(PlacementProblem(SQUARE, Criterion(KERNEL, SQUARE.cell_centres(3, 3)), 1), make_method(name), name)
+    kept = [*nlp_bars(), *([] if quick else nelder_mead_bars()), *region_bars(4 if quick else 20), *certificate_bars()]
+    print(f"{sum(kept)} of {len(kept)} bars kept")
+    sys.exit(0 if all(kept) else 1)
+
+
+if __name__ == "__main__":
+    main()

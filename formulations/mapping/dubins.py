@@ -113,6 +113,30 @@ def advance(x: float, y: float, h: float, turn: int, length: float, radius: floa
 
 
 @njit(cache=True)
+def poses_along(
+    starts: NDArray[np.float64],
+    turns: NDArray[np.int8],
+    segments: NDArray[np.float64],
+    travelled: NDArray[np.float64],
+    radius: float,
+    poses: NDArray[np.float64],
+) -> None:
+    """Write into `poses` (k, 3) the pose after `travelled[i]` metres of path i.
+
+    starts : poses (k, 3); turns and segments [m] of the three segments of each path, shape (k, 3).
+    """
+    for i in range(len(travelled)):
+        x, y, h = starts[i, 0], starts[i, 1], starts[i, 2]
+        left = travelled[i]
+        for part in range(3):
+            x, y, h = advance(x, y, h, turns[i, part], min(left, segments[i, part]), radius)
+            left -= segments[i, part]
+            if left <= 0.0:
+                break
+        poses[i, 0], poses[i, 1], poses[i, 2] = x, y, h
+
+
+@njit(cache=True)
 def heading_costs(points: NDArray[np.float64], headings: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     """Return Dubins lengths [m] of each leg of a closed tour for all heading pairs, shape (w, H, H).
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from formulations.mapping import dubins
@@ -23,8 +24,8 @@ Array = NDArray[np.float64]
 HEADINGS = 16
 """Candidate headings a waypoint: 16 add 0.3 % to a tour's Euclidean length at r_min = 50 m, more hardly help."""
 
-SPACING_RADII = 12.0
-"""Least distance between waypoints on the reference path, in turning radii: nearer ones make Dubins paths loop."""
+STRAY_RADII = 0.2
+"""Waypoints inside a leg keep to the reference path within this many turning radii (Douglas & Peucker 1973)."""
 
 
 @dataclass(frozen=True)
@@ -60,18 +61,13 @@ class Flight:
         Distances beyond the tour's length are its end.
         """
         s = np.clip(np.asarray(travelled, dtype=float).reshape(-1), 0.0, self.length)
-        poses = np.empty((len(s), 3))
         ends = np.cumsum(self.segments.sum(axis=1))
         legs = np.minimum(np.searchsorted(ends, s, side="right"), len(ends) - 1)
-        for i, (leg, total) in enumerate(zip(legs, s, strict=True)):
-            x, y, h = self.starts[leg]
-            left = total - (ends[leg] - self.segments[leg].sum())
-            for turn, length in zip(dubins.TURNS[self.words[leg]], self.segments[leg], strict=True):
-                x, y, h = dubins.advance(x, y, h, int(turn), min(left, length), self.radius)
-                left -= length
-                if left <= 0.0:
-                    break
-            poses[i] = x, y, h
+        into = s - (ends[legs] - self.segments[legs].sum(axis=1))
+        poses = np.empty((len(s), 3))
+        dubins.poses_along(
+            self.starts[legs], dubins.TURNS[self.words[legs]], self.segments[legs], into, self.radius, poses
+        )
         return poses
 
     def measurements(self, period: float) -> tuple[Array, Array]:
@@ -115,7 +111,7 @@ def plan_flight(legs: list[Array], *, speed: float = 100.0, radius: float = 50.0
         raise InputError(f"speed and turning radius must be positive, got {speed} m/s and {radius} m")
     if not legs:
         return Flight(np.empty((0, 3)), np.empty(0, dtype=np.int64), np.empty((0, 3)), radius, speed)
-    waypoints, tangents = reference_waypoints(legs, SPACING_RADII * radius)
+    waypoints, tangents = reference_waypoints(legs, STRAY_RADII * radius)
     offsets = np.arange(HEADINGS) * (2 * np.pi / HEADINGS)
     headings = tangents[:, None] + offsets[None, :]
     _, choice = dubins.closed_programme(dubins.heading_costs(waypoints, headings, radius))
@@ -130,21 +126,18 @@ def _legs(starts: Array) -> list[tuple[Array, Array]]:
     return list(zip(starts, np.roll(starts, -1, axis=0), strict=True))
 
 
-def reference_waypoints(legs: list[Array], spacing: float) -> tuple[Array, Array]:
+def reference_waypoints(legs: list[Array], stray: float) -> tuple[Array, Array]:
     """Return waypoints [m] on the closed reference path, shape (w, 2), and their tangents [rad], shape (w,).
 
-    Every leg's start (depot or task) is one; within a leg, points at equal distances of at least `spacing`.
-    Coincident tasks are one waypoint. The tangent is along the chord between the neighbours.
+    Every leg's start (depot or task) is one; within a leg, as few points of the path as keep the straight lines
+    between them within `stray` [m] of it. Coincident tasks are one waypoint. The tangent is along the chord between
+    the neighbours.
     """
-    points: list[Array] = []
-    for leg in legs:
-        steps = np.hypot(*np.diff(leg, axis=0).T)
-        travelled = np.concatenate([[0.0], np.cumsum(steps)])
-        if travelled[-1] <= 0.0:
-            continue
-        parts = max(1, int(travelled[-1] / spacing))
-        at = np.arange(parts) * (travelled[-1] / parts)
-        points.append(np.column_stack([np.interp(at, travelled, leg[:, axis]) for axis in (0, 1)]))
+    points = [
+        shapely.get_coordinates(shapely.simplify(shapely.linestrings(leg), stray))[:-1]
+        for leg in legs
+        if len(leg) > 1 and np.ptp(leg, axis=0).any()
+    ]
     waypoints = np.concatenate(points) if points else np.asarray(legs[0][:1], dtype=float)
     chord = np.roll(waypoints, -1, axis=0) - np.roll(waypoints, 1, axis=0)
     return waypoints, np.arctan2(chord[:, 1], chord[:, 0])

@@ -1,0 +1,99 @@
+"""Lawnmower tours: what a person would fly without a planner, the baseline of the mission.
+
+Parallel lanes of equal spacing, flown to and fro (boustrophedon), clipped to the region. Several UAVs share one such
+track: it is cut into as many stretches, and each UAV flies out to the start of its stretch, along it and back home.
+Cuts and who flies which stretch are chosen so that the longest closed tour is about least.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import linear_sum_assignment
+
+from instances.environment.region import Region
+
+Array = NDArray[np.float64]
+
+ROUNDS = 40
+"""Rounds of balancing the cuts."""
+
+
+def lanes(region: Region, count: int, along: int) -> Array:
+    """Return the track over `count` lanes as waypoints (k, 2) [m]; `along` is 0 for lanes west–east, 1 south–north.
+
+    The outer lanes lie half a spacing inside the region's bounding box.
+    """
+    low, high = np.array(region.bounds[:2]), np.array(region.bounds[2:])
+    across = 1 - along
+    spacing = (high[across] - low[across]) / count
+    track: list[Array] = []
+    for number in range(count):
+        at = low[across] + (number + 0.5) * spacing
+        ends = np.empty((2, 2))
+        ends[:, along] = low[along], high[along]
+        ends[:, across] = at
+        cut = shapely.intersection(region.polygon, shapely.LineString(ends))
+        points = np.array([c for part in shapely.get_parts(cut) for c in shapely.get_coordinates(part)])
+        if len(points):
+            # turns need room: lanes end half a spacing inside, where the lane is long enough
+            stop = _shortened(points[np.argsort(points[:, along])][[0, -1]], along, 0.5 * spacing)
+            track.append(stop if number % 2 == 0 else stop[::-1])
+    return np.concatenate(track)
+
+
+def _shortened(ends: Array, along: int, margin: float) -> Array:
+    room = 0.5 * (ends[1, along] - ends[0, along])
+    inner = ends.copy()
+    inner[0, along] += min(margin, 0.9 * room)
+    inner[1, along] -= min(margin, 0.9 * room)
+    return inner
+
+
+def lawnmower_tours(region: Region, depots: ArrayLike, count: int, along: int) -> list[Array]:
+    """Return each UAV's closed tour over its share of `count` lanes, waypoints (k, 2) [m] from depot to depot."""
+    homes = np.asarray(depots, dtype=float).reshape(-1, 2)
+    track = lanes(region, count, along)
+    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(track, axis=0).T))])
+    m = len(homes)
+    share = np.full(m, travelled[-1] / m)
+    best: tuple[float, list[Array]] = (np.inf, [])
+    for _ in range(ROUNDS):
+        cuts = np.concatenate([[0.0], np.cumsum(share)])
+        stretches = [_stretch(track, travelled, a, b) for a, b in itertools.pairwise(cuts)]
+        tours = _assigned(stretches, homes)
+        lengths = np.array([length_of(tour) for tour in tours])
+        if lengths.max() < best[0]:
+            best = float(lengths.max()), tours
+        # who is longer than the mean gives some of the stretch away
+        order = np.argsort([_place(tour, stretches) for tour in tours])
+        share = np.maximum(share - 0.5 * (lengths[order] - lengths.mean()), 1.0)
+        share *= travelled[-1] / share.sum()
+    return best[1]
+
+
+def length_of(tour: Array) -> float:
+    """Return the length [m] of a polyline (k, 2)."""
+    return float(np.hypot(*np.diff(tour, axis=0).T).sum())
+
+
+def _stretch(track: Array, travelled: Array, a: float, b: float) -> Array:
+    """Return the part of the track from `a` to `b` metres, shape (k, 2)."""
+    inner = track[(travelled > a) & (travelled < b)]
+    ends = np.array([[np.interp(s, travelled, track[:, axis]) for axis in (0, 1)] for s in (a, b)])
+    return np.concatenate([ends[:1], inner, ends[1:]])
+
+
+def _assigned(stretches: list[Array], homes: Array) -> list[Array]:
+    """Return closed tours, one a home, each over one stretch, of least total length."""
+    reach = np.array([[np.hypot(*(s[0] - h)) + np.hypot(*(s[-1] - h)) for s in stretches] for h in homes])
+    _, which = linear_sum_assignment(reach)
+    return [np.concatenate([h[None], stretches[k], h[None]]) for h, k in zip(homes, which, strict=True)]
+
+
+def _place(tour: Array, stretches: list[Array]) -> int:
+    """Return which stretch a tour flies."""
+    return next(k for k, s in enumerate(stretches) if len(s) == len(tour) - 2 and np.array_equal(s, tour[1:-1]))

@@ -1,0 +1,79 @@
+"""Gridded products as NetCDF-3 (classic) files with CF attributes, through scipy: they need no extra.
+
+Axes are one-dimensional coordinate variables in the order of a variable's dimensions, for example (time, y, x).
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.io import netcdf_file
+
+from instances.disk import read_bytes, write_aside
+from instances.errors import InputError
+
+Floats = NDArray[np.float64]
+
+AXES = {
+    "x": {"standard_name": "projection_x_coordinate", "units": "m"},
+    "y": {"standard_name": "projection_y_coordinate", "units": "m"},
+    "time": {"long_name": "time since take-off", "units": "s"},
+}
+"""Attributes of the known axes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """Values over named axes, and their unit and names as CF wants them."""
+
+    axes: tuple[str, ...]
+    values: Floats
+    attributes: Mapping[str, str] = field(default_factory=dict)
+
+
+def write_grids(path: Path | str, axes: Mapping[str, Floats], variables: Mapping[str, Variable]) -> None:
+    """Write `variables` over `axes`; values are kept as float64."""
+    buffer = io.BytesIO()
+    with netcdf_file(buffer, "w", mmap=False) as data:
+        setattr(data, "Conventions", "CF-1.8")  # noqa: B010 - a global attribute of the file
+        for name, values in axes.items():
+            data.createDimension(name, len(values))
+            _write(data, name, (name,), np.asarray(values), AXES.get(name, {}))
+        for name, variable in variables.items():
+            _write(data, name, variable.axes, variable.values, variable.attributes)
+        data.flush()
+        content = buffer.getvalue()
+    write_aside(path, content)
+
+
+def _write(data: netcdf_file, name: str, axes: tuple[str, ...], values: Floats, attributes: Mapping[str, str]) -> None:
+    made = data.createVariable(name, "d", axes)
+    made[:] = values
+    for key, text in attributes.items():
+        setattr(made, key, text)
+
+
+def read_grids(path: Path | str) -> tuple[dict[str, Floats], dict[str, Variable]]:
+    """Return the axes and the variables of a file that `write_grids` wrote; InputError where it cannot be read."""
+    try:
+        with netcdf_file(io.BytesIO(read_bytes(path)), "r", mmap=False) as data:
+            found = {
+                name: Variable(tuple(v.dimensions), np.array(v.data, dtype=np.float64), _attributes(v))
+                for name, v in data.variables.items()
+            }
+    except (TypeError, ValueError, KeyError, EOFError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: cannot be read as NetCDF-3 ({error})") from None
+    axes = {name: v.values for name, v in found.items() if v.axes == (name,)}
+    return axes, {name: v for name, v in found.items() if name not in axes}
+
+
+def _attributes(variable: object) -> dict[str, str]:
+    attributes = getattr(variable, "_attributes", {})
+    return {key: value.decode() if isinstance(value, bytes) else str(value) for key, value in attributes.items()}

@@ -1,0 +1,86 @@
+"""A mission's environment as a folder: scenario.toml with its gridded wind, the ground and the field, as NetCDF-3.
+
+Unlike a scenario file of its own, it can be written and read without the extra ``geo``.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from instances.disk import read_text, write_aside
+from instances.environment.radio import RadioMap
+from instances.environment.terrain import Terrain
+from instances.environment.wind_grid import Grid
+from instances.formats.netcdf import Floats, Variable, read_grids, write_grids
+from instances.scenario import Scenario, scenario_of, write_scenario
+from instances.toml_text import toml_text
+
+
+def keep_scenario(scenario: Scenario, folder: Path) -> None:
+    """Write ``scenario.toml`` into `folder`; a gridded wind goes beside it as ``wind.nc``."""
+    path = folder / "scenario.toml"
+    grid = scenario.wind if isinstance(scenario.wind, Grid) else None
+    write_scenario(scenario if grid is None else replace(scenario, wind=None), path)
+    if grid is not None:
+        x, y = _axes(grid.origin, grid.spacing, grid.u)
+        components = {
+            name: Variable(("y", "x"), values, {"units": "m s-1", "standard_name": standard})
+            for name, values, standard in (("u", grid.u, "x_wind"), ("v", grid.v, "y_wind"))
+        }
+        write_grids(folder / "wind.nc", {"x": x, "y": y}, components)
+        table = tomllib.loads(read_text(path))
+        write_aside(path, toml_text(table | {"wind": {"kind": "grid", "file": "wind.nc"}}))
+
+
+def kept_scenario(folder: Path) -> Scenario:
+    """Read what `keep_scenario` wrote."""
+    path = folder / "scenario.toml"
+    table = tomllib.loads(read_text(path))
+    if table.get("wind", {}).get("kind") != "grid":
+        return scenario_of(table, folder, path.stem)
+    file = table.pop("wind")["file"]
+    axes, values = read_grids(folder / file)
+    x, y = axes["x"], axes["y"]
+    spacing = (float(x[1] - x[0]), float(y[1] - y[0]))
+    grid = Grid((float(x[0]), float(y[0])), spacing, values["u"].values, values["v"].values, file)
+    return replace(scenario_of(table, folder, path.stem), wind=grid)
+
+
+def keep_terrain(terrain: Terrain, folder: Path) -> None:
+    """Write ``terrain.nc`` into `folder`."""
+    x, y = _axes(terrain.origin, terrain.spacing, terrain.height)
+    height = Variable(("y", "x"), terrain.height, {"units": "m", "standard_name": "surface_altitude"})
+    write_grids(folder / "terrain.nc", {"x": x, "y": y}, {"height": height})
+
+
+def kept_terrain(folder: Path) -> Terrain | None:
+    """Read what `keep_terrain` wrote; None where there is no terrain."""
+    if not (folder / "terrain.nc").exists():
+        return None
+    axes, values = read_grids(folder / "terrain.nc")
+    x, y = axes["x"], axes["y"]
+    return Terrain(
+        (float(x[0]), float(y[0])), (float(x[1] - x[0]), float(y[1] - y[0])), values["height"].values, "terrain.nc"
+    )
+
+
+def keep_field(field: RadioMap, folder: Path) -> None:
+    """Write ``field.nc`` into `folder`."""
+    values = Variable(("y", "x"), field.values, {"long_name": "field", "units": field.unit or "1"})
+    write_grids(folder / "field.nc", {"x": field.x, "y": field.y}, {"field": values})
+
+
+def kept_field(folder: Path) -> RadioMap:
+    """Read what `keep_field` wrote."""
+    axes, values = read_grids(folder / "field.nc")
+    return RadioMap(axes["x"], axes["y"], values["field"].values, values["field"].attributes["units"])
+
+
+def _axes(origin: tuple[float, float], spacing: tuple[float, float], values: Floats) -> tuple[Floats, Floats]:
+    rows, columns = values.shape
+    x = np.asarray(origin[0] + spacing[0] * np.arange(columns), dtype=np.float64)
+    return x, np.asarray(origin[1] + spacing[1] * np.arange(rows), dtype=np.float64)

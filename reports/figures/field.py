@@ -1,0 +1,72 @@
+"""The field that is measured, on the map: the paper's figure of radio signal strength, over contours of the ground."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from numpy.typing import NDArray
+
+from instances.environment.radio import RadioMap
+from instances.environment.region import Region
+from instances.environment.terrain import Terrain
+from reports.figures.style import INK, PAPER, new_figure
+from reports.figures.svg import Drawn
+from reports.figures.wind import KM, map_axes
+
+SIGNAL = "viridis"
+"""Colours of the field and its estimates: equal steps look equal, also in grey."""
+UNCERTAINTY = "Greys"
+"""Colours of uncertainty: dark where little is known, as in the paper."""
+
+
+def draw_field(field: RadioMap, region: Region, terrain: Terrain | None, source: tuple[float, float] | None) -> Drawn:
+    """Return the field over `region`, and beside it the ground it comes from where there is one."""
+    figure = new_figure(7.2 if terrain else 4.6, 3.5)
+    plots = figure.subplots(1, 2 if terrain else 1, sharey=True, squeeze=False)[0]
+    x0, x1, y0, y1 = _extent(field.x, field.y)
+    inside = region.contains(np.stack(np.meshgrid(field.x, field.y), axis=-1).reshape(-1, 2)).reshape(
+        field.values.shape
+    )
+    image = show(plots[0], np.where(inside, field.values, np.nan), (x0, x1, y0, y1))
+    figure.colorbar(image, ax=plots[0], label=f"field [{field.unit}]", shrink=0.85)
+    plots[0].set_title("what is measured")
+    if terrain is not None:
+        image = show(plots[1], terrain.height, _extent(*_nodes(terrain)), "bone")
+        figure.colorbar(image, ax=plots[1], label="ground [m]", shrink=0.85)
+        plots[1].set_title("the ground below")
+    for axes in plots:
+        map_axes(axes, region)
+        if source is not None:
+            axes.scatter(*(np.array(source) / KM), marker="^", s=70, color=INK, edgecolors=PAPER, zorder=5)
+    if terrain is not None:
+        plots[1].set_ylabel("")
+    where = " The triangle is the transmitter." if source is not None else ""
+    ground = " Right: the ground; ridges cast the shadows." if terrain is not None else ""
+    return Drawn("field", "The field", f"The field the UAVs measure, at flight altitude.{where}{ground}", figure)
+
+
+def show(
+    axes: Axes,
+    values: NDArray[np.float64],
+    extent: tuple[float, float, float, float],
+    colours: str = SIGNAL,
+    low: float | None = None,
+    high: float | None = None,
+) -> ScalarMappable:
+    """Draw a raster (rows going north) on `axes`; extent is west, east, south, north [km]."""
+    return axes.imshow(
+        np.ma.masked_invalid(values), origin="lower", extent=extent, cmap=colours, vmin=low, vmax=high,
+        interpolation="nearest", zorder=0,
+    )  # fmt: skip
+
+
+def _nodes(terrain: Terrain) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    rows, columns = terrain.height.shape
+    x = np.asarray(terrain.origin[0] + terrain.spacing[0] * np.arange(columns), dtype=np.float64)
+    return x, np.asarray(terrain.origin[1] + terrain.spacing[1] * np.arange(rows), dtype=np.float64)
+
+
+def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float, float, float]:
+    dx, dy = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
+    return float(x[0] - dx) / KM, float(x[-1] + dx) / KM, float(y[0] - dy) / KM, float(y[-1] + dy) / KM

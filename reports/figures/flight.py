@@ -1,0 +1,113 @@
+"""Tours on the map: reference paths and what was flown, over the wind; and other ways to fly side by side."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import shapely
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from instances.environment.region import Region
+from instances.scenario import Scenario
+from reports.figures.style import COLOURS, INK, PAPER, new_figure
+from reports.figures.svg import Drawn
+from reports.figures.wind import KM, map_axes, wind_arrows
+
+Floats = NDArray[np.float64]
+
+
+def draw_flight(scenario: Scenario, tasks: Floats, reference: pd.DataFrame, flown: pd.DataFrame) -> Drawn:
+    """Return the paper's figure: depots, tasks, reference paths and flown paths over the wind; and a piece enlarged.
+
+    reference : columns uav, leg, x, y [m]; flown : uav, time, x, y.
+    """
+    figure = new_figure(7.2, 4.0)
+    whole, detail = figure.subplots(1, 2, width_ratios=[1.35, 1.0])
+    for axes in (whole, detail):
+        map_axes(axes, scenario.free)
+        _zones(axes, scenario)
+        if scenario.wind is not None:
+            wind_arrows(axes, scenario.wind, scenario.free)
+        for k, track in flown.groupby("uav"):
+            path = reference[reference["uav"] == k]
+            axes.plot(track["x"] / KM, track["y"] / KM, color=colour_of(int(str(k))), linewidth=1.6, zorder=3)
+            axes.plot(path["x"] / KM, path["y"] / KM, color=INK, linewidth=0.7, zorder=4)
+        axes.scatter(*(tasks.T / KM), s=14, color=COLOURS[0], edgecolors=PAPER, linewidths=0.5, zorder=5)
+        stars(axes, scenario.depots)
+    centre, half = _turn(reference, flown), 0.35
+    detail.set_xlim(centre[0] - half, centre[0] + half)
+    detail.set_ylim(centre[1] - half, centre[1] + half)
+    detail.set_title("a turn, enlarged")
+    detail.set_ylabel("")
+    return Drawn(
+        "flight",
+        "Reference paths and flown paths",
+        "Depots (stars), tasks (dots), the reference paths of the moving costs (thin, dark) and what is flown along "
+        "them at the minimum turning radius (one colour a UAV), over the wind (arrows). Right: where the two differ "
+        "most.",
+        figure,
+    )
+
+
+def draw_plans(region: Region, depots: Floats, tracks: pd.DataFrame, table: pd.DataFrame, unit: str) -> Drawn:
+    """Return a map a way to fly. tracks : name, draw, uav, x, y; table : name, draw, length, rmse."""
+    first = table[table["draw"] == 0]
+    columns = min(4, len(first))
+    rows = -(-len(first) // columns)
+    figure = new_figure(7.2, 2.35 * rows + 0.2)
+    plots = figure.subplots(rows, columns, sharey=True, sharex=True, squeeze=False)
+    for axes in plots.ravel()[len(first) :]:
+        axes.set_visible(False)
+    for axes, (_, row) in zip(plots.ravel(), first.iterrows(), strict=False):
+        map_axes(axes, region)
+        mine = tracks[(tracks["name"] == row["name"]) & (tracks["draw"] == 0)]
+        for k, track in mine.groupby("uav"):
+            axes.plot(track["x"] / KM, track["y"] / KM, color=colour_of(int(str(k))), linewidth=1.1)
+        stars(axes, depots, 40)
+        axes.set_title(f"{row['name']}\n{row['length'] / KM:.0f} km, RMSE {row['rmse']:.2f} {unit}", fontsize=8.5)
+    for axes in plots[:, 1:].ravel():
+        axes.set_ylabel("")
+    return Drawn(
+        "plans",
+        "The ways to fly that are compared",
+        "Every plan starts and ends at the same depots (stars), one colour a UAV. Lawnmower and random tours are at "
+        "least as long as the mission's.",
+        figure,
+    )
+
+
+def stars(axes: Axes, depots: Floats, size: float = 110) -> None:
+    """Draw the depots, as stars."""
+    axes.scatter(
+        depots[:, 0] / KM,
+        depots[:, 1] / KM,
+        s=size,
+        marker="*",
+        color="#c1121f",
+        edgecolors=PAPER,
+        linewidths=0.8,
+        zorder=6,
+    )
+
+
+def colour_of(uav: int) -> str:
+    """Return the colour of a UAV."""
+    return COLOURS[1:][uav % (len(COLOURS) - 1)]
+
+
+def _zones(axes: Axes, scenario: Scenario) -> None:
+    for zone in scenario.no_fly:
+        axes.plot(*(np.asarray(zone.exterior.coords)[:, :2].T / KM), color=INK, linewidth=0.8, zorder=2)
+
+
+def _turn(reference: pd.DataFrame, flown: pd.DataFrame) -> Floats:
+    """Return the point [km] of the flown paths farthest from the reference paths' own points and lines."""
+    best, where = -1.0, np.zeros(2)
+    for k, track in flown.groupby("uav"):
+        path = shapely.linestrings(reference.loc[reference["uav"] == k, ["x", "y"]].to_numpy())
+        points = track[["x", "y"]].to_numpy()
+        away = shapely.distance(shapely.points(points), path)
+        if away.max() > best:
+            best, where = float(away.max()), points[int(np.argmax(away))] / KM
+    return where

@@ -1,0 +1,116 @@
+"""Mission page: one self-contained HTML file about a mission's products. It reads the folders and runs nothing."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from instances.disk import read_text, write_aside
+from instances.environment.radio import RadioMap
+from instances.environment.terrain import Terrain
+from instances.files import read_instance
+from instances.formats.netcdf import read_grids
+from instances.instance import Instance
+from instances.scenario import Scenario
+from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
+
+Floats = NDArray[np.float64]
+
+FOLDERS = ("environment", "place", "costs", "routes", "flight", "map", "compare")
+
+
+@dataclass(frozen=True, eq=False)
+class Maps:
+    """The maps that were kept: `time` (k,) [s]; cell centres x (nx,), y (ny,) [m]; mean and sd (k, ny, nx); truth."""
+
+    time: Floats
+    x: Floats
+    y: Floats
+    mean: Floats
+    sd: Floats
+    truth: Floats
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """West, east, south and north border of the cells [km]."""
+        dx, dy = (self.x[1] - self.x[0]) / 2, (self.y[1] - self.y[0]) / 2
+        west, east, south, north = self.x[0] - dx, self.x[-1] + dx, self.y[0] - dy, self.y[-1] + dy
+        return float(west) / 1e3, float(east) / 1e3, float(south) / 1e3, float(north) / 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class Products:
+    """A mission's products, read where they are asked for. `folders` maps stages to their folders."""
+
+    folders: dict[str, Path]
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """The scenario, its wind as it was solved."""
+        return kept_scenario(self.folders["environment"])
+
+    @cached_property
+    def terrain(self) -> Terrain | None:
+        """The ground, or None."""
+        return kept_terrain(self.folders["environment"])
+
+    @cached_property
+    def field(self) -> RadioMap:
+        """The field that was measured."""
+        return kept_field(self.folders["environment"])
+
+    @cached_property
+    def unit(self) -> str:
+        """Unit of the field."""
+        return self.field.unit
+
+    @cached_property
+    def instance(self) -> Instance:
+        """Tasks, depots and moving costs."""
+        return read_instance(self.folders["costs"] / "instance.json")
+
+    @cached_property
+    def maps(self) -> Maps:
+        """The maps that were kept, the last included."""
+        axes, values = read_grids(self.folders["map"] / "maps.nc")
+        arrays = (values[name].values for name in ("mean", "sd", "truth"))
+        return Maps(axes["time"], axes["x"], axes["y"], *arrays)
+
+    def table(self, stage: str, file: str) -> pd.DataFrame:
+        """Return a CSV product as a frame."""
+        return pd.read_csv(self.folders[stage] / file)
+
+    def values(self, stage: str, file: str) -> Any:
+        """Return a JSON product."""
+        return json.loads(read_text(self.folders[stage] / file))
+
+
+def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any]) -> list[Any]:
+    """Write the page about a mission's products to `path` and return its figures.
+
+    said : what only the mission knows: ``title``, ``settings`` (rows of term and text), ``stages`` (the same).
+    """
+    from reports.mission_sections import sections  # here: matplotlib takes its time
+
+    products = Products(folders)
+    page, figures = sections(products)
+    write_aside(path, _template().render(**said, **page, css=_asset("report.css"), js=_asset("mission.js")))
+    return figures
+
+
+def _template() -> jinja2.Template:
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    return environment.from_string(_asset("mission.html.j2"))
+
+
+def _asset(name: str) -> str:
+    return resources.files("reports").joinpath("templates", name).read_text(encoding="utf-8")

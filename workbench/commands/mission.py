@@ -1,0 +1,34 @@
+"""`workbench mission`: the paper's whole chain, from an environment to a map and a report."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import click
+
+
+@click.command("mission")
+@click.argument("mission_file", metavar="[MISSION.toml]", required=False, type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the products.")
+@click.option("--stage", metavar="STAGE", help="Run only this stage, from the stored products of those before it.")
+@click.option("--from", "force_from", metavar="STAGE", help="Make this stage and all after it again.")
+def command(mission_file: Path | None, out: Path, stage: str | None, force_from: str | None) -> None:
+    """Run a whole mission: environment, place, costs, routes, flight, map, compare, report.
+
+    Without MISSION.toml, the paper's numerical example. Each stage keeps its products in its own folder below OUT and
+    is skipped where they are up to date; the page is OUT/report.html.
+    """
+    from instances.errors import InputError
+    from workbench.mission.pipeline import check_stage, run_mission
+    from workbench.mission.settings import read_mission, shipped_mission
+
+    if stage is not None and force_from is not None:
+        raise InputError("mission: --stage and --from answer different questions; give one of them")
+    for name in (stage, force_from):
+        if name is not None:
+            check_stage(name)
+    began = time.perf_counter()
+    mission = read_mission(shipped_mission() if mission_file is None else mission_file)
+    run_mission(mission, out, only=stage, force_from=force_from, tell=lambda words: click.echo(words, err=True))
+    click.echo(f"{out / 'report.html'} ({time.perf_counter() - began:.0f} s)")

@@ -1,0 +1,58 @@
+"""Stage 3, costs: moving costs and reference paths in the wind (sub-problem 2).
+
+Products: instance.json, instance.paths.json.gz.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.moving_cost.costing import instance_of, query_of
+from formulations.moving_cost.effect import WindEffect
+from instances import Instance
+from instances.files import read_instance, write_instance
+from instances.paths import Paths, check_paths, paths_file, read_paths, write_paths
+from instances.scenario import Scenario
+from instances.scenario_folder import kept_scenario
+from workbench.mission.place import kept_tasks, widened
+from workbench.mission.settings import Mission
+
+
+def settings(mission: Mission) -> dict[str, Any]:
+    """Return what this stage depends on."""
+    return asdict(mission.costs) | {"clearance": mission.clearance}
+
+
+def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
+    """Write the instance and the paths behind its costs."""
+    scenario = kept_scenario(folders["environment"])
+    instance, paths = moving_costs(mission, scenario, kept_tasks(folders["place"]))
+    write_instance(instance, out / "instance.json")
+    write_paths(paths, instance, paths_file(out / "instance.json"), "../1-environment/scenario.toml")
+    n = instance.n_nodes
+    effect = WindEffect(**instance.provenance["wind_effect"])
+    return f"{n * (n - 1)} paths by {mission.costs.method}, all confirmed; {effect.summary()}"
+
+
+def moving_costs(mission: Mission, scenario: Scenario, tasks: NDArray[np.float64]) -> tuple[Instance, Paths]:
+    """Return the instance with these tasks and its paths, checked independently."""
+    planned = widened(replace(scenario, tasks=tasks, n_tasks=len(tasks)), mission.clearance)
+    instance, paths = instance_of(planned, mission.costs.method, mission.costs.options)
+    query = query_of(planned)
+    potential = instance.provenance.get("node_potential")
+    faults = check_paths(paths, instance.cost, query.terminals, query.region, query.wind, query.v0, potential)
+    if faults:
+        raise RuntimeError("the independent check refutes the moving costs: " + " ".join(faults))
+    return instance, paths
+
+
+def kept_costs(folder: Path) -> tuple[Instance, Paths]:
+    """Read the instance and the paths this stage wrote."""
+    instance = read_instance(folder / "instance.json")
+    return instance, read_paths(paths_file(folder / "instance.json"), instance)

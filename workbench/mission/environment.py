@@ -1,0 +1,94 @@
+"""Stage 1, environment: solve the wind, make or read the field that is measured, keep both with the scenario.
+
+Products: scenario.toml, wind.nc (where the wind is a grid), terrain.nc, field.nc and field.csv, environment.json.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from instances.disk import write_aside
+from instances.environment.propagation import radio_map
+from instances.environment.radio import RadioMap, RadioSource
+from instances.environment.radio_files import read_field, write_field
+from instances.environment.terrain import Terrain, read_terrain
+from instances.environment.wind_terrain import TerrainWind
+from instances.errors import InputError
+from instances.scenario import Scenario
+from instances.scenario_folder import keep_field, keep_scenario, keep_terrain
+from workbench.mission.settings import Mission
+from workbench.mission.stamp import referenced_files
+
+
+def settings(mission: Mission) -> dict[str, Any]:
+    """Return what this stage depends on: the scenario, the field, and every file they name."""
+    table = {key: value for key, value in mission.table.items() if key not in LATER}
+    return {
+        "table": table,
+        "files": referenced_files(table, mission.folder),
+        "field": asdict(mission.field),
+        "altitude": mission.flight.altitude,
+    }
+
+
+LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "origin")
+"""Tables this stage does not look at."""
+
+
+def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
+    """Write the environment's products."""
+    scenario = mission.scenario
+    wind, terrain = scenario.wind, terrain_of(scenario)
+    if isinstance(wind, TerrainWind):
+        tell("solving the flow over the terrain")
+        wind = wind.grid
+    resolved = None if scenario.terrain is None else scenario.terrain.resolve()
+    keep_scenario(replace(scenario, wind=wind, terrain=resolved), out)
+    if terrain is not None:
+        keep_terrain(terrain, out)
+    field = field_of(mission, terrain)
+    keep_field(field, out)
+    write_field(field, out / "field.csv")
+    low, high = float(field.values.min()), float(field.values.max())
+    facts = {"field": {"unit": field.unit, "least": low, "most": high, "sd": float(field.values.std())}}
+    write_aside(out / "environment.json", json.dumps(facts, indent=1))
+    return f"field from {low:.1f} to {high:.1f} {field.unit}".rstrip()
+
+
+def terrain_of(scenario: Scenario) -> Terrain | None:
+    """Return the ground: the scenario's elevation model, or what its wind blows over; None where neither is given."""
+    if scenario.terrain is not None:
+        return read_terrain(scenario.terrain)
+    return scenario.wind.terrain if isinstance(scenario.wind, TerrainWind) else None
+
+
+def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
+    """Return the field that is measured; InputError where a file does not cover the region."""
+    wanted, scenario = mission.field, mission.scenario
+    if wanted.file is None:
+        assert scenario.radio is not None
+        return radio_map(
+            RadioSource.from_table(scenario.radio),
+            scenario.region.bounds,
+            terrain,
+            altitude=mission.flight.altitude,
+            model=wanted.model,  # type: ignore[arg-type]
+            shadowing_sd=wanted.shadowing_sd,
+            decorrelation=wanted.decorrelation,
+            seed=wanted.seed,
+            cells=wanted.cells,
+        )
+    field = read_field(mission.folder / wanted.file)
+    (x0, y0, x1, y1), (a0, b0, a1, b1) = scenario.region.bounds, field.bounds
+    # nodes may be cell centres: half a cell may be missing at the border
+    sx, sy = field.x[1] - field.x[0], field.y[1] - field.y[0]
+    if x0 < a0 - sx or y0 < b0 - sy or x1 > a1 + sx or y1 > b1 + sy:
+        raise InputError(
+            f"field.file: {wanted.file} covers ({a0:g}, {b0:g}) to ({a1:g}, {b1:g}) m and not all of the region, "
+            f"({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m: are both in the same projection and unit?"
+        )
+    return field

@@ -1,0 +1,164 @@
+"""Stage 5, flight: Dubins tours along the reference paths (sub-problem 4), checked, and exported for ground control.
+
+Products: flights.json, flown.csv (a pose a second), reference.csv, flown.geojson (local metres), flight-check.csv and,
+where the mission has an origin, uav-K.geojson, .kml and .plan.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from formulations.mapping.flight import Flight, plan_flight
+from formulations.mapping.flight_check import FlightCheck, check_flight
+from instances import Instance, Routes
+from instances.disk import read_text, write_aside
+from instances.errors import InputError
+from instances.formats.ground_control import Tour, write_tour
+from instances.paths import Paths
+from instances.scenario import Scenario
+from instances.scenario_folder import kept_scenario
+from workbench.mission.costs import kept_costs
+from workbench.mission.routes import kept_routes
+from workbench.mission.settings import Mission
+
+Floats = NDArray[np.float64]
+
+
+def settings(mission: Mission) -> dict[str, Any]:
+    """Return what this stage depends on."""
+    origin = None if mission.origin is None else asdict(mission.origin)
+    return asdict(mission.flight) | {"speed": mission.speed, "period": mission.sensing.period, "origin": origin}
+
+
+@dataclass(frozen=True, eq=False)
+class Fleet:
+    """Flights of all UAVs, their reference paths leg by leg, and what was measured on each."""
+
+    flights: list[Flight]
+    legs: list[list[Floats]]
+    checks: list[FlightCheck]
+
+    @property
+    def length(self) -> float:
+        """Flown length of all UAVs together [m]."""
+        return sum(check.length for check in self.checks)
+
+
+def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
+    """Write the flights."""
+    scenario = kept_scenario(folders["environment"])
+    instance, paths = kept_costs(folders["costs"])
+    routes = kept_routes(folders["routes"], instance)
+    fleet = fly(mission, scenario, instance, paths, routes)
+    refuse_long_period(mission, fleet)
+    write_aside(out / "flights.json", json.dumps([flight.to_json() for flight in fleet.flights]))
+    flown = track_frame(fleet.flights)
+    write_aside(out / "flown.csv", flown.to_csv(index=False))
+    write_aside(out / "reference.csv", _reference_frame(fleet.legs).to_csv(index=False))
+    write_aside(out / "flown.geojson", json.dumps(_geojson(flown)))
+    checks = pd.DataFrame([{"uav": k, **asdict(check)} for k, check in enumerate(fleet.checks)])
+    write_aside(out / "flight-check.csv", checks.to_csv(index=False))
+    if mission.origin is not None:
+        _export(mission, scenario, instance, routes, fleet, out)
+    return _said(fleet.checks)
+
+
+def fly(mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, routes: Routes) -> Fleet:
+    """Return the flights along the reference paths of `routes`."""
+    assert instance.coordinates is not None
+    flights, legs, checks = [], [], []
+    for k, route in enumerate(routes):
+        depot = instance.n_tasks + k
+        stops = (depot, *route, depot) if route else ()
+        reference = [paths.between(i, j) for i, j in pairwise(stops)]
+        flight = plan_flight(reference, speed=mission.speed, radius=mission.flight.turning_radius)
+        flights.append(flight)
+        legs.append(reference)
+        checks.append(check_flight(flight, reference, instance.coordinates[list(route)], scenario.no_fly))
+    return Fleet(flights, legs, checks)
+
+
+def refuse_long_period(mission: Mission, fleet: Fleet) -> None:
+    """Raise InputError where no UAV flies as long as the sensing period."""
+    longest = max(flight.duration for flight in fleet.flights)
+    if mission.sensing.period > longest:
+        raise InputError(
+            f"sensing.period = {mission.sensing.period:g} s is longer than the longest tour ({longest:.0f} s), "
+            "so nothing would be measured"
+        )
+
+
+def track_frame(flights: Sequence[Flight]) -> pd.DataFrame:
+    """Return a pose a second of every UAV: columns uav, time [s], x [m], y [m], heading [rad]."""
+    frames = []
+    for k, flight in enumerate(flights):
+        if flight.length == 0.0:
+            continue
+        times = np.append(np.arange(0.0, flight.duration), flight.duration)
+        x, y, heading = flight.poses(times * flight.speed).T
+        heading = (heading + np.pi) % (2 * np.pi) - np.pi
+        frames.append(pd.DataFrame({"uav": k, "time": times, "x": x, "y": y, "heading": heading}).round(4))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _reference_frame(legs: list[list[Floats]]) -> pd.DataFrame:
+    rows = [
+        (k, number, x, y)
+        for k, reference in enumerate(legs)
+        for number, leg in enumerate(reference)
+        for x, y in leg.round(3).tolist()
+    ]
+    return pd.DataFrame(rows, columns=["uav", "leg", "x", "y"])
+
+
+def _geojson(flown: pd.DataFrame) -> dict[str, Any]:
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"uav": int(str(k))},
+            "geometry": {"type": "LineString", "coordinates": track[["x", "y"]].to_numpy().tolist()},
+        }
+        for k, track in flown.groupby("uav")
+    ]
+    return {"type": "FeatureCollection", "features": features}
+
+
+def _export(mission: Mission, scenario: Scenario, instance: Instance, routes: Routes, fleet: Fleet, out: Path) -> None:
+    assert mission.origin is not None
+    assert instance.coordinates is not None
+    for k, (flight, route) in enumerate(zip(fleet.flights, routes, strict=True)):
+        if flight.length == 0.0:
+            continue
+        points = flight.starts[:, :2]
+        numbers: list[int | None] = [None] * len(points)
+        for task in route:
+            numbers[int(np.argmin(np.hypot(*(points - instance.coordinates[task]).T)))] = task
+        tour = Tour(f"{scenario.name} UAV {k}", points, numbers, mission.flight.altitude, flight.speed)
+        for ending in ("geojson", "kml", "plan"):
+            write_tour(tour, mission.origin, out / f"uav-{k}.{ending}", scenario.no_fly)
+
+
+def _said(checks: list[FlightCheck]) -> str:
+    flying = [check for check in checks if check.length > 0]
+    total = sum(check.length for check in flying)
+    inside = sum(check.in_no_fly for check in flying)
+    zones = f"; {inside:.0f} m INSIDE no-fly zones" if inside > 0 else ""
+    return (
+        f"{len(flying)} tours, {total / 1e3:.1f} km in all, the longest {max(c.length for c in flying) / 1e3:.1f} km; "
+        f"every task passed within {max(c.task_distance for c in flying):.2g} m, turns of at least "
+        f"{min(c.least_radius for c in flying):.1f} m{zones}"
+    )
+
+
+def kept_flights(folder: Path) -> list[Flight]:
+    """Read the flights this stage wrote."""
+    return [Flight.from_json(data) for data in json.loads(read_text(folder / "flights.json"))]

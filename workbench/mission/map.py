@@ -1,0 +1,146 @@
+"""Stage 6, map: every UAV measures on its way and the Gaussian process maps the field (sub-problem 4).
+
+Products: samples.csv, ticks.csv, maps.nc (the maps of some ticks, the last included), map.csv (the last).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from formulations.kernel import SquaredExponential
+from formulations.mapping.flight import Flight
+from formulations.mapping.survey import Survey, Tick, fly_survey
+from instances.disk import write_aside
+from instances.environment.radio import RadioMap
+from instances.environment.region import Region
+from instances.formats.netcdf import Variable, write_grids
+from instances.scenario_folder import kept_field, kept_scenario
+from workbench.mission.flight import kept_flights
+from workbench.mission.place import scales_of
+from workbench.mission.settings import Mission
+
+Floats = NDArray[np.float64]
+
+
+def settings(mission: Mission) -> dict[str, Any]:
+    """Return what this stage depends on."""
+    return asdict(mission.sensing) | asdict(mission.map)
+
+
+def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
+    """Fly, measure and map."""
+    scenario, field = kept_scenario(folders["environment"]), kept_field(folders["environment"])
+    flights = kept_flights(folders["flight"])
+    last = max(int(flight.duration / mission.sensing.period) for flight in flights)
+    kept = frames(last, mission.map.frames)
+    survey = survey_of(mission, scenario.region, field, flights, lambda tick, _: tick in kept)
+    write_aside(out / "samples.csv", samples_frame(survey).to_csv(index=False))
+    write_aside(out / "ticks.csv", ticks_frame(survey).to_csv(index=False))
+    grid = MapGrid.over(scenario.region, mission.map.cells)
+    _write_maps(survey, grid, field, out)
+    end = survey.ticks[-1]
+    kernel = end.kernel
+    return (
+        f"{end.samples} samples, RMSE {end.score.rmse:.2f} {field.unit}, NLPD {end.score.nlpd:.2f} nats, 95 % interval "
+        f"covers {end.score.coverage:.1%}; σ_f {kernel.signal_sd:.1f}, l {kernel.length_scales[0] / 1e3:.1f} and "
+        f"{kernel.length_scales[1] / 1e3:.1f} km"
+    )
+
+
+def frames(last: int, count: int) -> set[int]:
+    """Return the ticks whose maps are kept: evenly spread, first and last included."""
+    return set(np.linspace(0, last - 1, min(count, last)).round().astype(int).tolist())
+
+
+class MapGrid:
+    """The cells of a map: centres x (nx,) and y (ny,) [m], and which of them lie in the region, (ny, nx)."""
+
+    def __init__(self, x: Floats, y: Floats, inside: NDArray[np.bool_]) -> None:
+        self.x, self.y, self.inside = x, y, inside
+
+    @classmethod
+    def over(cls, region: Region, cells: int) -> MapGrid:
+        """Return about square cells over `region`, `cells` of them along the longer side."""
+        x0, y0, x1, y1 = region.bounds
+        size = max(x1 - x0, y1 - y0) / cells
+        nx, ny = max(2, round((x1 - x0) / size)), max(2, round((y1 - y0) / size))
+        x = x0 + (np.arange(nx) + 0.5) * (x1 - x0) / nx
+        y = y0 + (np.arange(ny) + 0.5) * (y1 - y0) / ny
+        points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        return cls(x, y, region.contains(points).reshape(ny, nx))
+
+    @property
+    def points(self) -> Floats:
+        """The centres in the region, shape (p, 2) [m]."""
+        return np.stack(np.meshgrid(self.x, self.y), axis=-1)[self.inside]
+
+    def raster(self, values: Floats) -> Floats:
+        """Return values (p,) at `points` as a raster (ny, nx), NaN outside the region."""
+        out = np.full(self.inside.shape, np.nan)
+        out[self.inside] = values
+        return out
+
+
+def survey_of(
+    mission: Mission,
+    region: Region,
+    field: RadioMap,
+    flights: list[Flight],
+    keep: Callable[[int, int], bool] = lambda tick, last: False,
+) -> Survey:
+    """Fly, measure and map `field` under the mission's settings."""
+    return fly_survey(
+        flights,
+        field,
+        MapGrid.over(region, mission.map.cells).points,
+        kernel=SquaredExponential(mission.map.signal_sd, scales_of(mission.map.length_scale)),
+        noise_sd=mission.sensing.noise_sd,
+        period=mission.sensing.period,
+        refit_every=mission.map.refit_every,
+        seed=mission.sensing.seed,
+        keep=keep,
+    )
+
+
+def samples_frame(survey: Survey) -> pd.DataFrame:
+    """Return a row a measurement: time [s], uav, x [m], y [m], value."""
+    x, y = survey.positions.T
+    return pd.DataFrame({"time": survey.times, "uav": survey.uavs, "x": x, "y": y, "value": survey.values}).round(6)
+
+
+def ticks_frame(survey: Survey) -> pd.DataFrame:
+    """Return a row a tick: time [s], samples, information [nats], the scores and the kernel's parameters."""
+    return pd.DataFrame([_row(tick) for tick in survey.ticks])
+
+
+def _row(tick: Tick) -> dict[str, float]:
+    lx, ly = tick.kernel.length_scales
+    row = {"time": tick.time, "samples": tick.samples, "information": tick.information, **asdict(tick.score)}
+    return row | {"signal_sd": tick.kernel.signal_sd, "length_x": lx, "length_y": ly}
+
+
+def _write_maps(survey: Survey, grid: MapGrid, field: RadioMap, out: Path) -> None:
+    kept = [tick for tick in survey.ticks if tick.posterior is not None]
+    mean = np.array([grid.raster(tick.posterior.mean) for tick in kept if tick.posterior])
+    sd = np.array([grid.raster(tick.posterior.sd) for tick in kept if tick.posterior])
+    truth = grid.raster(field(grid.points))
+    axes = ("time", "y", "x")
+    write_grids(
+        out / "maps.nc",
+        {"time": np.array([tick.time for tick in kept]), "y": grid.y, "x": grid.x},
+        {
+            "mean": Variable(axes, mean, {"long_name": "posterior mean", "units": field.unit}),
+            "sd": Variable(axes, sd, {"long_name": "posterior standard deviation", "units": field.unit}),
+            "truth": Variable(("y", "x"), truth, {"long_name": "the field that was measured", "units": field.unit}),
+        },
+    )
+    x, y = grid.points.T
+    last = pd.DataFrame({"x": x, "y": y, "mean": mean[-1][grid.inside], "sd": sd[-1][grid.inside]})
+    write_aside(out / "map.csv", last.round(6).to_csv(index=False))

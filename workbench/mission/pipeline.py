@@ -1,0 +1,147 @@
+"""Pipeline: run the stages of a mission in order, each only where its products are missing or out of date."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from instances.errors import InputError, suggestion
+from workbench.mission.settings import Mission
+from workbench.mission.stamp import Stamp, digest_of, intact, products_of, read_stamp
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage: its settings as JSON values, and the function that writes its products.
+
+    The function lives in ``workbench.mission.<name>:make`` (imported when it is run), is given the mission, the
+    folders of all stages, the folder to write into and someone to tell, and returns a sentence for people;
+    ``settings`` there returns what the stage depends on besides `needs`.
+    """
+
+    name: str
+    needs: tuple[str, ...]
+
+    @property
+    def module(self) -> Any:
+        """The module that makes this stage."""
+        return import_module(f"workbench.mission.{self.name}")
+
+
+STAGES = (
+    Stage("environment", ()),
+    Stage("place", ("environment",)),
+    Stage("costs", ("environment", "place")),
+    Stage("routes", ("costs",)),
+    Stage("flight", ("environment", "costs", "routes")),
+    Stage("map", ("environment", "flight")),
+    Stage("compare", ("environment", "place", "costs", "routes", "flight", "map")),
+    Stage("report", ("environment", "place", "costs", "routes", "flight", "map", "compare")),
+)
+NAMES = tuple(stage.name for stage in STAGES)
+
+
+def folder_names() -> dict[str, str]:
+    """Return the folder of each stage: its number and name."""
+    return {name: f"{number}-{name}" for number, name in enumerate(NAMES, 1)}
+
+
+def check_stage(name: str) -> None:
+    """Raise InputError where there is no stage called `name`."""
+    if name not in NAMES:
+        raise InputError(f"unknown stage '{name}'{suggestion(name, NAMES)} (stages: {', '.join(NAMES)})")
+
+
+def run_mission(
+    mission: Mission, out: Path, *, only: str | None = None, force_from: str | None = None, tell: Tell = lambda _: None
+) -> None:
+    """Make what is missing or out of date below `out`.
+
+    only : run just this stage, from the stored products of those before it. force_from : make this stage and all
+    after it again. InputError where a product to start from is missing.
+    """
+    for name in (only, force_from):
+        if name is not None:
+            check_stage(name)
+    folders = {name: out / folder for name, folder in folder_names().items()}
+    _make_folder(out)
+    forced = False
+    for stage in STAGES:
+        forced = forced or stage.name == force_from
+        if only is not None and stage.name != only:
+            continue
+        stamps = {name: _input(name, folders[name], stage) for name in stage.needs}
+        inputs = {name: stamp.digest for name, stamp in stamps.items()}
+        settings = digest_of(stage.module.settings(mission))
+        target = folders[stage.name]
+        found = read_stamp(target)
+        wanted = (_version(), settings, inputs)
+        fresh = found is not None and (found.version, found.settings, found.inputs) == wanted and intact(found, target)
+        if fresh and not forced:
+            tell(f"{stage.name}: up to date")
+            continue
+        began = time.perf_counter()
+        said = _make(stage, mission, folders, Stamp(stage.name, *wanted, {}, 0.0), tell)
+        tell(f"{stage.name}: {said} ({time.perf_counter() - began:.1f} s)")
+    publish(folders["report"], out)
+
+
+def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp, tell: Tell) -> str:
+    """Make one stage aside and rename its folder."""
+    target = folders[stage.name]
+    for left in target.parent.glob(f".{target.name}.*.part"):
+        shutil.rmtree(left, ignore_errors=True)  # of a run that was killed
+    aside = target.with_name(f".{target.name}.{os.getpid()}.part")
+    aside.mkdir()
+    try:
+        began = time.perf_counter()
+        said: str = stage.module.make(mission, folders, aside, lambda words: tell(f"{stage.name}: {words}"))
+        elapsed = round(time.perf_counter() - began, 3)
+        Stamp(stage.name, stamp.version, stamp.settings, stamp.inputs, products_of(aside), elapsed).write(aside)
+        if target.exists():
+            shutil.rmtree(target)
+        aside.rename(target)
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
+    return said
+
+
+def publish(report: Path, out: Path) -> None:
+    """Copy the page of the report stage to the top of the mission's folder."""
+    page = report / "report.html"
+    if page.is_file():
+        aside = out / ".report.html.part"
+        shutil.copyfile(page, aside)
+        aside.replace(out / "report.html")
+
+
+def _input(name: str, folder: Path, stage: Stage) -> Stamp:
+    stamp = read_stamp(folder)
+    if stamp is None:
+        raise InputError(f"{folder}: stage '{stage.name}' starts from the products of '{name}', which are not there")
+    if not intact(stamp, folder):
+        raise InputError(f"{folder}: products of stage '{name}' are missing or were changed; run it with --from {name}")
+    return stamp
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{out}: cannot be made a folder ({error.strerror or error})") from None
+
+
+def _version() -> str:
+    try:
+        return version("mmmdmtsp-workbench")
+    except PackageNotFoundError:
+        return "unknown"

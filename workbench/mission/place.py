@@ -1,0 +1,103 @@
+"""Stage 2, place: task locations of most information (sub-problem 1), or those the scenario gives.
+
+Products: tasks.csv, tasks.geojson (local metres), placement.json.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.kernel import SquaredExponential
+from formulations.task_location.certificate import certificate
+from formulations.task_location.criterion import Convention, Criterion, convention
+from formulations.task_location.placement import Placement, PlacementProblem, place
+from formulations.task_location.registry import make_method
+from instances.disk import read_text, write_aside
+from instances.environment.region import Region
+from instances.errors import InputError
+from instances.scenario import Scenario
+from instances.scenario_folder import kept_scenario
+from workbench.mission.settings import Mission
+
+
+def settings(mission: Mission) -> dict[str, Any]:
+    """Return what this stage depends on."""
+    return asdict(mission.place) | {"clearance": mission.clearance}
+
+
+def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
+    """Write the tasks."""
+    scenario = kept_scenario(folders["environment"])
+    region = widened(scenario, mission.clearance).free
+    if scenario.tasks is not None:
+        write_tasks(scenario.tasks, out, {"method": "given", "points": scenario.tasks.tolist()})
+        return f"{scenario.n_tasks} tasks were given"
+    tell(f"placing {scenario.n_tasks} tasks by {mission.place.method}")
+    found = place_tasks(mission, region, scenario.n_tasks, mission.place.method, mission.place.options)
+    if mission.place.certificate:
+        bound = certificate(criterion_of(mission, region).under(Convention.BOTH_NOISY), region, scenario.n_tasks)
+        found = replace(found, certificate=bound.bound)
+    write_tasks(found.points, out, found.as_dict())
+    return found.summary()
+
+
+def widened(scenario: Scenario, clearance: float) -> Scenario:
+    """Return the scenario with its no-fly zones widened by `clearance` [m], so that turns stay outside of them."""
+    if not scenario.no_fly or clearance == 0:
+        return scenario
+    zones = [zone.buffer(clearance, quad_segs=4) for zone in scenario.no_fly]
+    try:
+        return replace(scenario, no_fly=zones)
+    except InputError as error:
+        raise InputError(f"{error} (no-fly zones are widened by costs.clearance = {clearance:g} m)") from None
+
+
+def place_tasks(
+    mission: Mission, region: Region, count: int, method: str, options: dict[str, Any], seed: int | None = None
+) -> Placement:
+    """Return `count` tasks in `region` placed by `method` under the mission's planning kernel."""
+    problem = PlacementProblem(region, criterion_of(mission, region), count)
+    return place(problem, make_method(method, options), method, seed=mission.place.seed if seed is None else seed)
+
+
+def criterion_of(mission: Mission, region: Region) -> Criterion:
+    """Return the planning criterion of a mission."""
+    wanted = mission.place
+    tests = region.cell_centres(*wanted.tests)
+    if not len(tests):
+        raise InputError(
+            f"place.tests: none of the {wanted.tests[0]} × {wanted.tests[1]} cell centres is in the region"
+        )
+    kernel = SquaredExponential(wanted.signal_sd, scales_of(wanted.length_scale))
+    return Criterion(kernel, tests, None, wanted.noise_sd, None, convention(wanted.criterion))
+
+
+def scales_of(value: float | list[float]) -> tuple[float, float]:
+    """Return (l_x, l_y) [m] of one length or two."""
+    return (value[0], value[1]) if isinstance(value, list) else (value, value)
+
+
+def write_tasks(points: NDArray[np.float64], out: Path, said: dict[str, Any]) -> None:
+    """Write the products of this stage."""
+    write_aside(out / "tasks.csv", "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in points.tolist()))
+    features = [
+        {"type": "Feature", "properties": {"task": i}, "geometry": {"type": "Point", "coordinates": p}}
+        for i, p in enumerate(points.tolist())
+    ]
+    write_aside(out / "tasks.geojson", json.dumps({"type": "FeatureCollection", "features": features}))
+    write_aside(out / "placement.json", json.dumps(said))
+
+
+def kept_tasks(folder: Path) -> NDArray[np.float64]:
+    """Read the tasks (n, 2) [m] this stage wrote."""
+    rows = list(csv.reader(io.StringIO(read_text(folder / "tasks.csv"))))[1:]
+    return np.array(rows, dtype=float).reshape(-1, 2)

@@ -1,0 +1,47 @@
+"""Stage 8, report: the page and its figures, made from the stored products.
+
+Products: report.html, figures as SVG.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from instances.toml_text import toml_text
+from reports.figures.svg import save_figure
+from reports.mission import FOLDERS, write_mission_page
+from workbench.mission.settings import Mission
+from workbench.mission.stamp import read_stamp
+
+
+def settings(mission: Mission) -> dict[str, Any]:
+    """Return what this stage depends on: the page shows the whole mission file."""
+    return {"table": mission.table}
+
+
+def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
+    """Write the page and the figures."""
+    stamps = {name: read_stamp(folders[name]) for name in FOLDERS}
+    said = {
+        "title": f"Mission: {mission.scenario.name}",
+        "settings": toml_text(mission.table),
+        "stages": [
+            (name, f"{stamp.elapsed:.1f} s, products {stamp.digest}") for name, stamp in stamps.items() if stamp
+        ],
+        "version": _version(),
+    }
+    page = out / "report.html"
+    figures = write_mission_page({name: folders[name] for name in FOLDERS}, page, said)
+    for drawn in figures:
+        save_figure(drawn.figure, out / f"{drawn.key}.svg")
+    return f"{len(figures)} figures, page of {page.stat().st_size / 1e6:.1f} MB"
+
+
+def _version() -> str:
+    try:
+        return f"mmmdmtsp-workbench {version('mmmdmtsp-workbench')}"
+    except PackageNotFoundError:
+        return "mmmdmtsp-workbench"

@@ -1,0 +1,53 @@
+"""Stage 4, routes: the min-max multi-depot multiple TSP (sub-problem 3) by a registered solver, in its own process.
+
+Products: routes.sol, run.json.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from instances import Instance, Routes, tour_costs
+from instances.disk import write_aside
+from instances.errors import InputError
+from instances.files import read_routes, write_routes
+from workbench.job import Job
+from workbench.mission.costs import kept_costs
+from workbench.mission.settings import Mission
+from workbench.run import Run
+from workbench.runner import run
+
+
+def settings(mission: Mission) -> dict[str, Any]:
+    """Return what this stage depends on."""
+    return asdict(mission.routes)
+
+
+def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
+    """Write the routes."""
+    instance, _ = kept_costs(folders["costs"])
+    tell(f"{mission.routes.solver} for {mission.routes.time_limit:g} s")
+    found = solve(mission, instance, mission.routes.time_limit, mission.routes.seed)
+    assert found.routes is not None
+    write_routes(found.routes, instance, out / "routes.sol")
+    write_aside(out / "run.json", found.to_json())
+    tours = ", ".join(f"{c:.1f}" for c in tour_costs(instance, found.routes))
+    return f"{found.status} by {found.label}, longest tour {found.objective:.2f} s (tours {tours} s)"
+
+
+def solve(mission: Mission, instance: Instance, time_limit: float, seed: int) -> Run:
+    """Return a run of the mission's solver with routes; InputError where it found none."""
+    wanted = mission.routes
+    job = Job("", wanted.solver, wanted.options, seed, time_limit, wanted.threads)
+    found = run(job, instance)
+    if found.routes is None:
+        raise InputError(f"routes.solver: {wanted.solver} found no routes ({found.status}: {found.message})")
+    return found
+
+
+def kept_routes(folder: Path, instance: Instance) -> Routes:
+    """Read the routes this stage wrote."""
+    return read_routes(folder / "routes.sol", instance)

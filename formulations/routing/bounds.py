@@ -1,0 +1,1 @@
+"""Lower bounds on the longest tour, each valid in floating point."""

@@ -1,0 +1,1 @@
+"""Violated cuts of the paper's MILP at an integer or fractional point."""

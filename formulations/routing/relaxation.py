@@ -1,0 +1,1 @@
+"""The linear relaxation of the paper's MILP, solved once."""

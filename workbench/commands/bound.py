@@ -1,0 +1,1 @@
+"""workbench bound: lower bounds on the longest tour."""

@@ -31,7 +31,6 @@ from formulations.task_location.placement import PlacementMethod, PlacementProbl
 from formulations.task_location.starts import starts
 from instances.environment.region import Region
 
-
 SNAPPED = 1.0
 """A point moved farther [m] into the region at the end is not where IPOPT solved."""
 

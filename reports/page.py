@@ -23,6 +23,7 @@ from reports.payload import embedded, payload
 from reports.sections import (
     against_section,
     environment_section,
+    failure_table,
     group_tables,
     meanings,
     summary_notes,
@@ -89,6 +90,8 @@ def _html(stores: Stores, report: Report, title: str) -> str:
         checked=_checked(runs),
         warnings=report.warnings[:MOST_WARNINGS],
         n_warnings=len(report.warnings),
+        n_failures=int(runs["status"].isin(["ERROR", "KILLED"]).sum()),
+        failures=failure_table(runs),
         summary=summary_table(runs),
         summary_notes=summary_notes(runs),
         against=against,

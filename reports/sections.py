@@ -15,6 +15,8 @@ from reports.metrics.scores import GROUPINGS, banded, scores
 from reports.stores import Stores
 from reports.tables import SUMMARY_COLUMNS, Column, shown
 
+LONGEST_MESSAGE = 240
+MOST_FAILURES = 20
 MOST_CHANGES = 40
 """Changed instances listed at most."""
 
@@ -81,6 +83,24 @@ def _is_best(column: Column, value: float, table: pd.DataFrame) -> bool:
     if column.key in BEST_IS_LEAST:
         return bool(value <= table[column.key].min())
     return column.key in BEST_IS_MOST and value > 0 and bool(value >= table[column.key].max())
+
+
+def failure_table(runs: pd.DataFrame) -> dict[str, Any] | None:
+    """Return the runs that were killed or ended in error, grouped by what they said; None where none did."""
+    failed = runs[runs["status"].isin(["ERROR", "KILLED"])]
+    if failed.empty:
+        return None
+    said = failed["message"].str.slice(0, LONGEST_MESSAGE)
+    groups = sorted(failed.groupby(["method", "status", said]), key=lambda group: -len(group[1]))
+    rows = [
+        [cell(method), cell(status), number_cell(numbers.count, len(of)), cell(of["instance"].iloc[0]), cell(message)]
+        for (method, status, message), of in groups[:MOST_FAILURES]
+    ]
+    headings = ["Method", "Status", "Runs", "For example on", "Message"]
+    caption = (
+        f"{len(groups) - len(rows)} more kinds of failure are in the list of runs." if len(groups) > len(rows) else ""
+    )
+    return {"key": "failures", "headings": headings, "texts": 2, "last_text": True, "rows": rows, "caption": caption}
 
 
 def group_tables(runs: pd.DataFrame) -> list[dict[str, Any]]:

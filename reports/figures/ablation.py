@@ -85,7 +85,7 @@ def ablation(runs: pd.DataFrame, solver: str) -> Drawn:
         left.axvline(1, color=FAINT, linewidth=1)
         right.axvline(0, color=FAINT, linewidth=1)
         left.set(xlabel="time to proof, times the default's")
-        right.set(xlabel="gap left, minus the default's [% points]")
+        right.set(xlabel="gap minus the default's [% points]")
         names = [f"{_variant(r.method, solver)}   ({100 * r.proved:.0f} % proved)" for r in rows]
         left.set_yticks(range(len(rows)), names)
         left.invert_yaxis()

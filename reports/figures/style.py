@@ -98,5 +98,5 @@ def legend_below(figure: Figure, axes: Axes, columns: int = 4) -> None:
     handles, labels = axes.get_legend_handles_labels()
     if handles:
         widest = max(len(label) for label in labels)
-        fitting = max(1, min(columns, len(labels), int(100 / (widest + 9))))
+        fitting = max(1, min(columns, len(labels), int(112 / (widest + 9))))
         figure.legend(handles, labels, loc="outside lower center", ncols=fitting, handlelength=3.2)

@@ -101,3 +101,18 @@ def test_the_cheaper_liar_does_not_become_the_best(store):
     best = runs.groupby("digest")["value"].min()
     plant("*/ga-*.json", routes=[[0], []], objective=1.0)
     assert (load(root).groupby("digest")["value"].min() >= best).all()
+
+
+def test_a_refuted_or_crashed_run_is_shown_as_failed(store, tmp_path):
+    root, plant = store
+    plant("*/ga-*.json", status="ERROR", message="claimed a bound above its own routes", bound=None)
+    top = shown(root, tmp_path)
+    assert "1 run failed" in top
+    assert "claimed a bound above its own routes" in top
+
+
+def test_feasible_routes_of_a_refuted_run_still_refute_a_bound(store):
+    root, plant = store
+    plant("*/milp-default*.json", bound=lambda r: 1.02 * r["objective"], objective=lambda r: 1.03 * r["objective"])
+    kinds = contradictions(load(root)).groupby("method")["kind"].agg(set)
+    assert kinds["milp"] == {"wrong cost", "bound above routes"}

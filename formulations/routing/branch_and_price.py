@@ -1,0 +1,133 @@
+"""`branch-and-price`: one tour per UAV, chosen from all tours, which are never all listed.
+
+Let P_k be the tours of UAV k (over any set of tasks, from and to its depot) and a_ip = 1 where tour p visits task i:
+
+    min z    Σ_k Σ_{p∈P_k} a_ip λ_p = 1                         for every task i,
+             Σ_{p∈P_k} c_p λ_p ≤ z,   Σ_{p∈P_k} λ_p ≤ 1         for every UAV k,
+
+λ binary: the paper's problem (eqs. c_max, const1–const6) after Dantzig–Wolfe decomposition. Its relaxation is far
+stronger than that of θ_ijk, most of all because P_k holds only tours that cost less than the best routes known.
+
+1. Incumbent: a few short annealed ruin-and-recreate runs.            `search/ruin_recreate.py`
+2. Relaxation by column generation; Lagrangian bounds.                `columns/generation.py`, `pricing.py`, `master.py`
+3. Legs fixed away by reduced cost; tours listed when they fit.       `columns/fixing.py`, `enumeration.py`, `pool.py`
+4. Subset-row cuts, then branching on who takes which task.           `columns/cuts.py`, `node.py`, `tree.py`
+
+Strong where tours are short (n/m up to about 20). Sources: Baldacci, Mingozzi, Roberti (Oper. Res. 59, 2011) for
+ng-routes and enumeration; Contardo & Martinelli (Discrete Optim. 12, 2014) for cutting over a listed pool.
+
+Floating point: all bounds are Lagrangian, valid at any duals, with an explicit margin for rounding
+(`columns/pricing.py`); times in bins are rounded down; nothing is claimed about routes better by less than `tolerance`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from formulations.recorder import Recorder
+from formulations.routing.columns.labelling import make_store
+from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.node import Workspace
+from formulations.routing.columns.pricing import Column, Effort
+from formulations.routing.columns.tree import Incumbent, Tree
+from formulations.routing.search.ruin_recreate import RuinRecreate
+from formulations.solver import Limits, Observer, Result, Solver, ignore
+from instances import InputError, Instance, Routes, tour_costs
+
+TOLERANCE = 1e-7
+"""Of the longest tour: routes better by less are neither looked for nor excluded."""
+
+_STEPS_A_TASK = 2000
+_MORE_STARTS = 4
+
+
+@dataclass(frozen=True)
+class BranchAndPrice(Solver):
+    """Branch and price over tours.
+
+    starts : ruin-and-recreate runs before the first relaxation (four times as many follow where that leaves a gap);
+        0 uses only the start given.
+    bins : divisions of the longest tour allowed in the completion bounds; fewer are faster and weaker.
+    labels : room for labels of one search, about 50 bytes each.
+    tours : room for listed tours.
+    """
+
+    starts: int = 6
+    bins: int = 500
+    labels: int = 4_000_000
+    tours: int = 1_000_000
+
+    proves: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        for label, least in (("starts", 0), ("bins", 1), ("labels", 1000), ("tours", 100)):
+            if getattr(self, label) < least:
+                raise InputError(f"branch-and-price: {label} must be at least {least}, got {getattr(self, label)}")
+
+    def prepare(self, instance: Instance) -> None:
+        """Compile the kernels (about a minute the first time, then cached)."""
+        RuinRecreate().prepare(instance)
+        rng = np.random.default_rng(0)
+        cost = rng.uniform(1, 2, (12, 12))
+        np.fill_diagonal(cost, 0)
+        small = Instance("warm-up", cost, 9, 3)
+        self.solve(small, limits=Limits(time=3600.0), start=(tuple(range(9)), (), ()))
+
+    def solve(
+        self,
+        instance: Instance,
+        *,
+        limits: Limits,
+        seed: int = 0,
+        observe: Observer = ignore,
+        start: Routes | None = None,
+    ) -> Result:
+        """Solve to proof or limit; `limits.iterations` counts nodes of the tree. Deterministic but for the clock."""
+        recorder = Recorder(instance, limits, observe, start)
+        recorder.incumbent(tuple(tuple(instance.tasks) if k == 0 else () for k in range(instance.n_depots)))
+        self._improve(recorder, 1000 * seed, self.starts)
+        store = make_store(instance.n_tasks, self.labels)
+        work = Workspace(lambda: recorder.remaining <= 0, store, self.tours, *self._efforts(instance.n_tasks))
+        tree = Tree(Legs.of(instance), _columns(recorder), work)
+        incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
+        nodes = np.inf if limits.iterations is None else limits.iterations
+        proved = tree.grow(incumbent, min(1, nodes))
+        if not proved and nodes > 1:
+            self._improve(recorder, 1000 * seed + self.starts, _MORE_STARTS * self.starts)
+            proved = tree.grow(incumbent, nodes - 1)
+        recorder.raise_bound(tree.bound(incumbent.cap()) * (1 - 1e-12))
+        ended = "proof" if proved else "time" if recorder.remaining <= 0 else "iterations"
+        return recorder.result(ended, proved=proved, tolerance=2 * TOLERANCE * recorder.objective, **work.counts)
+
+    def _improve(self, recorder: Recorder, seed: int, runs: int) -> None:
+        """Search `runs` times, from different seeds, within a third of the time left."""
+        steps = _STEPS_A_TASK * min(max(recorder.instance.n_tasks, 10), 200)
+        share = recorder.remaining / (3 * max(runs, 1))
+        for run in range(runs):
+            if share <= 0:
+                return
+            limits = Limits(time=share, iterations=steps)
+            found = RuinRecreate().solve(recorder.instance, limits=limits, seed=seed + run)
+            if found.routes is not None:
+                recorder.incumbent(found.routes)
+
+    def _efforts(self, n: int) -> tuple[tuple[Effort, ...], Effort]:
+        """Return the schedule of pricing efforts, quick ones first, and the effort for fixing and listing."""
+        near = 8 if n <= 100 else 6
+        quick = max(1, self.bins * 3 // 10)
+        return (
+            Effort(3, quick, 200),
+            Effort(3, max(1, self.bins * 2 // 5), 3000),
+            Effort(min(6, near), max(1, self.bins * 4 // 5), 20_000),
+            Effort(near - 1, self.bins, 60_000),
+        ), Effort(near, self.bins, 0)
+
+
+def _columns(recorder: Recorder) -> list[Column]:
+    """Return the tours of the incumbent."""
+    assert recorder.routes is not None
+    costs = tour_costs(recorder.instance, recorder.routes)
+    return [Column(k, route, float(costs[k])) for k, route in enumerate(recorder.routes) if route]

@@ -1,0 +1,79 @@
+"""Column generation: the master and pricing in turn, until the capped relaxation is solved or reaches the cap.
+
+Only tours of cost ≤ cap < U exist, which is what makes the bound strong: a relaxation without columns enough is itself
+a proof. Duals are smoothed (Wentges, "Weighted Dantzig–Wolfe decomposition for linear mixed-integer programming",
+1997): priced half-way between the best duals so far and the master's; where that finds nothing the master's own are
+priced. Every pricing gives a Lagrangian bound. A pricer that can neither find columns nor exclude them is followed by
+the next, stronger one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.routing.columns.master import Master
+from formulations.routing.columns.pricing import Duals, Prices
+
+COLUMNS_WANTED = 40
+_SMOOTHING = 0.5
+_EXACT = 1e-7  # of the cap: columns that gain less are not worth adding
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """How column generation ended.
+
+    bound [s] : the best Lagrangian bound; `duals` and `least` (r_k ≤ 0 of each UAV) are those of that bound.
+    solved : whether no column is missing.
+    weight : λ of the master's columns.
+    """
+
+    bound: float
+    duals: Duals
+    least: NDArray[np.float64]
+    solved: bool
+    weight: NDArray[np.float64]
+    rounds: int
+
+
+def generate(
+    master: Master, pricers: Sequence[Prices], cap: float, out_of_time: Callable[[], bool], *, known: float = -np.inf
+) -> Relaxation:
+    """Solve the relaxation over tours of cost ≤ `cap`; stop early where the bound passes the cap or time is up.
+
+    known : a bound already known; nothing better is reported as that.
+    """
+    m = pricers[0].n_uavs
+    _, at_master, weight = master.solve()
+    best, best_bound, best_least = at_master, -np.inf, np.zeros(m)
+    level, trust, rounds = 0, 1.0, 0
+    while True:
+        rounds += 1
+        duals = best.towards(at_master, trust)
+        priced = []
+        for k in range(m):
+            if out_of_time():
+                return Relaxation(best_bound, best, best_least, False, weight, rounds)
+            priced.append(pricers[level].price(k, duals, -duals.rent[k] - _EXACT * cap, COLUMNS_WANTED))
+        least = np.array([min(0.0, p.least) for p in priced])
+        bound = duals.offset + float(least.sum()) - duals.margin(cap, m)
+        if bound > best_bound:
+            best, best_bound, best_least = duals, bound, least
+        complete = all(p.complete for p in priced)
+        if best_bound > cap:
+            return Relaxation(best_bound, best, best_least, complete, weight, rounds)
+        if master.add([c for p in priced for c in p.columns]):
+            value, at_master, weight = master.solve()
+            trust = _SMOOTHING if value - best_bound > _EXACT * cap else 1.0
+        elif trust < 1.0:
+            trust = 1.0
+        elif master.widen(2 * cap):
+            _, at_master, weight = master.solve()
+        elif not complete and level + 1 < len(pricers):
+            level += 1
+        else:
+            return Relaxation(best_bound, best, best_least, complete, weight, rounds)

@@ -1,0 +1,272 @@
+"""Forward labels: elementary paths from a depot, layer by layer, kept where they may still become a good tour.
+
+A label is a set of visited tasks V, the last of them, and the least cost of getting there (for one V and last task the
+cheaper path is better in every way, as in Held & Karp). Its reduced cost is σ·cost − gain, with gain = Σ_{i∈V} π_i less
+ρ of every cut (see `cuts`) with two tasks in V. A label is dropped as soon as reduced cost plus completion bound (see
+`completion`) reaches the threshold: no tour that begins so is wanted. Layer ℓ holds paths of ℓ tasks. With a finite
+`beam` only the most promising labels of a layer are kept: then the tours found are real, but absence proves nothing,
+and the search says so.
+
+Sets are rows of ⌈n/64⌉ unsigned words, so n has no limit. (V, last) are found again by open addressing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.routing.columns.completion import bins_left
+
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_CHUNK = 50_000
+
+
+class Store(NamedTuple):
+    """Room for labels, used again by every search; `slots` is the hash table."""
+
+    visited: NDArray[np.uint64]
+    last: NDArray[np.int16]
+    cost: NDArray[np.float64]
+    gain: NDArray[np.float64]
+    bound: NDArray[np.float64]
+    parent: NDArray[np.int32]
+    slots: NDArray[np.int32]
+
+
+class Field(NamedTuple):
+    """What a search runs on: legs of one UAV [s], successors, `n_bins` of `width` [s] under the cap [s], prices.
+
+    `near` (n, g) are the tasks remembered, `partners` and `rho` the cuts of each task (see `cuts`), `best` the
+    completion bounds.
+    """
+
+    out: NDArray[np.float64]
+    between: NDArray[np.float64]
+    home: NDArray[np.float64]
+    order: NDArray[np.int64]
+    degree: NDArray[np.int64]
+    cap: float
+    width: float
+    n_bins: int
+    near: NDArray[np.int64]
+    price: NDArray[np.float64]
+    sigma: float
+    partners: NDArray[np.int64]
+    rho: NDArray[np.float64]
+    best: NDArray[np.float64]
+
+
+class Found(NamedTuple):
+    """Tours found: the labels they end in and their reduced costs [s], labels used, whether nothing was cut off."""
+
+    ends: NDArray[np.int64]
+    values: NDArray[np.float64]
+    labels: int
+    complete: bool
+
+
+def make_store(n_tasks: int, room: int) -> Store:
+    """Make room for `room` labels over `n_tasks` tasks."""
+    slots = 1 << int(2 * room - 1).bit_length()
+    return Store(
+        np.zeros((room, (n_tasks + 63) // 64), np.uint64),
+        np.zeros(room, np.int16),
+        np.zeros(room),
+        np.zeros(room),
+        np.zeros(room),
+        np.zeros(room, np.int32),
+        np.full(slots, -1, np.int32),
+    )
+
+
+def path(last: NDArray[np.int16], parent: NDArray[np.int32], label: int) -> tuple[int, ...]:
+    """Return the tasks of a label in flying order."""
+    order = []
+    while label >= 0:
+        order.append(int(last[label]))
+        label = int(parent[label])
+    return tuple(reversed(order))
+
+
+def search(
+    field: Field, store: Store, threshold: float, beam: int, tours: int, out_of_time: Callable[[], bool]
+) -> Found:
+    """Find the tours of reduced cost below `threshold`, the cheapest for each set of tasks; at most `tours` ends."""
+    ends, values, listed, complete = [], [], 0, True
+    begin, end = 0, depart(field, store, threshold)
+    while end > begin:
+        if end - begin > beam:
+            complete = False
+            end = _keep_best(store, beam, begin, end)
+        layer_ends, layer_values = _tours(field, store, threshold, begin, end)
+        ends.append(layer_ends)
+        values.append(layer_values)
+        listed += layer_ends.size
+        free, stopped = end, listed > tours
+        for low in range(begin, end, _CHUNK):
+            if stopped or out_of_time():
+                stopped = True
+                break
+            stopped, free = expand(field, store, threshold, low, min(low + _CHUNK, end), free)
+        _clear(store, end, free)
+        if stopped:
+            complete = False
+            break
+        begin, end = end, free
+    if not ends:
+        return Found(np.zeros(0, np.int64), np.zeros(0), 0, True)
+    at, value = np.concatenate(ends), np.concatenate(values)
+    chosen = _cheapest_of_each_set(at, value, store.visited)
+    return Found(at[chosen], value[chosen], end, complete)
+
+
+@numba.njit(cache=True)
+def has(words, task):  # type: ignore[no-untyped-def]
+    """Say whether a set contains a task."""
+    return (words[task >> 6] >> np.uint64(task & 63)) & np.uint64(1) != np.uint64(0)
+
+
+@numba.njit(cache=True, inline="always")
+def _hash(words, task, mask):  # type: ignore[no-untyped-def]
+    h = np.uint64(task + 1) * _GOLDEN
+    for w in range(words.size):
+        h = (h ^ words[w]) * _GOLDEN
+        h ^= h >> np.uint64(29)
+    return np.int64(h & np.uint64(mask))
+
+
+@numba.njit(cache=True, inline="always")
+def _same(a, b):  # type: ignore[no-untyped-def]
+    equal = True
+    for w in range(a.size):
+        equal = equal and a[w] == b[w]
+    return equal
+
+
+@numba.njit(cache=True)
+def depart(field, store, threshold):  # type: ignore[no-untyped-def]
+    """Make the labels of one task and return how many there are."""
+    free = 0
+    for j in range(field.home.size):
+        spent, earned = field.out[j], field.price[j]
+        if not spent <= field.cap:
+            continue
+        left = bins_left(field.cap - spent, field.width, field.n_bins)
+        least = field.sigma * spent - earned + field.best[j, left, 0]
+        if least < threshold and free < store.last.size:
+            store.visited[free] = np.uint64(0)
+            store.visited[free, j >> 6] = np.uint64(1) << np.uint64(j & 63)
+            store.last[free], store.parent[free] = j, -1
+            store.cost[free], store.gain[free], store.bound[free] = spent, earned, least
+            free += 1
+    return free
+
+
+@numba.njit(cache=True)
+def expand(field, store, threshold, low, high, free):  # type: ignore[no-untyped-def]
+    """Extend the labels low..high−1 by every task; return whether the store is full, and the next free label."""
+    mask = store.slots.size - 1
+    for label in range(low, high):
+        here, seen = store.last[label], store.visited[label]
+        fresh = seen.copy()
+        for a in range(field.degree[here]):
+            j = field.order[here, a]
+            spent = store.cost[label] + field.between[here, j]
+            if has(seen, j) or not spent <= field.cap:
+                continue
+            earned = store.gain[label] + field.price[j]
+            for q in range(field.rho.shape[1]):
+                if field.rho[j, q] > 0 and has(seen, field.partners[j, q, 0]) != has(seen, field.partners[j, q, 1]):
+                    earned -= field.rho[j, q]
+            memory = 0
+            for q in range(field.near.shape[1]):
+                if has(seen, field.near[j, q]):
+                    memory |= 1 << q
+            left = bins_left(field.cap - spent, field.width, field.n_bins)
+            least = field.sigma * spent - earned + field.best[j, left, memory]
+            if least >= threshold:
+                continue
+            bit = np.uint64(1) << np.uint64(j & 63)
+            fresh[j >> 6] |= bit
+            slot = _hash(fresh, j, mask)
+            at = store.slots[slot]
+            while at >= 0 and not (store.last[at] == j and _same(store.visited[at], fresh)):
+                slot = (slot + 1) & mask
+                at = store.slots[slot]
+            if at < 0:
+                if free == store.last.size:
+                    return True, free
+                at = free
+                free += 1
+                store.slots[slot] = at
+                store.last[at] = j
+                store.visited[at] = fresh
+                store.cost[at] = np.inf
+            fresh[j >> 6] ^= bit
+            if spent < store.cost[at]:
+                store.cost[at], store.gain[at] = spent, earned
+                store.bound[at], store.parent[at] = least, label
+    return False, free
+
+
+@numba.njit(cache=True)
+def _clear(store, begin, end):  # type: ignore[no-untyped-def]
+    """Take the labels begin..end−1, which are all that is in it, out of the hash table."""
+    slots = store.slots
+    mask = slots.size - 1
+    if (end - begin) * 8 > slots.size:
+        slots[:] = -1
+        return
+    for label in range(begin, end):
+        slot = _hash(store.visited[label], store.last[label], mask)
+        while slots[slot] >= 0:
+            slots[slot] = -1
+            slot = (slot + 1) & mask
+
+
+@numba.njit(cache=True)
+def _keep_best(store, beam, begin, end):  # type: ignore[no-untyped-def]
+    """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
+    limit = np.partition(store.bound[begin:end], beam - 1)[beam - 1]
+    free = begin
+    for label in range(begin, end):
+        if store.bound[label] <= limit and free < begin + beam:
+            store.visited[free], store.last[free] = store.visited[label], store.last[label]
+            store.cost[free], store.gain[free] = store.cost[label], store.gain[label]
+            store.bound[free], store.parent[free] = store.bound[label], store.parent[label]
+            free += 1
+    return free
+
+
+@numba.njit(cache=True)
+def _tours(field, store, threshold, begin, end):  # type: ignore[no-untyped-def]
+    """Return the labels of a layer that can fly home for less than the threshold, and at what reduced cost."""
+    ends, values, found = np.empty(end - begin, np.int64), np.empty(end - begin), 0
+    for label in range(begin, end):
+        whole = store.cost[label] + field.home[store.last[label]]
+        value = field.sigma * whole - store.gain[label]
+        if whole <= field.cap and value < threshold:
+            ends[found], values[found] = label, value
+            found += 1
+    return ends[:found].copy(), values[:found].copy()
+
+
+@numba.njit(cache=True)
+def _cheapest_of_each_set(labels, values, visited):  # type: ignore[no-untyped-def]
+    """Return the positions in `labels` of the tour of least value of every set visited, in order of discovery."""
+    size = 16
+    while size < 2 * labels.size:
+        size *= 2
+    slots = np.full(size, -1, np.int64)
+    for t in range(labels.size):
+        words = visited[labels[t]]
+        slot = _hash(words, 0, size - 1)
+        while slots[slot] >= 0 and not _same(visited[labels[slots[slot]]], words):
+            slot = (slot + 1) & (size - 1)
+        if slots[slot] < 0 or values[t] < values[slots[slot]]:
+            slots[slot] = t
+    return np.sort(slots[slots >= 0])

@@ -1,0 +1,154 @@
+"""A node of the tree: the tours it still allows, its bound, and the work that raises it.
+
+A node holds legs while its tours are too many to list, and a pool from then on. `tighten` solves the relaxation, fixes
+legs or tours away by reduced cost, lists the tours when they fit, and cuts; it ends with the node's bound past the cap,
+the relaxation solved by whole tours, or the node ready to be branched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.routing.columns.cuts import Cut, separate
+from formulations.routing.columns.enumeration import enumerate_tours
+from formulations.routing.columns.fixing import fix_legs
+from formulations.routing.columns.generation import Relaxation, generate
+from formulations.routing.columns.labelling import Store
+from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.master import Master
+from formulations.routing.columns.pool import Pool, PoolPricer
+from formulations.routing.columns.pricing import Column, Effort, Pricer, Prices
+
+_WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not listed
+_RETRY = 0.8  # of the gap at the last list that did not fit
+_CUTS_A_ROUND = 30
+_STALLED = 5e-4  # of the cap
+_ROUNDS_STALLED = 3
+_DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
+
+
+@dataclass
+class Workspace:
+    """What all nodes share: clock, label store, limits, efforts and counters."""
+
+    out_of_time: Callable[[], bool]
+    store: Store
+    tours_room: int
+    efforts: tuple[Effort, ...]
+    thorough: Effort
+    counts: dict[str, Any] = field(default_factory=dict)
+
+    def count(self, what: str, by: int = 1) -> None:
+        """Add to a counter of the statistics."""
+        self.counts[what] = self.counts.get(what, 0) + by
+
+    def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
+        """Return a pricer of one effort."""
+        return Pricer(legs, cap, effort, self.store, self.out_of_time)
+
+
+@dataclass
+class Node:
+    """Tours allowed (`pool`, or `legs` where it is None), a valid `bound` [s], columns and cuts to start from.
+
+    share : y_ki, how much of task i UAV k takes in the relaxation, shape (m, n); None unless ready to branch.
+    routes : better routes found, tours by UAV, or None; without `share` they solve the relaxation itself.
+    listing_failed : gap [s] at which the tours did not fit a list.
+    """
+
+    legs: Legs
+    bound: float
+    columns: list[Column]
+    cuts: tuple[Cut, ...] = ()
+    pool: Pool | None = None
+    listing_failed: float = np.inf
+    share: NDArray[np.float64] | None = None
+    routes: dict[int, Column] | None = None
+
+
+def tighten(node: Node, cap: float, work: Workspace) -> None:
+    """Raise the node's bound until it exceeds `cap`, `share` (ready to branch) or `routes` is set, or time is up."""
+    node.share = node.routes = None
+    node.legs = node.legs.under(cap)
+    node.pool = None if node.pool is None else node.pool.under(cap)
+    master = Master(node.legs.n_tasks, node.legs.n_uavs, 3 * cap / node.legs.n_tasks, node.cuts)
+    master.add([c for c in node.columns if c.cost <= cap])
+    stalled = 0
+    while True:
+        relaxation = generate(master, _pricers(node, cap, work), cap, work.out_of_time)
+        stalled = stalled + 1 if relaxation.bound < node.bound + _STALLED * cap else 0
+        node.bound = max(node.bound, relaxation.bound)
+        work.count("rounds", relaxation.rounds)
+        if node.bound > cap or work.out_of_time():
+            return
+        node.columns, node.cuts = list(master.columns), tuple(master.cuts)
+        if relaxation.solved:
+            node.routes = _whole_tours(master, relaxation.weight)
+            if node.routes is not None:
+                return
+        _reduce(node, relaxation, cap, work)
+        cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
+        if not cuts or stalled >= _ROUNDS_STALLED:
+            node.share = _shares(master, relaxation.weight)
+            node.routes = _routes(master.whole(_DIVE) or [], master.n)
+            return
+        master.cut_off(cuts)
+        work.count("cuts", len(cuts))
+
+
+def _pricers(node: Node, cap: float, work: Workspace) -> list[Prices]:
+    if node.pool is not None:
+        return [PoolPricer(node.pool)]
+    return [work.pricer(node.legs, cap, effort) for effort in work.efforts]
+
+
+def _reduce(node: Node, relaxation: Relaxation, cap: float, work: Workspace) -> None:
+    """Fix legs or tours away at the duals of the relaxation; list the tours where they fit."""
+    found = relaxation.duals, relaxation.bound, relaxation.least
+    if node.pool is not None:
+        node.pool = node.pool.needed(*found, cap)
+        return
+    gap = cap - relaxation.bound
+    node.legs = fix_legs(work.pricer(node.legs, cap, work.thorough), *found)
+    if gap > min(_WORTH_LISTING * cap, _RETRY * node.listing_failed):
+        return
+    node.pool = enumerate_tours(work.pricer(node.legs, cap, work.thorough), *found, work.tours_room)
+    work.count("pools" if node.pool is not None else "pools that did not fit")
+    if node.pool is None:
+        node.listing_failed = gap
+
+
+def _shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:
+    share = np.zeros((master.m, master.n))
+    for p in np.flatnonzero(weight > 1e-9):
+        column = master.columns[p]
+        share[column.uav, list(column.tasks)] += weight[p]
+    return share
+
+
+def _routes(tours: list[Column], n: int) -> dict[int, Column] | None:
+    """Return the tours by UAV where they are routes: one a UAV, every task once."""
+    routes = {column.uav: column for column in tours}
+    visited = sorted(i for column in tours for i in column.tasks)
+    return routes if len(routes) == len(tours) and visited == list(range(n)) else None
+
+
+def _whole_tours(master: Master, weight: NDArray[np.float64]) -> dict[int, Column] | None:
+    """Return a tour for each UAV in use where no task is shared, else None.
+
+    Then the tours in use of one UAV visit the same tasks; only the cheapest of them counts.
+    """
+    share = _shares(master, weight)
+    if np.abs(share - share.round()).max() > 1e-6 or not np.array_equal(share.round().sum(axis=0), np.ones(master.n)):
+        return None
+    routes: dict[int, Column] = {}
+    for p in np.flatnonzero(weight > 1e-6):
+        column = master.columns[p]
+        if column.uav not in routes or column.cost < routes[column.uav].cost:
+            routes[column.uav] = column
+    return routes

@@ -1,0 +1,155 @@
+"""Pricing: for given duals, the best tours of each UAV and a lower bound on what any tour of it can do.
+
+The Lagrangian bound. Let σ ≥ 0 with Σ_k σ_k ≤ 1 and any π. Routes of makespan z ≥ 0 that use tour p_k for UAV k (or
+none) visit every task once, so
+
+    z ≥ Σ_k σ_k c_{p_k} = Σ_i π_i + Σ_k (σ_k c_{p_k} − Σ_{i∈p_k} π_i) ≥ Σ_i π_i + Σ_k min(0, r_k) = L(σ, π),
+
+where r_k is any lower bound on the reduced cost of the tours of UAV k with cost ≤ cap. The duals need not be optimal
+or exact: the floats at hand *are* σ and π. Rounding enters only in the sums. A tour has at most n + 1 legs and prices;
+each partial sum is at most U + Σ|π| in size, so a computed reduced cost is off by at most
+γ = 4(n + 2)·2⁻⁵³·(U + Σ|π| + Σρ), and L by at most (m + 1)·γ more; `margin` is that, tenfold, and is subtracted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.routing.columns.completion import Bins, Memory, bins_left, completion, successors
+from formulations.routing.columns.cuts import Cut, by_task
+from formulations.routing.columns.labelling import Field, Store, path, search
+from formulations.routing.columns.legs import Legs
+
+_MOST_ENDS = 50_000
+
+
+@dataclass(frozen=True)
+class Column:
+    """One tour of one UAV: `tasks` in flying order, `cost` [s]."""
+
+    uav: int
+    tasks: tuple[int, ...]
+    cost: float
+
+
+@dataclass(frozen=True)
+class Duals:
+    """`price` π_i [s] of the tasks, shape (n,); `sigma` σ_k of the UAVs, shape (m,), σ ≥ 0, Σσ ≤ 1; `rent` μ_k [s];
+    `rho` ρ_S ≥ 0 of the `cuts`. Cuts are only ever appended.
+
+    μ_k is what UAV k's best known tour earns at these prices; only tours that earn more are worth adding.
+    """
+
+    price: NDArray[np.float64]
+    sigma: NDArray[np.float64]
+    rent: NDArray[np.float64]
+    rho: NDArray[np.float64]
+    cuts: tuple[Cut, ...] = ()
+
+    @property
+    def offset(self) -> float:
+        """The part of the Lagrangian bound that no tour changes: Σπ − Σρ [s]."""
+        return float(self.price.sum() - self.rho.sum())
+
+    def towards(self, other: Duals, step: float) -> Duals:
+        """Return the point `step` of the way from these duals to `other` (a convex combination, so again duals)."""
+        mine = np.zeros(len(other.cuts))
+        mine[: self.rho.size] = self.rho
+        pairs = ((self.price, other.price), (self.sigma, other.sigma), (self.rent, other.rent), (mine, other.rho))
+        price, sigma, rent, rho = ((1 - step) * a + step * b for a, b in pairs)
+        return Duals(price, sigma, rent, rho, other.cuts)
+
+    def margin(self, cap: float, m: int) -> float:
+        """Return more than all rounding errors in a Lagrangian bound at these duals can add up to [s]."""
+        n = self.price.size
+        return 40 * (m + 1) * (n + 2) * 2.0**-53 * (cap + float(np.abs(self.price).sum() + self.rho.sum()))
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How hard to price: `near` tasks remembered at each task, `bins` of time, `beam` labels a layer."""
+
+    near: int
+    bins: int
+    beam: int
+
+
+@dataclass(frozen=True)
+class Priced:
+    """What pricing found for one UAV: a lower bound on its reduced costs, its best columns, whether these are all."""
+
+    least: float
+    columns: list[Column]
+    complete: bool
+
+
+class Prices(Protocol):
+    """Anything that can price: the label search over legs, or a scan of a pool."""
+
+    n_uavs: int
+
+    def price(self, k: int, duals: Duals, threshold: float, want: int) -> Priced:
+        """Return UAV k's best `want` columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
+        ...
+
+
+class Pricer:
+    """Prices tours of cost ≤ `cap` over the legs left, with one effort, by label search."""
+
+    def __init__(
+        self, legs: Legs, cap: float, effort: Effort, store: Store, out_of_time: Callable[[], bool] = lambda: False
+    ) -> None:
+        self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
+        self.n_uavs = legs.n_uavs
+        self.memory = Memory.nearest(np.minimum.reduce(legs.between), effort.near)
+        self.bins = [Bins.of(legs.between[k], legs.home[k], cap, effort.bins) for k in range(legs.n_uavs)]
+        self.successors = [successors(b.legs, b.count) for b in self.bins]
+
+    def field(self, k: int, duals: Duals) -> Field:
+        """Return what a search for tours of UAV k runs on, completion bounds included."""
+        legs, b, (order, degree) = self.legs, self.bins[k], self.successors[k]
+        between, home, sigma = legs.between[k], legs.home[k], float(duals.sigma[k])
+        best = completion(between, home, b.legs, b.home, order, degree, self.memory.step, duals.price, sigma, b.count)
+        partners, rho = by_task(duals.cuts, duals.rho, legs.n_tasks)
+        return Field(
+            legs.out[k], between, home, order, degree, self.cap, b.width, b.count, self.memory.near, duals.price,
+            sigma, partners, rho, best,
+        )  # fmt: skip
+
+    def price(self, k: int, duals: Duals, threshold: float, want: int) -> Priced:
+        """Return UAV k's best `want` columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
+        field = self.field(k, duals)
+        least = first_completion(field)
+        if least >= threshold:
+            return Priced(least, [], True)
+        found = search(field, self.store, threshold, self.effort.beam, _MOST_ENDS, self.out_of_time)
+        if found.complete:
+            least = max(least, float(found.values.min(initial=threshold)))
+        chosen = np.argsort(found.values, kind="stable")[:want]
+        return Priced(least, [self.column(k, int(found.ends[t])) for t in chosen], found.complete)
+
+    def column(self, k: int, label: int) -> Column:
+        """Return the tour that ends with `label`."""
+        s = self.store
+        return Column(k, path(s.last, s.parent, label), float(s.cost[label] + self.legs.home[k, s.last[label]]))
+
+
+def first_completion(field: Field) -> float:
+    """Return a lower bound on the reduced cost of all tours: the best first leg and its completion."""
+    return min(
+        (
+            float(
+                field.sigma * leg
+                - field.price[j]
+                + field.best[j, bins_left(field.cap - leg, field.width, field.n_bins), 0]
+            )
+            for j, leg in enumerate(field.out)
+            if leg <= field.cap
+        ),
+        default=float("inf"),
+    )

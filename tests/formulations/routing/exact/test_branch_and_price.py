@@ -1,0 +1,170 @@
+"""branch-and-price against subset-dp, made hard on purpose: loose starts, permutations, tiny bins, no room."""
+
+import numpy as np
+import pytest
+
+from formulations.routing.branch_and_price import BranchAndPrice
+from formulations.routing.columns.completion import Bins, Memory, completion, successors
+from formulations.routing.columns.generation import generate
+from formulations.routing.columns.labelling import make_store
+from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.master import Master
+from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer, first_completion
+from formulations.routing.subset_dp import SubsetDp
+from formulations.solver import Limits, Status
+from instances import Instance, Routes, check_routes, tour_costs
+
+LIMITS = Limits(time=600.0)
+
+
+def random_instance(n: int, m: int, seed: int) -> Instance:
+    """One of four kinds: plane with a side wind, any costs, many ties and zeros, heavy tails."""
+    rng = np.random.default_rng(seed)
+    if seed % 4 == 0:
+        points = rng.uniform(0, 100, (n + m, 2))
+        leg = points[None, :, :] - points[:, None, :]
+        cost = np.hypot(leg[..., 0], leg[..., 1]) + 0.3 * leg[..., 0]
+    elif seed % 4 == 1:
+        cost = rng.uniform(0, 100, (n + m, n + m))
+    elif seed % 4 == 2:
+        cost = rng.integers(0, 9, (n + m, n + m)).astype(float)
+    else:
+        cost = rng.uniform(0, 1, (n + m, n + m)) ** 6 * 100
+    np.fill_diagonal(cost, 0.0)
+    return Instance(f"random-{n}-{m}-{seed}", cost, n, m)
+
+
+def loosened(routes: Routes, n: int, rng: np.random.Generator) -> Routes:
+    """The same routes with three tasks thrown onto the ends of any tours."""
+    tours = [list(route) for route in routes]
+    for task in rng.integers(n, size=3):
+        for tour in tours:
+            if task in tour:
+                tour.remove(task)
+        tours[rng.integers(len(tours))].append(int(task))
+    return tuple(tuple(tour) for tour in tours)
+
+
+def agrees(instance: Instance, solver: BranchAndPrice, start: Routes | None, optimum: float) -> None:
+    result = solver.solve(instance, limits=LIMITS, start=start)
+    assert result.status is Status.OPTIMAL
+    assert result.routes is not None
+    assert not check_routes(instance, result.routes)
+    assert result.objective == pytest.approx(optimum, abs=result.tolerance + 1e-12)
+    assert result.bound is not None
+    assert result.bound <= optimum * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_agrees_with_subset_dp_whatever_the_start(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n, m = int(rng.integers(1, 11)), int(rng.integers(1, 5))
+    instance = random_instance(n, m, seed)
+    oracle = SubsetDp().solve(instance, limits=LIMITS)
+    assert oracle.objective is not None
+    assert oracle.routes is not None
+    agrees(instance, BranchAndPrice(starts=1), None, oracle.objective)
+    loose = loosened(oracle.routes, n, rng)
+    agrees(instance, BranchAndPrice(starts=0, bins=int(rng.integers(1, 9)), tours=200), loose, oracle.objective)
+    everything_to_one = (tuple(range(n)), *[()] * (m - 1))
+    agrees(instance, BranchAndPrice(starts=0), everything_to_one, oracle.objective)
+    order = np.concatenate([rng.permutation(n), n + rng.permutation(m)])
+    permuted = Instance("permuted", instance.cost[np.ix_(order, order)], n, m)
+    agrees(permuted, BranchAndPrice(starts=0), everything_to_one, oracle.objective)
+
+
+def small_tours(instance: Instance, k: int, cap: float) -> list[tuple[int, ...]]:
+    """All tours of UAV k of cost ≤ cap, by plain extension."""
+    tours: list[tuple[int, ...]] = []
+    paths: list[tuple[int, ...]] = [()]
+    while paths:
+        paths = [(*p, i) for p in paths for i in instance.tasks if i not in p]
+        for path in paths:
+            routes = [()] * k + [path] + [()] * (instance.n_depots - k - 1)
+            if tour_costs(instance, routes)[k] <= cap:
+                tours.append(path)
+    return tours
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(("near", "bins"), [(0, 1), (2, 3), (4, 50)])
+def test_pricing_bounds_every_tour_at_any_duals(seed: int, near: int, bins: int) -> None:
+    instance = random_instance(5, 2, seed)
+    rng = np.random.default_rng(seed)
+    cap = float(instance.cost.mean() * 5)
+    duals = Duals(rng.normal(30, 40, 5), np.array([0.7, 0.3]), np.zeros(2), np.array([8.0]), ((0, 2, 3),))
+    pricer = Pricer(Legs.of(instance), cap, Effort(near, bins, 10**6), make_store(5, 10_000))
+    for k in range(2):
+        tours = small_tours(instance, k, cap)
+        costs = [tour_costs(instance, [()] * k + [t] + [()] * (1 - k))[k] for t in tours]
+        held = [len({0, 2, 3} & set(t)) >= 2 for t in tours]
+        values = [
+            duals.sigma[k] * c - duals.price[list(t)].sum() + 8.0 * h
+            for t, c, h in zip(tours, costs, held, strict=True)
+        ]
+        assert first_completion(pricer.field(k, duals)) <= min(values, default=np.inf) + 1e-9
+        priced = pricer.price(k, duals, 0.0, 10)
+        assert priced.complete
+        if min(values, default=0.0) < 0:
+            assert priced.least == pytest.approx(min(values), abs=1e-9)
+            assert sorted(priced.columns[0].tasks) in [sorted(t) for t, v in zip(tours, values, strict=True) if v < 0]
+
+
+def test_zero_legs_do_not_break_the_completion_bound() -> None:
+    """All tasks in one place: every leg between them has zero bins, and their prices could be collected in a circle."""
+    n, home = 6, np.full(6, 10.0)
+    between = np.zeros((n, n))
+    np.fill_diagonal(between, np.inf)
+    bins = Bins.of(between, home, 25.0, 5)
+    order, degree = successors(bins.legs, bins.count)
+    memory = Memory.nearest(between, 2)
+    price = np.full(n, 3.0)
+    best = completion(between, home, bins.legs, bins.home, order, degree, memory.step, price, 1.0, bins.count)
+    assert best[0, bins.count, 0] <= 10.0 - 3.0 * (n - 1)
+
+
+def test_bound_of_the_relaxation_never_passes_the_optimum() -> None:
+    for seed in range(4):
+        instance = random_instance(8, 2, seed)
+        optimum = SubsetDp().solve(instance, limits=LIMITS).objective
+        assert optimum is not None
+        for slack in (1.0, 1.3):
+            cap = optimum * slack * (1 + 1e-9)
+            master = Master(8, 2, cap)
+            pricer = Pricer(Legs.of(instance).under(cap), cap, Effort(4, 100, 10**6), make_store(8, 100_000))
+            assert generate(master, [pricer], cap, lambda: False).bound <= optimum * (1 + 1e-9)
+
+
+def test_out_of_time_and_out_of_nodes_still_give_routes_and_a_valid_bound() -> None:
+    instance = random_instance(14, 3, 0)
+    optimum = SubsetDp().solve(instance, limits=LIMITS).objective
+    assert optimum is not None
+    for limits in (Limits(time=0.05), Limits(time=60.0, iterations=0), Limits(time=60.0, iterations=1)):
+        result = BranchAndPrice().solve(instance, limits=limits)
+        assert result.routes is not None
+        assert not check_routes(instance, result.routes)
+        assert result.bound is None or result.bound <= optimum * (1 + 1e-12)
+
+
+def test_more_than_64_tasks() -> None:
+    """Seventy tasks on a line beside seven depots, ten to each: the farthest of each ten sets the optimum."""
+    x = np.concatenate([np.concatenate([k * 1000.0 + np.arange(1, 11) for k in range(7)]), np.arange(7) * 1000.0])
+    instance = Instance("combs", np.abs(x[:, None] - x[None, :]), 70, 7)
+    result = BranchAndPrice(starts=1).solve(instance, limits=LIMITS)
+    assert result.status is Status.OPTIMAL
+    assert result.objective == pytest.approx(20.0)
+
+
+def test_same_seed_same_answer() -> None:
+    instance = random_instance(12, 3, 4)
+    first, second = (BranchAndPrice().solve(instance, limits=LIMITS, seed=3) for _ in range(2))
+    assert first.routes == second.routes
+    assert first.bound == second.bound
+
+
+def test_a_cheaper_tour_over_known_tasks_replaces_the_known_one() -> None:
+    master = Master(2, 1, 100.0)
+    assert master.add([Column(0, (0, 1), 10.0)]) == 1
+    assert master.add([Column(0, (1, 0), 8.0)]) == 1
+    assert master.add([Column(0, (0, 1), 9.0)]) == 0
+    assert master.solve()[0] == pytest.approx(8.0)

@@ -20,11 +20,16 @@ SOLVERS: dict[str, tuple[str, str]] = {
     "milp": ("formulations.routing.milp:Milp", "the paper's MILP on CP-SAT, subtour cuts added lazily"),
     "circuit": ("formulations.routing.circuit:Circuit", "CP-SAT circuit constraints, one giant circuit"),
     "subset-dp": ("formulations.routing.subset_dp:SubsetDp", "Held–Karp over all subsets, then a min-max partition"),
+    "branch-and-price": (
+        "formulations.routing.branch_and_price:BranchAndPrice",
+        "set partitioning by columns, ng-route pricing; strongest where tours are short",
+    ),
     "ga": ("formulations.routing.ga:GeneticAlgorithm", "the paper's genetic algorithm (Ombuki-Berman & Hanshar 2009)"),
     "routing-library": (
         "formulations.routing.routing_library:RoutingLibrary",
         "OR-Tools routing, the off-the-shelf choice",
     ),
+    "memetic": ("formulations.routing.search.memetic:Memetic", "state-of-the-art min-max search, for the best routes"),
     "ruin-recreate": (
         "formulations.routing.search.ruin_recreate:RuinRecreate",
         "annealed ruin-and-recreate with p-norm insertion, one trajectory",

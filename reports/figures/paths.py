@@ -1,14 +1,21 @@
-"""Paths of the moving cost on the map: the paper's figure of a wind field, the tasks, and paths from one start."""
+"""Moving costs: the paper's figure of paths from one start, the methods compared, and the paper's scaling claim."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
+from matplotlib import rc_context
+
 from instances.paths import Paths
 from instances.scenario import Scenario
-from reports.figures.style import COLOURS, INK, PAPER, new_figure
+from reports.figures.style import COLOURS, DASHES, INK, MARKERS, PAPER, RC, new_figure, plain
 from reports.figures.svg import Drawn, save_figure
 from reports.figures.wind import KM, map_axes, wind_arrows
+
+LEAST = 1e-7
+"""Excess under which paths count as equal in a figure."""
 
 
 def save_paths(scenario: Scenario, paths: Paths, path: Path | str, start: int | None = None) -> None:
@@ -21,26 +28,92 @@ def draw_paths(scenario: Scenario, paths: Paths, start: int | None = None) -> Dr
     node = paths.n_nodes - scenario.n_depots if start is None else start
     points = scenario.points
     n = len(points) - scenario.n_depots
-    figure = new_figure(7.2, 3.9)
-    for axes, outward in zip(figure.subplots(1, 2, sharey=True), (True, False), strict=True):
-        map_axes(axes, scenario.free)
-        if scenario.wind is not None:
-            wind_arrows(axes, scenario.wind, scenario.free)
-        for other in range(len(points)):
-            if other != node:
-                line = paths.between(node, other) if outward else paths.between(other, node)
-                axes.plot(*(line.T / KM), color=COLOURS[0] if outward else COLOURS[1], linewidth=0.9, zorder=3)
-        axes.scatter(*(points[:n].T / KM), s=12, color=INK, zorder=4, linewidths=0)
-        axes.scatter(*(points[n:].T / KM), s=34, marker="s", color=INK, edgecolors=PAPER, linewidths=0.9, zorder=5)
-        axes.scatter(*(points[node] / KM), s=170, marker="*", color=COLOURS[3], edgecolors=PAPER, zorder=6)
-        axes.set_title("outward" if outward else "back")
-        if not outward:
-            axes.set_ylabel("")
-    figure.suptitle(f"{scenario.name}: paths from node {node} and back to it, airspeed {scenario.airspeed:g} m/s")
+    with rc_context(RC):
+        figure = new_figure(7.2, 3.9)
+        for axes, outward in zip(figure.subplots(1, 2, sharey=True), (True, False), strict=True):
+            map_axes(axes, scenario.free)
+            if scenario.wind is not None:
+                wind_arrows(axes, scenario.wind, scenario.free)
+            for other in range(len(points)):
+                if other != node:
+                    line = paths.between(node, other) if outward else paths.between(other, node)
+                    axes.plot(*(line.T / KM), color=COLOURS[0] if outward else COLOURS[1], linewidth=0.9, zorder=3)
+            axes.scatter(*(points[:n].T / KM), s=12, color=INK, zorder=4, linewidths=0)
+            axes.scatter(*(points[n:].T / KM), s=34, marker="s", color=INK, edgecolors=PAPER, linewidths=0.9, zorder=5)
+            axes.scatter(*(points[node] / KM), s=170, marker="*", color=COLOURS[3], edgecolors=PAPER, zorder=6)
+            axes.set_title(f"{'from' if outward else 'back to'} node {node}, airspeed {scenario.airspeed:g} m/s")
+            if not outward:
+                axes.set_ylabel("")
     return Drawn(
         "paths",
         "Paths of the moving cost",
-        "The cheapest paths from one node (star) to every task (dots) and depot (squares), and back, among the no-fly "
-        "zones (grey) in the wind (arrows). The two differ: with the wind a detour pays, against it the straight way.",
+        "The cheapest paths from one node (star) to every task (dots) and depot (squares), and back, among the "
+        "no-fly zones (grey) in the wind (arrows). The two differ: with the wind a detour pays, against it the "
+        "straight way.",
+        figure,
+    )
+
+
+def draw_methods(methods: pd.DataFrame) -> Drawn:
+    """Return excess over the best known path against CPU time, a row of `methods` a mark.
+
+    Columns: method, options, cpu [s], mean, p95, largest (relative excess over all pairs).
+    """
+    with rc_context(RC):
+        figure = new_figure(7.2, 3.4)
+        axes = figure.subplots()
+        for k, (name, rows) in enumerate(methods.groupby("method", sort=False)):
+            colour = COLOURS[k % len(COLOURS)]
+            for _, row in rows.iterrows():
+                shown = np.maximum([row["mean"], row["p95"], row["largest"]], LEAST)
+                axes.plot([row["cpu"]] * 2, shown[[0, 2]], color=colour, linewidth=1.0, alpha=0.7)
+                axes.scatter(row["cpu"], shown[1], s=26, marker="_", color=colour)
+                axes.annotate(
+                    str(row["options"]),
+                    (row["cpu"], shown[0]),
+                    xytext=(5, -3),
+                    textcoords="offset points",
+                    fontsize=7.5,
+                )
+            marks = np.maximum(rows["mean"], LEAST)
+            axes.scatter(rows["cpu"], marks, s=34, marker=MARKERS[k], color=colour, label=str(name), zorder=3)
+        axes.set(xscale="log", yscale="log", xlabel="CPU time, all pairs [s]", ylabel="excess over the best known path")
+        low, high = axes.get_xlim()
+        axes.set_xlim(low, high * 2.5)
+        axes.set_ylim(bottom=LEAST / 2)
+        plain(axes.xaxis)
+        axes.legend(loc="upper right")
+    return Drawn(
+        "methods",
+        "Methods compared",
+        "Relative excess of each method's paths over the best known ones, against the CPU time for all pairs: mean "
+        f"(mark), 95 % quantile (dash) and largest (end of the line); below {LEAST:g} shown as {LEAST:g}. Lower left "
+        "is better.",
+        figure,
+    )
+
+
+def draw_claim(scaling: pd.DataFrame) -> Drawn:
+    """Return the paper's scaling claim measured: CPU time against the number of starts, a column a way to plan.
+
+    Columns: starts, and CPU times [s] of "one query a pair", "one tree a start", "shared edges", "refined".
+    """
+    with rc_context(RC):
+        figure = new_figure(7.2, 3.4)
+        axes = figure.subplots()
+        for k, name in enumerate(c for c in scaling.columns if c != "starts"):
+            axes.plot(
+                scaling["starts"], scaling[name], color=COLOURS[k], marker=MARKERS[k], linestyle=DASHES[k], label=name
+            )
+        axes.set(xscale="log", yscale="log", xlabel="number of starts n", ylabel="CPU time [s]")
+        axes.set_xticks(scaling["starts"])
+        plain(axes.xaxis)
+        plain(axes.yaxis)
+        axes.legend(loc="upper left")
+    return Drawn(
+        "claim",
+        "n planning problems instead of n², and shared edges",
+        "FMT* with one query for each of the n(n − 1) pairs (extrapolated from one), with one tree for each start, and "
+        "with trees that share what is known about edges; and refined, which polishes every pair.",
         figure,
     )

@@ -15,7 +15,6 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from reports.metrics import contradictions, penalised, time_to_proof
-from reports.metrics.targets import proved
 from reports.statistics import ALPHA, bootstrap_interval, holm, signed_rank
 from reports.statistics.pairwise import enough
 
@@ -66,7 +65,7 @@ def compare_stores(new: pd.DataFrame, baseline: pd.DataFrame) -> Comparison:
         for digest, (now, before) in pd.DataFrame({"now": cost_a, "before": cost_b}).iterrows():
             changed = _relative(np.array([now]), np.array([before]))[0]
             each.append((names[digest], method, before, now, changed, _word(changed, QUALITY_ROUNDING)))
-        if proved(a).any() or proved(b).any():
+        if a["proved"].any() or b["proved"].any():
             time_a, time_b = (_medians(f, penalised(time_to_proof(f), f["time_limit"])) for f in (a, b))
             rows.append((method, "time to proof", *_compared(time_a, time_b, TIME_ROUNDING)))
     methods = _judged(pd.DataFrame(rows, columns=METHOD_COLUMNS[:-2]))
@@ -139,7 +138,7 @@ def _pairing(paired: int, new: int, baseline: int) -> str:
 def _proofs(mine: pd.DataFrame, theirs: pd.DataFrame) -> list[str]:
     said = []
     for method in sorted(mine["method"].unique()):
-        now, before = (set(f.loc[proved(f) & (f["method"] == method), "instance"]) for f in (mine, theirs))
+        now, before = (set(f.loc[f["proved"] & (f["method"] == method), "instance"]) for f in (mine, theirs))
         if now != before:
             won, lost = sorted(now - before), sorted(before - now)
             said.append(f"{method}: {_named(won)} newly proved, {_named(lost)} no longer.")

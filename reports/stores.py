@@ -19,6 +19,7 @@ import pandas as pd
 
 from instances import InputError, Instance, check_routes, tour_costs
 from instances.files import read_instance
+from reports.proofs import RELATIVE_ROUNDING, holds
 from reports.runfile import read_json, read_run
 
 COLUMNS: dict[str, str] = {
@@ -43,6 +44,7 @@ COLUMNS: dict[str, str] = {
     "bound": "lower bound [s]",
     "gap": "(objective - bound) / objective",
     "value": "C_max re-computed from the routes [s]; nothing where there are none or the claim is wrong",
+    "proved": "whether the run proved its routes optimal, as far as the stored figures can tell (`reports.proofs`)",
     "elapsed": "wall clock of the solve [s]",
     "stopped_by": "what ended the run",
     "message": "one sentence",
@@ -66,8 +68,6 @@ COLUMNS: dict[str, str] = {
 _IDENTITY = ["digest", "solver", "options", "seed", "time_limit", "threads", "iterations"]
 LONGEST_LABEL = 36
 """Longer names of methods do not fit into legends."""
-RELATIVE_ROUNDING = 1e-9
-"""Two costs that differ by less than this share differ by floating-point rounding only."""
 
 
 @dataclass(frozen=True)
@@ -218,6 +218,7 @@ def _frame(rows: list[dict[str, Any]], warnings: list[str]) -> pd.DataFrame:
     if twice.any():
         warnings.append(f"{int(twice.sum())} runs are stored more than once; the latest of each is used.")
         frame = frame[~twice].reset_index(drop=True)
+    frame["proved"] = holds(frame)
     digests = frame.groupby("instance")["digest"].transform("nunique")
     frame["instance"] = frame["instance"].where(digests == 1, frame["instance"] + "-" + frame["digest"].str[:4])
     limits = (

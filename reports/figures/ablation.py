@@ -18,7 +18,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 from reports.figures.style import FAINT, INK, RC, new_figure, styles
 from reports.figures.svg import Drawn
 from reports.metrics.means import SHIFT, penalised
-from reports.metrics.targets import proved, time_to_proof
+from reports.metrics.targets import time_to_proof
 from reports.statistics import bootstrap_interval
 
 _FACTORS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
@@ -44,7 +44,7 @@ def worth(runs: pd.DataFrame, solver: str) -> list[Worth]:
     times = penalised(time_to_proof(own), own["time_limit"]) + SHIFT
     table = times.groupby([own["digest"], own["method"]]).median().unstack()
     gaps = own["gap"].clip(lower=0).fillna(1.0).groupby([own["digest"], own["method"]]).median().unstack()
-    shares = proved(own).groupby(own["method"]).mean()
+    shares = own.groupby("method")["proved"].mean()
     default = _default(own)
     found = []
     for method in [default, *sorted(str(m) for m in table if m != default)]:

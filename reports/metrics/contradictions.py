@@ -8,7 +8,7 @@ Each is decided from the routes' re-computed costs and the stored bounds alone:
 * *bound above routes*: a lower bound above the cost of any run's right routes on the same instance;
 * *bound above best known*: a lower bound above the best known value of the literature;
 * *OPTIMAL with a gap*: a proof claimed although cost and bound differ by more than the stated tolerance, or
-  although that tolerance is itself more than `WIDEST_TOLERANCE` of the cost;
+  although that tolerance is itself more than `proofs.WIDEST_TOLERANCE` of the cost;
 * *INFEASIBLE refuted*: an instance called infeasible for which another run has routes.
 
 The idea of letting solvers contradict each other comes from PAVER (GAMS World).
@@ -22,10 +22,8 @@ from typing import Any
 import pandas as pd
 
 from reports.metrics.gaps import references
-from reports.stores import RELATIVE_ROUNDING
+from reports.proofs import RELATIVE_ROUNDING, gap_left
 
-WIDEST_TOLERANCE = 1e-3
-"""A proof within more than this share of the cost is not called one."""
 KNOWN_ROUNDING = 1e-6
 """Best known values of the literature are rounded; a bound above one by less than this share says nothing."""
 
@@ -102,9 +100,6 @@ def _bound_above_known(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
 
 def _optimal_with_gap(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
     cost = runs["recomputed"].fillna(runs["objective"])
-    allowed = runs["tolerance"].fillna(0.0).clip(lower=0.0)
-    rounding = RELATIVE_ROUNDING * cost.abs()
-    open_gap = runs["bound"].isna() | (cost - runs["bound"] > allowed.clip(upper=WIDEST_TOLERANCE * cost) + rounding)
 
     def sentence(run: Any) -> str:
         cost = run.recomputed if run.recomputed == run.recomputed else run.objective
@@ -115,7 +110,7 @@ def _optimal_with_gap(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
             f"{(cost - run.bound) / cost:.2%} (stated tolerance {run.tolerance:.3g} s)."
         )
 
-    return (runs["status"] == "OPTIMAL") & cost.notna() & open_gap, sentence
+    return (runs["status"] == "OPTIMAL") & cost.notna() & gap_left(runs, cost), sentence
 
 
 def _infeasible_refuted(runs: pd.DataFrame) -> tuple[pd.Series, Any]:

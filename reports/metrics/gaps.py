@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from reports.stores import RELATIVE_ROUNDING
+from reports.proofs import RELATIVE_ROUNDING
 
 GAPS = ["gap_known", "gap_found", "gap_bound"]
 
@@ -27,7 +27,8 @@ def references(runs: pd.DataFrame) -> pd.DataFrame:
     groups = runs.groupby("digest")
     found = pd.DataFrame({"best_known": groups["best_known"].min(), "best_found": groups["value"].min()})
     found["best"] = found[["best_known", "best_found"]].min(axis=1)
-    limit = runs["digest"].map(found["best_found"]).fillna(np.inf) * (1 + RELATIVE_ROUNDING)
+    costs = runs["recomputed"].fillna(runs["value"]).groupby(runs["digest"]).transform("min")
+    limit = costs.fillna(np.inf) * (1 + RELATIVE_ROUNDING)
     found["best_bound"] = runs["bound"].where(runs["bound"] <= limit).groupby(runs["digest"]).max()
     return found
 

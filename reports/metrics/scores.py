@@ -11,8 +11,8 @@ import pandas as pd
 from reports.metrics.gaps import with_gaps
 from reports.metrics.integrals import with_integrals
 from reports.metrics.means import penalised, shifted_geometric_mean
-from reports.metrics.targets import proved, time_to_proof, time_to_target
-from reports.stores import RELATIVE_ROUNDING
+from reports.metrics.targets import time_to_proof, time_to_target
+from reports.proofs import RELATIVE_ROUNDING
 
 CERTIFIED = 0.01
 """Routes count as certified where the best bound of any run proves them within this share of the optimum."""
@@ -76,7 +76,7 @@ def instance_table(runs: pd.DataFrame) -> pd.DataFrame:
     groups = known.groupby("digest")
     table = groups[about].first()
     table["gap"] = groups["gap_bound"].min()
-    table["proved"] = proved(known).groupby(known["digest"]).any()
+    table["proved"] = groups["proved"].any()
     right = known[known["value"] <= known["best_found"] * (1 + RELATIVE_ROUNDING)]
     first = right.sort_values("elapsed").drop_duplicates("digest").set_index("digest")
     table["best_method"] = first["method"]
@@ -90,7 +90,7 @@ def _measured(runs: pd.DataFrame) -> pd.DataFrame:
     limits = known["time_limit"]
     return known.assign(
         _solved=solved,
-        _proved=proved(known),
+        _proved=known["proved"],
         _failed=known["status"].isin(["KILLED", "ERROR"]),
         _certified=known["gap_bound"] <= CERTIFIED,
         _time=penalised(known["elapsed"].where(solved), limits),

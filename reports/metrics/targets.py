@@ -7,7 +7,7 @@ import pandas as pd
 
 from reports.metrics.gaps import with_gaps
 from reports.metrics.integrals import finished_traces
-from reports.stores import RELATIVE_ROUNDING
+from reports.proofs import RELATIVE_ROUNDING
 
 
 def time_to_target(runs: pd.DataFrame, targets: list[float]) -> pd.DataFrame:
@@ -28,9 +28,4 @@ def time_to_target(runs: pd.DataFrame, targets: list[float]) -> pd.DataFrame:
 
 def time_to_proof(runs: pd.DataFrame) -> pd.Series:
     """Return how long each run took to prove its routes optimal [s]; infinite where it did not."""
-    return runs["elapsed"].where(proved(runs), np.inf)
-
-
-def proved(runs: pd.DataFrame) -> pd.Series:
-    """Return which runs ended OPTIMAL with routes whose cost is right."""
-    return (runs["status"] == "OPTIMAL") & runs["value"].notna()
+    return runs["elapsed"].where(runs["proved"], np.inf)

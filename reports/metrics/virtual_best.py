@@ -10,8 +10,7 @@ import numpy as np
 import pandas as pd
 
 from reports.metrics.gaps import with_gaps
-from reports.metrics.targets import proved
-from reports.stores import RELATIVE_ROUNDING
+from reports.proofs import RELATIVE_ROUNDING
 
 
 def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
@@ -20,7 +19,7 @@ def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
     Medians over the seeds of the winning method; instances nobody solved are left out.
     """
     known = with_gaps(runs)
-    known = known.assign(proved=proved(known).astype(float), value=known["value"].fillna(np.inf))
+    known = known.assign(proved=known["proved"].astype(float), value=known["value"].fillna(np.inf))
     each = known.groupby(["digest", "method"]).agg(
         instance=("instance", "first"),
         value=("value", "median"),
@@ -42,7 +41,7 @@ def contributions(runs: pd.DataFrame) -> pd.DataFrame:
     values = values.fillna(np.inf)
     least = values.min(axis=1)
     is_best = values.le(least * (1 + RELATIVE_ROUNDING), axis=0) & np.isfinite(values)
-    proofs = proved(runs).groupby([runs["digest"], runs["method"]]).any().unstack(fill_value=False)
+    proofs = runs.groupby(["digest", "method"])["proved"].any().unstack(fill_value=False)
     rows = {
         "best": is_best.sum(),
         "alone": is_best[is_best.sum(axis=1) == 1].sum(),

@@ -116,3 +116,14 @@ def test_feasible_routes_of_a_refuted_run_still_refute_a_bound(store):
     plant("*/milp-default*.json", bound=lambda r: 1.02 * r["objective"], objective=lambda r: 1.03 * r["objective"])
     kinds = contradictions(load(root)).groupby("method")["kind"].agg(set)
     assert kinds["milp"] == {"wrong cost", "bound above routes"}
+
+
+@pytest.mark.parametrize("place", [5, 6, 7, 8])
+def test_a_proof_that_does_not_hold_is_none(store, place):
+    root, plant = store
+    before = load(root)
+    _, pattern, keys, _ = LIES[place]
+    plant(pattern.replace("milp-c*", "milp-d*"), **keys)
+    after = load(root)
+    assert before["proved"].sum() - after["proved"].sum() == 1
+    assert summary(after).loc["milp", "proved"] == 0.5

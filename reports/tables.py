@@ -15,10 +15,11 @@ from reports import numbers
 from reports.metrics import instance_table, summary, with_gaps
 
 RUN_COLUMNS = [
-    "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "solver", "method", "options", "proves", "seed",
-    "time_limit", "threads", "iterations", "status", "objective", "bound", "gap", "value", "best_known", "best_found",
-    "best_bound", "proved", "gap_known", "gap_found", "gap_bound", "stopped_by", "tolerance", "claimed_objective",
-    "fault", "message", "elapsed", "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory", "environment", "created",
+    "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "solver", "method", "options", "proves",
+    "seed", "time_limit", "threads", "iterations", "status", "objective", "bound", "gap", "value", "best_known",
+    "best_found", "best_bound", "proved", "gap_known", "gap_found", "gap_bound", "stopped_by", "tolerance",
+    "claimed_objective", "fault", "message", "elapsed", "prepare_elapsed", "wall_elapsed", "cpu_seconds",
+    "peak_memory", "environment", "created",
 ]  # fmt: skip
 """Columns of ``results.csv``; those from `elapsed` on differ between two executions of the same runs."""
 

@@ -55,7 +55,8 @@ def draw_trials(
         *(
             np.array([np.nan if value is None else value for value in column], dtype=float)
             for column in zip(
-                *((t.n, t.mi1, t.mi2, t.length / 1000, t.uncovered, t.planning_noise) for t in done), strict=True
+                *((t.n, t.mi1, t.mi2, t.lawnmower, t.length / 1000, t.uncovered, t.planning_noise) for t in done),
+                strict=True,
             )
         )
     )

@@ -21,8 +21,8 @@ from instances.errors import InputError
 from workbench.placing import write_placement
 
 COLUMNS = (
-    "n", "length", "mutual_information", "mi1", "mi2", "per_km", "planning_noise", "uncovered", "uncovered_tasks",
-    "mean_sd", "highest_sd",
+    "n", "length", "mutual_information", "mi1", "mi2", "lawnmower", "per_km", "planning_noise", "uncovered",
+    "uncovered_tasks", "mean_sd", "highest_sd",
 )  # fmt: skip
 
 
@@ -155,12 +155,13 @@ def _csv(done: list[Trial]) -> str:
 
 
 def _text(done: list[Trial], advice: Recommendation) -> str:
-    lines = ["   n     km    MI1    MI2  nats/km  sigma_T  uncovered  highest sd"]
+    lines = ["   n     km    MI1    MI2  lawnmower  nats/km  sigma_T  uncovered  highest sd"]
     for t in done:
         per_km = "      -" if t.per_km is None else f"{t.per_km:7.2f}"
         noise = "      -" if t.planning_noise is None else f"{t.planning_noise:7.3f}"
+        mown = "        -" if t.lawnmower is None else f"{t.lawnmower:9.1f}"
         lines.append(
-            f"{t.n:4d} {t.length / 1000:6.1f} {t.mi1:6.1f} {t.mi2:6.1f}  {per_km}  {noise}  {t.uncovered:8.1%}"
+            f"{t.n:4d} {t.length / 1000:6.1f} {t.mi1:6.1f} {t.mi2:6.1f}  {mown}  {per_km}  {noise}  {t.uncovered:8.1%}"
             f"  {t.highest_sd:10.2f}"
         )
     edges = f"underfitted below {advice.underfitted_below}, overfitted above {advice.overfitted_above}"

@@ -7,7 +7,9 @@ For each n: place n tasks, join them by one closed tour, sense every `spacing` a
     σ_T(n)  : IG(P_T; σ_T) = MI2(n)   the planning noise that closes the gap ("the noise level is less" in the paper)
     uncovered(n): share of the region whose posterior sd after the tour stays over a limit
 
-IG is used for both so that they are comparable: it does not depend on the test points. Few tasks leave much of the
+    lawnmower(n)                      IG along lanes to and fro of the same length     [nats]
+
+IG is used for all so that they are comparable: it does not depend on the test points. Few tasks leave much of the
 region uncovered (the paper's underfitted); with many, another kilometre of tour tells little (overfitted).
 """
 
@@ -20,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from formulations.mapping.lawnmower import lanes
 from formulations.task_location.criterion import Array, Criterion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, lattice, place
 from formulations.task_location.tour import along, closed_tour, tour_length
@@ -36,6 +39,7 @@ class Trial:
     mi1, mi2 [nats], planning_noise : σ_T, None where no σ_T between 1e-6 and 1e3 closes the gap.
     uncovered : share of the region with a posterior sd over the limit after the tour, 0 to 1; uncovered_tasks after
     readings at the tasks alone. mean_sd, highest_sd : posterior sd after the tour.
+    lawnmower [nats] : IG along a lawnmower track of this tour's length; None where no number of lanes comes near it.
     per_km [nats/km] : MI2 more than the trial before, for every km of tour more; None where the tour is no longer.
     """
 
@@ -51,6 +55,7 @@ class Trial:
     mean_sd: float
     highest_sd: float
     per_km: float | None = None
+    lawnmower: float | None = None
 
     @property
     def n(self) -> int:
@@ -90,6 +95,7 @@ def trials(
     kernel, noise_sd = criterion.kernel, criterion.noise_sd
     step = min(kernel.length_scales) / 4 if spacing is None else spacing
     eye = lattice(region, 101)
+    tracks = lawnmower_tracks(region, criterion, step)
     done: list[Trial] = []
     for n in sorted(set(numbers)):
         placement = place(PlacementProblem(region, criterion, n), method, name, seed=seed)
@@ -112,11 +118,30 @@ def trials(
             mean_sd=float(after.mean()),
             highest_sd=float(after.max()),
             per_km=(mi2 - done[-1].mi2) / (more / 1000) if more > 1.0 else None,
+            lawnmower=_at(tracks, length),
         )
         done.append(trial)
         if observe is not None:
             observe(trial)
     return done
+
+
+def lawnmower_tracks(region: Region, criterion: Criterion, step: float, most: int = 25) -> Array:
+    """Return length [m] and IG [nats] of closed lawnmower tracks of 1 to `most` lanes, ascending, shape (most, 2)."""
+    found = []
+    for count in range(1, most + 1):
+        track = lanes(region, count, 0)
+        order = list(range(len(track)))
+        gain = information_gain(criterion.kernel, criterion.noise_sd, along(track, order, step))
+        found.append((tour_length(track, order), gain))
+    return np.array(sorted(found))
+
+
+def _at(tracks: Array, length: float) -> float | None:
+    """Return the information of a track of `length` between those tried, or None outside them."""
+    if not tracks[0, 0] <= length <= tracks[-1, 0]:
+        return None
+    return float(np.interp(length, tracks[:, 0], tracks[:, 1]))
 
 
 def planning_noise(criterion: Criterion, points: Array, target: float) -> float | None:
@@ -157,6 +182,9 @@ def recommend(done: list[Trial], *, most_uncovered: float = 0.01) -> Recommendat
     reason += f" ({best.uncovered:.1%}" + (f"; {bare[-1].n} leave {bare[-1].uncovered:.1%})" if bare else ")")
     if first is not None and here is not None:
         reason += f"; a kilometre of tour more tells {here:.2f} nats here, {first:.2f} at n = {done[0].n}"
+    if best.lawnmower is not None:
+        reason += f"; a lawnmower of the same {best.length / 1000:.0f} km gathers {best.lawnmower:.0f} nats, this tour"
+        reason += f" {best.mi2:.0f}"
     reason += f"; the knee of MI2 against kilometres is at n = {_knee(done).n}"
     return Recommendation(best.n, reason, best.n, flat[0].n if flat else done[-1].n)
 

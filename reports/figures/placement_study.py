@@ -29,11 +29,12 @@ class Tour(NamedTuple):
 
 
 class Curves(NamedTuple):
-    """What is drawn against n, one value each: MI1, MI2 [nats], km of tour, share uncovered, σ_T (NaN: none)."""
+    """What is drawn against n: MI1, MI2, a lawnmower's [nats], km of tour, share uncovered, σ_T; NaN where none."""
 
     n: Array
     mi1: Array
     mi2: Array
+    lawnmower: Array
     km: Array
     uncovered: Array
     planning_noise: Array
@@ -62,9 +63,9 @@ def draw_study(region: Region, tours: Sequence[Tour], curves: Curves, recommende
         "How many tasks",
         "Above: the closed tour through few, the recommended number of, and many tasks, over the posterior standard "
         "deviation after sensing along it; too few leave dark gaps, too many fly over what is known. Below, against "
-        "the number of tasks (dashed: the recommended one): information at the tasks alone (MI1) and along the tour "
-        "(MI2); share of the region left over the sd limit; information gained by another kilometre of tour; and the "
-        "planning noise σ_T that would make MI1 equal MI2.",
+        "the number of tasks (dashed: the recommended one): information at the tasks alone (MI1), along the tour "
+        "(MI2), and along a lawnmower track of the same length; share of the region left over the sd limit; "
+        "information gained by another kilometre of tour; and the planning noise σ_T that would make MI1 equal MI2.",
         figure,
     )
 
@@ -72,6 +73,8 @@ def draw_study(region: Region, tours: Sequence[Tour], curves: Curves, recommende
 def _curves(panels: Any, curves: Curves, recommended: int) -> None:
     (information, uncovered), (marginal, noise) = panels
     information.plot(curves.n, curves.mi2, color=COLOURS[1], marker="s", markersize=3, label="MI2, along the tour")
+    mown = {"color": FAINT, "linestyle": (0, (1.2, 1.4)), "label": "a lawnmower of the same length"}
+    information.plot(curves.n, curves.lawnmower, **mown)
     information.plot(curves.n, curves.mi1, color=COLOURS[0], marker="o", markersize=3, label="MI1, at the tasks")
     information.set_ylabel("information [nats]")
     information.legend(loc="lower right")

@@ -9,9 +9,10 @@ import pytest
 from shapely.geometry import Polygon
 
 from formulations.kernel import SquaredExponential
+from formulations.mapping.lawnmower import lanes
 from formulations.task_location.criterion import Criterion
 from formulations.task_location.fewest import _Spread, fewest_tasks, tasks_needed, watch_points, worst_sd
-from formulations.task_location.how_many import Trial, planning_noise, recommend, trials
+from formulations.task_location.how_many import Trial, lawnmower_tracks, planning_noise, recommend, trials
 from formulations.task_location.registry import make_method
 from formulations.task_location.tour import along, tour_length
 from formulations.task_location.uncertainty import information_gain, posterior_sd
@@ -52,8 +53,18 @@ def test_trials_say_what_their_points_are_worth():
         assert trial.mi1 == pytest.approx(information_gain(LONG, 1.0, trial.points))
         assert trial.mi2 > trial.mi1
         assert trial.uncovered <= trial.uncovered_tasks
+        assert trial.lawnmower is None or trial.lawnmower > 0
     first, second = done
     assert second.per_km == pytest.approx((second.mi2 - first.mi2) / ((second.length - first.length) / 1000))
+
+
+def test_lawnmower_of_two_lanes():
+    criterion = Criterion(LONG, SQUARE.cell_centres(4, 4))
+    tracks = lawnmower_tracks(SQUARE, criterion, 1000.0, most=2)
+    # one lane is flown there and back; two lanes, half a spacing inside, make a rectangle
+    assert tracks[1, 0] == pytest.approx(tour_length(lanes(SQUARE, 2, 0), [0, 1, 2, 3]))
+    corners = lanes(SQUARE, 2, 0)
+    assert tracks[1, 1] == pytest.approx(information_gain(LONG, 1.0, along(corners, [0, 1, 2, 3], 1000.0)))
 
 
 def trial(n: int, km: float, mi2: float, uncovered: float) -> Trial:

@@ -22,8 +22,9 @@ Floating point: all bounds are Lagrangian, valid at any duals, with an explicit 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -87,23 +88,41 @@ class BranchAndPrice(Solver):
     ) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of the tree. Deterministic but for the clock."""
         recorder = Recorder(instance, limits, observe, start)
-        recorder.incumbent(tuple(tuple(instance.tasks) if k == 0 else () for k in range(instance.n_depots)))
-        self._improve(recorder, 1000 * seed, self.starts)
-        store = make_store(instance.n_tasks, self.labels)
-        work = Workspace(lambda: recorder.remaining <= 0, store, self.tours, *self._efforts(instance.n_tasks))
-        tree = Tree(Legs.of(instance), _columns(recorder), work)
+        self.improve(recorder, 1000 * seed, self.starts)
+        ended, counts = self.prove(recorder, seed, lambda: False)
+        proved = ended == "proof"
+        return recorder.result(ended, proved=proved, tolerance=2 * TOLERANCE * recorder.objective, **counts)
+
+    def prove(self, recorder: Recorder, seed: int, stop: Callable[[], bool]) -> tuple[str, dict[str, Any]]:
+        """Raise the recorder's bound to its incumbent, improving both; return what ended it, and counters.
+
+        The incumbent may also be improved from outside meanwhile, in `stop`, which is asked often and ends the work.
+        """
+        if recorder.objective == 0:
+            return "proof", {}
+        n, limits = recorder.instance.n_tasks, recorder.limits
+        work = Workspace(
+            lambda: recorder.remaining <= 0 or stop(), make_store(n, self.labels), self.tours, *self._efforts(n)
+        )
+        tree = Tree(Legs.of(recorder.instance), _columns(recorder), work)
         incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
         nodes = np.inf if limits.iterations is None else limits.iterations
         proved = tree.grow(incumbent, min(1, nodes))
-        if not proved and nodes > 1:
-            self._improve(recorder, 1000 * seed + self.starts, _MORE_STARTS * self.starts)
+        if not proved and nodes > 1 and not work.out_of_time():
+            self.improve(recorder, 1000 * seed + self.starts, _MORE_STARTS * self.starts)
             proved = tree.grow(incumbent, nodes - 1)
         recorder.raise_bound(tree.bound(incumbent.cap()) * (1 - 1e-12))
-        ended = "proof" if proved else "time" if recorder.remaining <= 0 else "iterations"
-        return recorder.result(ended, proved=proved, tolerance=2 * TOLERANCE * recorder.objective, **work.counts)
+        if proved:
+            return "proof", work.counts
+        if tree.stuck:
+            return "memory", work.counts
+        return "time" if work.out_of_time() else "iterations", work.counts
 
-    def _improve(self, recorder: Recorder, seed: int, runs: int) -> None:
-        """Search `runs` times, from different seeds, within a third of the time left."""
+    def improve(self, recorder: Recorder, seed: int, runs: int) -> None:
+        """Make sure that there are routes; search `runs` times, from different seeds, for a third of the time left."""
+        everything_to_one: list[tuple[int, ...]] = [() for _ in recorder.instance.depots]
+        everything_to_one[0] = tuple(recorder.instance.tasks)
+        recorder.incumbent(tuple(everything_to_one))
         steps = _STEPS_A_TASK * min(max(recorder.instance.n_tasks, 10), 200)
         share = recorder.remaining / (3 * max(runs, 1))
         for run in range(runs):

@@ -70,6 +70,14 @@ class Node:
     share: NDArray[np.float64] | None = None
     routes: dict[int, Column] | None = None
 
+    def may_visit(self) -> NDArray[np.bool_]:
+        """Say which UAV may still take which task, shape (m, n)."""
+        if self.pool is None:
+            return self.legs.may_visit()
+        columns = [self.pool.holds(i) for i in range(self.legs.n_tasks)]
+        uavs = [self.pool.uav == k for k in range(self.legs.n_uavs)]
+        return np.array([[bool((of_uav & holds).any()) for holds in columns] for of_uav in uavs])
+
 
 def tighten(node: Node, cap: float, work: Workspace) -> None:
     """Raise the node's bound until it exceeds `cap`, `share` (ready to branch) or `routes` is set, or time is up."""

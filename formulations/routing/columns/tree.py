@@ -37,6 +37,8 @@ class Tree:
         self.m, self.n = legs.n_uavs, legs.n_tasks
         self._open: list[tuple[float, int, Node]] = []
         self._count = 0
+        self.stuck = False
+        """Whether a node was left whose tasks are all decided but whose tours are too many for the label store."""
         self._push(Node(legs, 0.0, list(columns)))
 
     def _push(self, node: Node) -> None:
@@ -60,15 +62,25 @@ class Tree:
             if node.routes is not None:
                 incumbent.offer(tuple(node.routes[k].tasks if k in node.routes else () for k in range(self.m)))
             if node.share is not None:
-                for child in self._children(node, node.share):
+                children = self._children(node, node.share)
+                for child in children:
                     self._push(child)
+                if not children:
+                    self._push(node)
+                    self.stuck = True
+                    return False
             elif node.bound <= cap:
                 self._push(node)
             incumbent.report(self.bound(incumbent.cap()))
         return True
 
     def _children(self, node: Node, share: NDArray[np.float64]) -> list[Node]:
-        fractional = np.minimum(share, 1 - share).round(6)
+        """Branch on the most shared task, else on any undecided one; none where all are decided."""
+        allowed = node.may_visit()
+        undecided = allowed & (allowed.sum(axis=0) > 1)
+        if not undecided.any():
+            return []
+        fractional = np.where(undecided, np.minimum(share, 1 - share).round(6), -1.0)
         k, i = np.unravel_index(int(np.argmax(fractional)), share.shape)
         others = [o for o in range(self.m) if o != k]
         return [_child(node, int(i), others), _child(node, int(i), [int(k)])]

@@ -35,8 +35,10 @@ from formulations.task_location.supremum import supremum
 from instances.environment.region import Region
 from instances.errors import InputError
 
-ROUNDING = 1e-9
-"""Relative: added to a bound for the rounding of eigenvalues and sums (measured 1e-13)."""
+ROUNDING = 1e-7
+"""Relative: added to a bound for the rounding of eigenvectors and sums (1e-13 where the leading λ_i are alike)."""
+SMALLEST = 1e-9
+"""Eigenvectors of a λ_i below this share of λ_1 are too inexact to be used: they join the rest."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +70,13 @@ class Theta:
         values, vectors = np.linalg.eigh(root[:, None] * prior * root)
         values, vectors = np.maximum(values[::-1], 0.0), vectors[:, ::-1]
         k, rest = _split(values, float(np.sum(values)), n)
+        usable = int(np.count_nonzero(values > SMALLEST * values[0]))
+        if usable < k:
+            k, rest = usable, float(values[usable:].sum()) / (n - usable)
         lead = values[:k]
         rows = (vectors[:, :k] * root[:, None] / np.sqrt(lead)).T
-        shifted, floor = lead + noise, 1.0 / (rest + noise)
+        shifted = lead + noise
+        floor = max(1.0 / (rest + noise), float(np.max(1.0 / shifted, initial=0.0)))
         return cls(rows, 1.0 / shifted, floor, -float(np.log(shifted).sum()) + (n - k) * math.log(floor))
 
     def heights(self, covariance: Array, variance: float) -> Array:

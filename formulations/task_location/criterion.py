@@ -49,6 +49,9 @@ class Convention(StrEnum):
     """I(y_T; x): about the whole field; test points drop out."""
 
 
+LEAST_NOISE = 1e-5
+"""Of the signal sd: with less noise the covariance of some hundred readings is singular in float64."""
+
 LITERAL_REFUSED = (
     "criterion 'literal' (the paper's eq. MI without noise) is ill-posed: its supremum is +∞ wherever a task meets a "
     "test point, and det(K_o) is 0 in float64; choose b (both noisy), a (noiseless test variables) or ig"
@@ -93,6 +96,11 @@ class Criterion:
             value = getattr(self, label)
             if value is not None and not (value > 0 and math.isfinite(value)):
                 raise InputError(f"criterion: {label} must be positive and finite, got {value}")
+            if value is not None and value < LEAST_NOISE * self.kernel.signal_sd:
+                raise InputError(
+                    f"criterion: {label} must be at least {LEAST_NOISE:g} times the signal sd, got {value} for "
+                    f"{self.kernel.signal_sd:g}: below, determinants drown in rounding"
+                )
         tests = _checked_tests(self.tests)
         weights = np.ones(len(tests)) if self.weights is None else _checked_weights(self.weights, len(tests))
         object.__setattr__(self, "tests", tests[weights > 0])

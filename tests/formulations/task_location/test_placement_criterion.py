@@ -198,6 +198,7 @@ def test_posterior_sd_of_one_reading():
         ({"weights": [0.0] * 64}, "all are 0"),
         ({"weights": [1.0]}, "1 for 64"),
         ({"noise_sd": 0.0}, "noise_sd"),
+        ({"noise_sd": 1e-4}, "drown in rounding"),
         ({"test_noise_sd": math.inf}, "test_noise_sd"),
     ],
 )

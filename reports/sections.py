@@ -162,7 +162,7 @@ def against_section(comparison: Comparison) -> dict[str, Any]:
         "Mean change",
         "95 % interval",
         "p",
-        "",
+        "Verdict",
     ]
     caption = (
         "Medians over seeds, new against baseline; a negative change is an improvement. p from Wilcoxon's "
@@ -171,7 +171,14 @@ def against_section(comparison: Comparison) -> dict[str, Any]:
     tables = [
         {"key": "against", "headings": headings, "texts": 2, "last_text": True, "rows": methods, "caption": caption}
     ]
-    changed = comparison.instances[comparison.instances["verdict"] != "unchanged"]
+    changes = _changes_table(comparison.instances)
+    tables += [changes] if changes else []
+    return {"lines": [*lines, *comparison.remarks], "tables": tables}
+
+
+def _changes_table(instances: pd.DataFrame) -> dict[str, Any] | None:
+    """Return the instances whose cost changed, the largest changes first; None where none did."""
+    changed = instances[instances["verdict"] != "unchanged"]
     changed = changed.reindex(changed["change"].abs().sort_values(ascending=False, kind="stable").index)
     rows = [
         [
@@ -183,13 +190,11 @@ def against_section(comparison: Comparison) -> dict[str, Any]:
         ]
         for row in changed.head(MOST_CHANGES).itertuples()
     ]
-    if rows:
-        headings = ["Instance", "Method", "Baseline [s]", "New [s]", "Change", ""]
-        caption = f"The largest changes of cost ({len(rows)} of {len(changed)} that changed)."
-        tables.append(
-            {"key": "changes", "headings": headings, "texts": 2, "last_text": True, "rows": rows, "caption": caption}
-        )
-    return {"lines": [*lines, *comparison.remarks], "tables": tables}
+    if not rows:
+        return None
+    headings = ["Instance", "Method", "Baseline [s]", "New [s]", "Change", "Verdict"]
+    caption = f"The largest changes of cost ({len(rows)} of {len(changed)} that changed)."
+    return {"key": "changes", "headings": headings, "texts": 2, "last_text": True, "rows": rows, "caption": caption}
 
 
 def environment_section(runs: pd.DataFrame, stores: Stores) -> list[dict[str, Any]]:

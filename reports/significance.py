@@ -123,7 +123,7 @@ def _pairs_table(pairs: pd.DataFrame, runs: pd.DataFrame, key: str, about: str) 
         "95 % interval",
         "p",
         "p (Holm)",
-        "",
+        "Verdict",
     ]
     caption = (
         f"Pairs by {about}: wins, ties and losses of the first method over instances; mean of first minus second "

@@ -55,7 +55,7 @@ SUMMARY_COLUMNS = [
     ),
     Column(
         "target_time",
-        "Time to 1 % [s]",
+        "Time to 1\u00a0% [s]",
         numbers.seconds,
         "shifted geometric mean until the routes were within 1 % of the best; runs that never were penalised",
     ),

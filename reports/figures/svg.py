@@ -34,7 +34,7 @@ def inline_svg(drawn: Drawn) -> str:
     svg = buffer.getvalue()
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
-    svg = re.sub(r'\b(?:d|x|y|transform|points)="[^"]*"', _rounded, svg)
+    svg = _ROUNDABLE.sub(_rounded, svg)
     svg = re.sub(r'(id="|url\(#|xlink:href="#)', rf"\g<1>{drawn.key}-", svg)
     svg = svg.replace(INK, "currentColor").replace(PAPER, "var(--paper)").replace(FAINT, "var(--faint)")
     svg = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", svg, count=1)
@@ -42,6 +42,9 @@ def inline_svg(drawn: Drawn) -> str:
     label = html.escape(f"{drawn.title}. {drawn.caption}", quote=True)
     width = drawn.figure.get_figwidth() * 96
     return svg.replace("<svg", f'<svg role="img" aria-label="{label}" style="max-width:{width:.0f}px"', 1)
+
+
+_ROUNDABLE = re.compile(r'\b(?:d|x|y|transform|points)="[^"]*"')
 
 
 def _rounded(attribute: re.Match[str]) -> str:
@@ -58,4 +61,5 @@ def save_figure(figure: Figure, path: Path | str) -> None:
     buffer = io.BytesIO()
     with rc_context(RC | {"svg.hashsalt": target.stem}):
         figure.savefig(buffer, format=kind[1:], dpi=160, metadata={"Date": None} if kind == ".svg" else None)
-    write_aside(target, buffer.getvalue())
+    data = buffer.getvalue()
+    write_aside(target, _ROUNDABLE.sub(_rounded, data.decode()) if kind == ".svg" else data)

@@ -20,6 +20,10 @@ SOLVERS: dict[str, tuple[str, str]] = {
     "milp": ("formulations.routing.milp:Milp", "the paper's MILP on CP-SAT, subtour cuts added lazily"),
     "circuit": ("formulations.routing.circuit:Circuit", "CP-SAT circuit constraints, one giant circuit"),
     "subset-dp": ("formulations.routing.subset_dp:SubsetDp", "Held–Karp over all subsets, then a min-max partition"),
+    "branch-and-cut": (
+        "formulations.routing.branch_and_cut:BranchAndCut",
+        "the paper's MILP on SCIP, subtour cuts inside the tree",
+    ),
     "branch-and-price": (
         "formulations.routing.branch_and_price:BranchAndPrice",
         "set partitioning by columns, ng-route pricing; strongest where tours are short",

@@ -1,1 +1,179 @@
-"""branch-and-cut: the paper's MILP in SCIP, subtour cuts added inside the tree."""
+"""branch-and-cut: the paper's MILP in SCIP, subtour cuts (const6) added inside the tree.
+
+``milp`` solves, separates and solves again from the start; here a constraint handler adds const6, in its depot-linked
+form, to the one running search (``branch_and_cut_handler.py``), for integer solutions, as the paper has it, and for
+fractional ones, by largest flows (``separation.py``). Branching goes first to the assignment of tasks to UAVs. After
+Applegate, Cook, Dash & Rohe, "Solution of a min-max vehicle routing problem" (INFORMS J. Comput. 14, 2002).
+
+Strong where tours are long (n/m ≥ about 20); where they are short, ``branch-and-price`` is.
+
+Floating point. SCIP accepts rows violated by up to feastol = 1e-6 relatively, and reduced costs of the wrong sign by up
+to dualfeastol = 1e-7. With the incumbent U at 512 to 1024 in SCIP's unit, and at most n + m arcs of θ = 1 besides
+C_max itself in any solution, SCIP's dual bound is too high by at most feastol·U + (n + m + 1)·dualfeastol units. Twice
+this margin is subtracted from every bound reported; costs of routes are recomputed from the float costs. So OPTIMAL
+means: no routes are better by more than ``tolerance``, 4e-6 of the incumbent and a little.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from formulations.recorder import Recorder
+from formulations.routing.branch_and_cut_handler import Messenger, Offers, Shared, SubtourHandler, report_bound
+from formulations.routing.branch_and_cut_model import ScipModel
+from formulations.routing.greedy import greedy_routes
+from formulations.routing.search.ruin_recreate import RuinRecreate
+from formulations.routing.separation import subtours, two_cycles
+from formulations.solver import Limits, Observer, Result, Solver, ignore
+from instances import Instance, Routes
+
+MOST_THETA = 150_000
+"""Beyond this building the model and its first relaxation alone take minutes."""
+_FEASTOL, _DUALFEASTOL = 1e-6, 1e-7
+_MEMORY = 3500.0  # MB
+_STEPS_A_TASK = 1000
+_STOPPED = {"nodelimit": "iterations", "totalnodelimit": "iterations", "timelimit": "time", "memlimit": "memory"}
+
+
+@dataclass(frozen=True)
+class BranchAndCut(Solver):
+    """The paper's MILP on SCIP; ``limits.iterations`` counts the nodes of the tree.
+
+    Options
+    -------
+    fractional : separate subtour cuts of fractional solutions by largest flows, not of integer ones alone.
+    two_cycles : separate the sets S of two tasks by looking at all of them first.
+    branch_on_visits : branch on which UAV visits which task before branching on arcs.
+    symmetry : order UAVs that share a depot by their smallest task; with symmetric costs, fly each tour one way only.
+    reach : C_max ≥ the way to each task and back from the UAV that visits it; drop θ that no tour within the
+        incumbent can use.
+    warm_start : begin from a short ruin-and-recreate search, not from greedy routes alone.
+    """
+
+    proves: ClassVar[bool] = True
+
+    fractional: bool = True
+    two_cycles: bool = True
+    branch_on_visits: bool = True
+    symmetry: bool = True
+    reach: bool = True
+    warm_start: bool = True
+
+    def accepts(self, instance: Instance) -> str | None:
+        """Return why the instance is too large for the three-index form, or None."""
+        size = instance.n_tasks * (instance.n_tasks + 1) * instance.n_depots
+        return f"the paper's form would need {size} variables; it takes {MOST_THETA}" if size > MOST_THETA else None
+
+    def prepare(self, instance: Instance) -> None:
+        """Compile the kernels."""
+        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
+        RuinRecreate().prepare(instance)
+        subtours(np.zeros((2, 2)), 0.0)
+        two_cycles(np.zeros((2, 2)), 0.0)
+
+    def solve(
+        self,
+        instance: Instance,
+        *,
+        limits: Limits,
+        seed: int = 0,
+        observe: Observer = ignore,
+        start: Routes | None = None,
+    ) -> Result:
+        """Solve to proof or limit."""
+        recorder = Recorder(instance, limits, observe, start)
+        recorder.incumbent(greedy_routes(instance))
+        if self.warm_start and recorder.objective > 0:
+            improve(recorder, seed)
+        if recorder.objective == 0:
+            return recorder.result("proof", proved=True)
+        if recorder.remaining == 0:
+            return recorder.result("time")
+        if limits.iterations == 0:
+            return recorder.result("iterations")
+        return self._search(recorder, seed)
+
+    def _search(self, recorder: Recorder, seed: int) -> Result:
+        """Build the model, run SCIP below the incumbent and say how that ended."""
+        instance = recorder.instance
+        model = ScipModel(instance, recorder.objective, reach=self.reach)
+        units = _FEASTOL * model.upper + (instance.n_nodes + 1) * _DUALFEASTOL
+        margin = 2 * model.seconds(units)
+        shared = Shared(model, recorder, margin)
+        self._set_up(shared, seed)
+        scip = model.scip
+        if recorder.remaining > 0:
+            scip.setParam("limits/time", recorder.remaining)
+            scip.optimize()
+        if shared.error is not None:
+            raise shared.error
+        status = scip.getStatus()
+        if status == "userinterrupt":
+            raise KeyboardInterrupt
+        report_bound(shared)
+        tolerance = 2 * margin
+        proved = status == "optimal" and recorder.objective - recorder.bound <= tolerance
+        nodes = scip.getNTotalNodes()
+        return recorder.result(
+            "proof" if proved else _STOPPED.get(status, "time" if recorder.remaining == 0 else "finished"),
+            proved=proved,
+            tolerance=tolerance,
+            **{"nodes": nodes, **shared.counts},
+        )
+
+    def _set_up(self, shared: Shared, seed: int) -> None:
+        """Set SCIP's parameters, add the rows asked for, the plugins and the routes known."""
+        model, recorder = shared.model, shared.recorder
+        scip = model.scip
+        model.keep_visits()
+        if self.symmetry:
+            model.symmetry()
+        if self.branch_on_visits:
+            model.branch_on_visits()
+        scip.setParams(
+            {
+                "numerics/feastol": _FEASTOL,
+                "numerics/dualfeastol": _DUALFEASTOL,
+                "timing/clocktype": 2,  # wall clock
+                "limits/memory": _MEMORY,
+                "randomization/randomseedshift": seed % 2**31,
+                # reductions that keep one optimum only do not know of the cuts to come
+                "misc/allowstrongdualreds": False,
+                "misc/allowweakdualreds": False,
+                "misc/usesymmetry": 0,
+                "constraints/components/maxprerounds": 0,
+            }
+        )
+        if recorder.limits.iterations is not None:
+            scip.setParam("limits/totalnodes", recorder.limits.iterations)
+        scip.includeConshdlr(
+            SubtourHandler(shared, fractional=self.fractional, two_cycles=self.two_cycles),
+            "subtours",
+            "const6",
+            sepapriority=1_000_000,
+            # after all rows: they see integer solutions of const1–const5 only
+            enfopriority=-5_000_000,
+            chckpriority=-5_000_000,
+            sepafreq=1,
+            needscons=False,
+        )
+        scip.includeEventhdlr(Messenger(shared), "bounds", "reports bounds")
+        offers = Offers(shared)
+        scip.includeHeur(offers, "offers", "routes found outside", "o", timingmask=offers.timing)
+        solution = scip.createSol()
+        if recorder.routes is not None:
+            model.fill(solution, recorder.routes)
+            scip.addSol(solution)
+
+
+def improve(recorder: Recorder, seed: int) -> None:
+    """Run a short ruin-and-recreate from the routes known, within a tenth of the time left."""
+    instance = recorder.instance
+    steps = _STEPS_A_TASK * max(instance.n_tasks, 10)
+    limits = Limits(time=max(recorder.remaining / 10, 1e-3), iterations=steps)
+    found = RuinRecreate().solve(instance, limits=limits, seed=seed, start=recorder.routes)
+    if found.routes is not None:
+        recorder.incumbent(found.routes)

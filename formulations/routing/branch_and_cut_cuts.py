@@ -1,1 +1,0 @@
-"""Violated cuts of the paper's MILP at an integer or fractional point."""

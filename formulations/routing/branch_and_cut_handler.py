@@ -1,0 +1,242 @@
+"""The constraint handler of const6, and the two plugins that carry routes and bounds in and out of SCIP.
+
+SCIP asks the handler whether a solution is feasible (check), what to do with an integer solution of a relaxation
+(enforce) and for cuts of a fractional one (separate). An exception in a callback of PySCIPOpt is printed and lost, so
+each one is kept, the search interrupted, and the exception raised again after it.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pyscipopt import Conshdlr, Eventhdlr, Heur
+from pyscipopt.scip import PY_SCIP_EVENTTYPE, PY_SCIP_HEURTIMING, PY_SCIP_RESULT, Solution
+
+from formulations.recorder import Recorder
+from formulations.routing.branch_and_cut_model import ScipModel
+from formulations.routing.separation import subtours, two_cycles
+from formulations.routing.subtours import find_subtours, repair
+
+LEAST = 0.02
+"""A fractional cut must be violated by more than this to be worth a row."""
+COUNTED = ("handler_calls", "lazy_cuts", "fractional_cuts", "two_cycle_cuts")
+_INTEGER = 0.5
+
+
+class Shared:
+    """What the plugins of one solve share: model, recorder, counters, and the first exception."""
+
+    def __init__(self, model: ScipModel, recorder: Recorder, margin: float) -> None:
+        self.model, self.recorder, self.margin = model, recorder, margin
+        self.counts: dict[str, Any] = dict.fromkeys(COUNTED, 0)
+        self.error: BaseException | None = None
+
+
+def guarded(otherwise: dict[str, Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Keep an exception of a callback and interrupt the search; the callback then answers `otherwise`."""
+
+    def wrap(callback: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(callback)
+        def safely(self: Any, *args: Any) -> Any:
+            try:
+                return callback(self, *args)
+            except BaseException as error:
+                self.shared.error = self.shared.error or error
+                self.shared.model.scip.interruptSolve()
+                return otherwise
+
+        return safely
+
+    return wrap
+
+
+def routed_once(used: list[NDArray[np.bool_]]) -> bool:
+    """Return whether the arcs of the UAVs keep const1–const4: SCIP also asks about solutions that break its rows."""
+    balanced = all((arcs.sum(axis=0) == arcs.sum(axis=1)).all() and arcs[-1].sum() <= 1 for arcs in used)
+    return balanced and bool((np.sum([arcs[:, :-1].sum(axis=0) for arcs in used], axis=0) == 1).all())
+
+
+class SubtourHandler(Conshdlr):
+    """const6 in its depot-linked form, added when violated."""
+
+    def __init__(self, shared: Shared, *, fractional: bool, two_cycles: bool) -> None:
+        self.shared, self.fractional, self.two_cycles = shared, fractional, two_cycles
+        self.seen = [
+            (np.array([self._place(k, arc) for arc in theta], dtype=int), list(theta.values()))
+            for k, theta in enumerate(shared.model.theta)
+        ]
+
+    def _place(self, k: int, arc: tuple[int, int]) -> int:
+        """Return where an arc of UAV k lies in its flat (n+1) × (n+1) matrix, the depot last."""
+        n = self.shared.model.instance.n_tasks
+        i, j = (min(node, n) for node in arc)
+        return i * (n + 1) + j
+
+    def theta(self, solution: Solution | None) -> list[NDArray[np.float64]]:
+        """Return θ of each UAV in a solution (None: of the relaxation), shape (n+1, n+1), its depot last."""
+        size, value = self.shared.model.instance.n_tasks + 1, self.shared.model.scip.getSolVal
+        matrices = []
+        for places, variables in self.seen:
+            matrix = np.zeros(size * size)
+            matrix[places] = [value(solution, variable) for variable in variables]
+            matrices.append(matrix.reshape(size, size))
+        return matrices
+
+    @guarded({"result": PY_SCIP_RESULT.INFEASIBLE})
+    def conscheck(
+        self,
+        constraints: Any,
+        solution: Any,
+        checkintegrality: Any,
+        checklprows: Any,
+        printreason: Any,
+        completely: Any,
+    ) -> dict[str, Any]:
+        """Refuse a solution with a subtour; offer the routes it comes to, repaired where need be."""
+        self.shared.counts["handler_calls"] += 1
+        feasible = not self.subtours_of(self.theta(solution))
+        return {"result": PY_SCIP_RESULT.FEASIBLE if feasible else PY_SCIP_RESULT.INFEASIBLE}
+
+    @guarded({"result": PY_SCIP_RESULT.INFEASIBLE})
+    def consenfolp(self, constraints: Any, n_useful: Any, infeasible: Any) -> dict[str, Any]:
+        """Cut off an integer solution of the relaxation that has subtours."""
+        self.shared.counts["handler_calls"] += 1
+        theta = self.theta(None)
+        if not self.subtours_of(theta):
+            return {"result": PY_SCIP_RESULT.FEASIBLE}
+        cutoff = self.add([subtours(np.round(matrix), 0.5) for matrix in theta], "lazy_cuts", force=True)
+        return {"result": PY_SCIP_RESULT.CUTOFF if cutoff else PY_SCIP_RESULT.SEPARATED}
+
+    @guarded({"result": PY_SCIP_RESULT.INFEASIBLE})
+    def consenfops(self, constraints: Any, n_useful: Any, infeasible: Any, objinfeasible: Any) -> dict[str, Any]:
+        """Refuse a pseudo solution with a subtour (SCIP then branches)."""
+        self.shared.counts["handler_calls"] += 1
+        return {"result": PY_SCIP_RESULT.INFEASIBLE if self.subtours_of(self.theta(None)) else PY_SCIP_RESULT.FEASIBLE}
+
+    @guarded({"result": PY_SCIP_RESULT.DIDNOTRUN})
+    def conssepalp(self, constraints: Any, n_useful: Any) -> dict[str, Any]:
+        """Separate a solution of the relaxation: two-cycles first, then flows."""
+        if not self.fractional and not self.two_cycles:
+            return {"result": PY_SCIP_RESULT.DIDNOTRUN}
+        self.shared.counts["handler_calls"] += 1
+        theta = self.theta(None)
+        before = sum(self.shared.counts.values())
+        cutoff = False
+        if self.two_cycles:
+            cutoff = self.add([two_cycles(matrix, LEAST) for matrix in theta], "two_cycle_cuts", force=False)
+        if self.fractional:
+            cutoff |= self.add([subtours(matrix, LEAST) for matrix in theta], "fractional_cuts", force=False)
+        if cutoff:
+            return {"result": PY_SCIP_RESULT.CUTOFF}
+        found = sum(self.shared.counts.values()) > before
+        return {"result": PY_SCIP_RESULT.SEPARATED if found else PY_SCIP_RESULT.DIDNOTFIND}
+
+    def conslock(self, constraint: Any, locktype: Any, nlockspos: int, nlocksneg: int) -> None:
+        """Lock every θ and y both ways."""
+        self.shared.model.lock(locktype, nlockspos, nlocksneg)
+
+    def subtours_of(self, theta: list[NDArray[np.float64]]) -> list[list[int]]:
+        """Return the subtours of an integer solution and offer its routes, subtours spliced into tours."""
+        instance = self.shared.model.instance
+        n = instance.n_tasks
+        used = [matrix > _INTEGER for matrix in theta]
+        arcs_of = [
+            [(i if i < n else n + k, j if j < n else n + k) for i, j in np.argwhere(matrix).tolist()]
+            for k, matrix in enumerate(used)
+        ]
+        if routed_once(used):
+            self.shared.recorder.incumbent(repair(instance, arcs_of))
+        return [S for k, arcs in enumerate(arcs_of) for S in find_subtours(arcs, n + k, n)]
+
+    def add(self, found: list[tuple[NDArray[np.bool_], NDArray[np.int64]]], kind: str, *, force: bool) -> bool:
+        """Add the cuts of the sets found, for every UAV; return whether SCIP saw that nothing is left."""
+        cutoff = False
+        for k, (sets, visited) in enumerate(found):
+            for S, v in zip(sets, visited.tolist(), strict=True):
+                cutoff |= self.add_cut(k, np.flatnonzero(S).tolist(), v, force)
+                self.shared.counts[kind] += 1
+        return cutoff
+
+    def add_cut(self, k: int, S: list[int], v: int, force: bool) -> bool:
+        """Add the depot-linked cut of S, v and UAV k in the form with fewer terms; return whether that ends the node.
+
+        Either Σ_{i,j∈S} θ_ijk − Σ_{i∈S∖v} y_ik ≤ 0 or Σ_{i∉S,j∈S} θ_ijk − y_vk ≥ 0: valid in the whole tree.
+        """
+        model = self.shared.model
+        scip, theta, n = model.scip, model.theta[k], model.instance.n_tasks
+        inside = len(S) * len(S) <= len(S) * (n + 1 - len(S))
+        row = scip.createEmptyRowUnspec(
+            "subtour", lhs=None if inside else 0.0, rhs=0.0 if inside else None, local=False, removable=True
+        )
+        scip.cacheRowExtensions(row)
+        members = set(S)
+        sources = S if inside else [i for i in (*model.T, n + k) if i not in members]
+        for i in sources:
+            for j in S:
+                if (i, j) in theta:
+                    scip.addVarToRow(row, theta[i, j], 1.0)
+        for i in (i for i in S if i != v) if inside else (v,):
+            scip.addVarToRow(row, model.y[i, n + k], -1.0)
+        scip.flushRowExtensions(row)
+        cutoff: bool = scip.addCut(row, forcecut=force)
+        scip.addPoolCut(row)
+        scip.releaseRow(row)
+        return cutoff
+
+
+class Messenger(Eventhdlr):
+    """Reports SCIP's dual bound, less the margin, whenever a relaxation or a node is solved."""
+
+    events = (PY_SCIP_EVENTTYPE.LPSOLVED, PY_SCIP_EVENTTYPE.NODESOLVED)
+
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+
+    def eventinit(self) -> None:
+        """Listen."""
+        for event in self.events:
+            self.model.catchEvent(event, self)
+
+    def eventexit(self) -> None:
+        """Stop listening."""
+        for event in self.events:
+            self.model.dropEvent(event, self)
+
+    @guarded({})
+    def eventexec(self, event: Any) -> dict[str, Any]:
+        """Report the bound."""
+        report_bound(self.shared)
+        return {}
+
+
+def report_bound(shared: Shared) -> None:
+    """Offer SCIP's dual bound, less the margin, to the recorder."""
+    dual = shared.model.scip.getDualbound()
+    if 0 < dual <= shared.model.upper:
+        shared.recorder.raise_bound(shared.model.seconds(dual) - shared.margin)
+
+
+class Offers(Heur):
+    """Hands the recorder's routes to SCIP where they are better than SCIP's own."""
+
+    timing = PY_SCIP_HEURTIMING.BEFORENODE | PY_SCIP_HEURTIMING.AFTERLPNODE
+
+    def __init__(self, shared: Shared) -> None:
+        self.shared = shared
+        self.given = shared.recorder.objective
+
+    @guarded({"result": PY_SCIP_RESULT.DIDNOTRUN})
+    def heurexec(self, heurtiming: Any, nodeinfeasible: Any) -> dict[str, Any]:
+        """Offer better routes once."""
+        recorder, model = self.shared.recorder, self.shared.model
+        if recorder.objective >= self.given or recorder.routes is None:
+            return {"result": PY_SCIP_RESULT.DIDNOTRUN}
+        self.given = recorder.objective
+        solution = model.scip.createSol(self)
+        model.fill(solution, recorder.routes)
+        stored = model.scip.trySol(solution, printreason=False)
+        return {"result": PY_SCIP_RESULT.FOUNDSOL if stored else PY_SCIP_RESULT.DIDNOTFIND}

@@ -1,0 +1,158 @@
+"""The paper's MILP in SCIP: θ, C_max and eqs. const1–const5, all but the subtour cuts (const6).
+
+The equations stand in ``paper_model.py``. As there, θ_ijk exists only for arcs that UAV k can use, and y_ik, 1 where
+UAV k visits task i, is a variable, so that SCIP can branch on it and cuts can be written in it.
+
+Costs are multiplied by a power of two, which is exact, so that the routes known cost between 512 and 1024: SCIP's
+tolerances are meant for numbers of that size. An arc that costs more than those routes alone is left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pyscipopt import Model, Variable, quicksum
+from pyscipopt.scip import Solution
+
+from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, used_arcs
+from formulations.routing.subtours import Arc
+from instances import Instance, Routes, makespan
+
+_BITS = 10  # the incumbent costs less than 2^10 in SCIP's unit
+_ROUNDING = 1e-9
+
+
+class ScipModel:
+    """θ, y, C_max and eqs. const1–const5 of one instance below the cost of routes known.
+
+    scip : the model.
+    theta : per UAV (0..m−1), arc → θ_ijk; node numbers as in the instance.
+    y : ``y[i, k]``, UAV k (node number) visits task i.
+    exponent : a cost in SCIP is 2^exponent times that in seconds.
+    """
+
+    def __init__(self, instance: Instance, incumbent: float, *, reach: bool) -> None:
+        self.instance = instance
+        self.exponent = min(_BITS - math.frexp(incumbent)[1], 1000)
+        self.upper = math.ldexp(incumbent, self.exponent) * (1 + _ROUNDING)
+        self.cost = np.ldexp(np.minimum(instance.cost, 2.0 * incumbent), self.exponent)
+        self.T, self.D = instance.tasks, instance.depots
+        self.scip = Model("MMMDMTSP")
+        self.scip.hideOutput()
+        self.ways = {k: shortest_ways(self.cost, instance.n_tasks, k) for k in self.D}
+        self.theta: list[dict[Arc, Variable]] = [
+            {(i, j): self.scip.addVar(f"theta_{i}_{j}_{k}", "B") for i, j in self.edges(k, reach)} for k in self.D
+        ]
+        self.y = {(i, k): self.scip.addVar(f"y_{i}_{k}", "B") for i in self.T for k in self.D}
+        self.C_max = self.scip.addVar("C_max", lb=0.0, ub=self.upper)
+        self.scip.setObjective(self.C_max)
+        for k in self.D:
+            self.const3_const4(k)
+            self.const5(k)
+            for i in self.T:
+                self.const2(i, k)
+        for i in self.T:
+            self.scip.addCons(quicksum(self.y[i, k] for k in self.D) == 1, "const1")
+        if reach:
+            self.reach()
+
+    def edges(self, k: int, reach: bool) -> list[Arc]:
+        """Return the arcs of E that UAV k can use within the cost of the routes known.
+
+        reach : count the cheapest ways to the arc and back too, not the arc alone.
+        """
+        n = self.instance.n_tasks
+        out, back = (np.append(way, 0.0) if reach else np.zeros(n + 1) for way in self.ways[k])
+        nodes = np.array([*self.T, k])
+        length = out[:, None] + self.cost[np.ix_(nodes, nodes)] + back[None, :]
+        np.fill_diagonal(length, np.inf)
+        return [(int(nodes[i]), int(nodes[j])) for i, j in np.argwhere(length <= self.upper)]
+
+    def sum_theta(self, k: int, arcs: Iterable[Arc]) -> Variable:
+        """Return Σ θ_ijk over those of `arcs` that exist."""
+        theta = self.theta[k - self.instance.n_tasks]
+        return quicksum(theta[arc] for arc in arcs if arc in theta)
+
+    def const2(self, i: int, k: int) -> None:
+        """Eq. const2: a UAV leaves every task it enters; both are y_ik."""
+        others = [k, *(j for j in self.T if j != i)]
+        self.scip.addCons(self.sum_theta(k, ((j, i) for j in others)) == self.y[i, k], "visit")
+        self.scip.addCons(self.sum_theta(k, ((i, j) for j in others)) == self.y[i, k], "const2")
+
+    def const3_const4(self, k: int) -> None:
+        """Eqs. const3 and const4: at most one route per UAV, out and back."""
+        out, back = self.sum_theta(k, ((k, i) for i in self.T)), self.sum_theta(k, ((i, k) for i in self.T))
+        self.scip.addCons(out <= 1, "const3")
+        self.scip.addCons(out - back == 0, "const4")
+
+    def const5(self, k: int) -> None:
+        """Eq. const5: no tour is longer than C_max."""
+        theta = self.theta[k - self.instance.n_tasks]
+        self.scip.addCons(quicksum(self.cost[arc] * v for arc, v in theta.items()) <= self.C_max, "const5")
+
+    def reach(self) -> None:
+        """C_max is at least the cheapest way to a task and back, of the UAV that visits it."""
+        for i in self.T:
+            away = quicksum((self.ways[k][0][i] + self.ways[k][1][i]) * self.y[i, k] for k in self.D)
+            self.scip.addCons(away <= self.C_max, "reach")
+
+    def symmetry(self) -> None:
+        """Only routes as `in_order` has them: UAVs of one depot by their smallest task, symmetric tours one way."""
+        for group in shared_depots(self.instance):
+            for before, k in pairwise(group):
+                for i in self.T:
+                    self.scip.addCons(self.y[i, k] <= quicksum(self.y[j, before] for j in range(i)), "symmetry")
+        if is_symmetric(self.instance):
+            for k in self.D:
+                theta = self.theta[k - self.instance.n_tasks]
+                ends = quicksum(i * v for (h, i), v in theta.items() if h == k)
+                self.scip.addCons(ends <= quicksum(i * v for (i, h), v in theta.items() if h == k), "symmetry")
+
+    def branch_on_visits(self) -> None:
+        """Branch on y before θ: it settles many θ at once."""
+        for y in self.y.values():
+            self.scip.chgVarBranchPriority(y, 1)
+
+    def keep_visits(self) -> None:
+        """Let presolving not replace y by sums of θ."""
+        for y in self.y.values():
+            self.scip.markDoNotMultaggrVar(y)
+
+    def lock(self, locktype: Any, down: int, up: int) -> None:
+        """Tell SCIP that rows it does not see may be violated by moving θ or y either way."""
+        for variable in [*self.y.values(), *(v for theta in self.theta for v in theta.values())]:
+            self.scip.addVarLocksType(variable, locktype, down + up, down + up)
+
+    def fill(self, solution: Solution, routes: Routes) -> None:
+        """Write `routes` into a SCIP solution; raises KeyError where they use an arc that is left out."""
+        n = self.instance.n_tasks
+        routes = in_order(self.instance, routes)
+        for i, j, k in used_arcs(self.instance, routes):
+            self.scip.setSolVal(solution, self.theta[k - n][i, j], 1.0)
+            if j != k:
+                self.scip.setSolVal(solution, self.y[j, k], 1.0)
+        longest = math.ldexp(makespan(self.instance, routes), self.exponent)
+        self.scip.setSolVal(solution, self.C_max, min(longest * (1 + _ROUNDING / 2), self.upper))
+
+    def seconds(self, cost: float) -> float:
+        """Return a cost in SCIP in seconds."""
+        return math.ldexp(cost, -self.exponent)
+
+
+def shortest_ways(cost: NDArray[np.float64], n_tasks: int, k: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the cost of the cheapest ways (over any tasks) from depot k to each task and back, shape (n,) each.
+
+    Costs need not obey the triangle inequality, so the direct arc is no bound, but the cheapest way is. Floyd and
+    Warshall's recursion; rounded down by more than its rounding error.
+    """
+    nodes = [*range(n_tasks), k]
+    way = cost[np.ix_(nodes, nodes)]
+    for through in range(n_tasks + 1):
+        way = np.minimum(way, way[:, through, None] + way[None, through, :])
+    way *= 1 - (n_tasks + 2) * 2.0**-52
+    return way[n_tasks, :n_tasks], way[:n_tasks, n_tasks]

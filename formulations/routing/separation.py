@@ -1,0 +1,156 @@
+r"""Separation: the subtour cuts that a fractional or integer θ of the paper's MILP violates.
+
+The cuts are const6 in its depot-linked form (``paper_model.py``): for a UAV k, a set S of tasks and v ∈ S,
+
+    Σ_{i∉S, j∈S} θ_ijk ≥ y_vk        (what enters S from outside is at least what visits v)
+
+which, as y_jk = Σ_i θ_ijk, is the same as Σ_{i∈S} Σ_{j∈S} θ_ijk ≤ Σ_{i∈S∖v} y_ik. Some S is violated for v exactly
+when the largest flow from depot k to v with capacities θ_··k is less than y_vk, and the smallest cut gives S: the exact
+separation of Padberg & Grötschel (in "The Traveling Salesman Problem", Lawler et al. 1985) for a conditional visit.
+S = {i, j} is the two-cycle cut θ_ijk + θ_jik ≤ y_ik, S = T the cut y_vk ≤ u_k = Σ_j θ_kjk.
+
+Flows are found by shortest augmenting paths (Edmonds & Karp 1972) on the arcs with θ > 0, of which there are few, and
+stop as soon as y_vk is reached: microseconds a task, much faster than a call of a library would be.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+_ARC = 1e-9  # θ below this is no arc
+
+
+@njit(cache=True)
+def two_cycles(
+    theta: NDArray[np.float64], least: float
+) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:  # pragma: no cover - compiled
+    """Return the violated sets S = {i, j} of one UAV, as `subtours` does."""
+    n = len(theta) - 1
+    y = theta[:, :n].sum(axis=0)
+    sets = np.zeros((n * (n - 1) // 2, n), dtype=np.bool_)
+    visited = np.empty(len(sets), dtype=np.int64)
+    found = 0
+    for j in range(n):
+        for i in range(j):
+            v = i if y[i] >= y[j] else j
+            # entering {i, j} < y_v  ⇔  θ_ij + θ_ji > y of the other
+            if theta[i, j] + theta[j, i] > y[i + j - v] + least:
+                sets[found, i] = sets[found, j] = True
+                visited[found] = v
+                found += 1
+    return sets[:found], visited[:found]
+
+
+@njit(cache=True)
+def subtours(
+    theta: NDArray[np.float64], least: float
+) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:  # pragma: no cover - compiled
+    """Return the sets S violated by more than `least`, shape (cuts, n), and the v of each.
+
+    theta : θ of one UAV, shape (n+1, n+1), its depot last. Of every flow that falls short the smallest S and the
+        largest are returned; v is the task of S visited most. A task inside a set already found is not tried.
+    """
+    n = len(theta) - 1
+    y = theta[:, :n].sum(axis=0)
+    near, degree = _neighbours(theta)
+    sets = np.zeros((2 * n, n), dtype=np.bool_)
+    visited = np.empty(2 * n, dtype=np.int64)
+    covered = np.zeros(n, dtype=np.bool_)
+    parent = np.empty(n + 1, dtype=np.int64)
+    queue = np.empty(n + 1, dtype=np.int64)
+    found = 0
+    for v in np.argsort(-y):
+        if y[v] <= least:
+            break
+        if covered[v]:
+            continue
+        residual = theta.copy()
+        missing = y[v]
+        while missing > least:
+            _search(residual, near, degree, n, v, True, parent, queue)
+            if parent[v] < 0:
+                break
+            missing -= _augment(residual, parent, n, v)
+        if missing <= least:
+            continue
+        largest = parent < 0
+        _search(residual, near, degree, v, n, False, parent, queue)
+        smallest = parent >= 0
+        for side in range(2):
+            S = smallest if side == 0 else largest
+            if side == 1 and np.array_equal(smallest, largest):
+                break
+            top = v
+            for i in range(n):
+                if S[i]:
+                    sets[found, i] = covered[i] = True
+                    if y[i] > y[top]:
+                        top = i
+            visited[found] = top
+            found += 1
+    return sets[:found], visited[:found]
+
+
+@njit(cache=True)
+def _neighbours(
+    theta: NDArray[np.float64],
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:  # pragma: no cover - compiled
+    """Return for each node the nodes it shares an arc with, and their number."""
+    size = len(theta)
+    near = np.empty((size, size), dtype=np.int64)
+    degree = np.zeros(size, dtype=np.int64)
+    for i in range(size):
+        for j in range(size):
+            if theta[i, j] > _ARC or theta[j, i] > _ARC:
+                near[i, degree[i]] = j
+                degree[i] += 1
+    return near, degree
+
+
+@njit(cache=True)
+def _search(
+    residual: NDArray[np.float64],
+    near: NDArray[np.int64],
+    degree: NDArray[np.int64],
+    first: int,
+    last: int,
+    forwards: bool,
+    parent: NDArray[np.int64],
+    queue: NDArray[np.int64],
+) -> None:  # pragma: no cover - compiled
+    """Search breadth-first from `first` until `last`; parent < 0 where not reached. Backwards: against the arcs."""
+    parent[:] = -1
+    parent[first] = first
+    queue[0] = first
+    head, tail = 0, 1
+    while head < tail:
+        i = queue[head]
+        head += 1
+        for at in range(degree[i]):
+            j = near[i, at]
+            if parent[j] < 0 and (residual[i, j] if forwards else residual[j, i]) > _ARC:
+                parent[j] = i
+                if j == last:
+                    return
+                queue[tail] = j
+                tail += 1
+
+
+@njit(cache=True)
+def _augment(
+    residual: NDArray[np.float64], parent: NDArray[np.int64], first: int, last: int
+) -> float:  # pragma: no cover - compiled
+    """Send as much as fits along the path found; return how much."""
+    amount = np.inf
+    j = last
+    while j != first:
+        amount = min(amount, residual[parent[j], j])
+        j = parent[j]
+    j = last
+    while j != first:
+        residual[parent[j], j] -= amount
+        residual[j, parent[j]] += amount
+        j = parent[j]
+    return amount

@@ -95,7 +95,7 @@ def film(products: Products, flown: pd.DataFrame, samples: pd.DataFrame) -> dict
     tracks = [
         {
             "colour": colour_of(int(str(k))),
-            "points": np.column_stack([track["x"] / 1e3, track["y"] / 1e3, track["time"]])[::3].round(3).tolist(),
+            "points": np.column_stack([track["x"] / 1e3, track["y"] / 1e3, track["time"]])[::6].round(3).tolist(),
         }
         for k, track in flown.groupby("uav")
     ]

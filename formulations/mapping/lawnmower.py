@@ -22,10 +22,11 @@ ROUNDS = 40
 """Rounds of balancing the cuts."""
 
 
-def lanes(region: Region, count: int, along: int) -> Array:
+def lanes(region: Region, count: int, along: int, inset: float = 0.5) -> Array:
     """Return the track over `count` lanes as waypoints (k, 2) [m]; `along` is 0 for lanes west–east, 1 south–north.
 
-    The outer lanes lie half a spacing inside the region's bounding box.
+    The outer lanes lie half a spacing inside the region's bounding box, the ends of lanes `inset` spacings inside the
+    region.
     """
     low, high = np.array(region.bounds[:2]), np.array(region.bounds[2:])
     across = 1 - along
@@ -39,8 +40,7 @@ def lanes(region: Region, count: int, along: int) -> Array:
         cut = shapely.intersection(region.polygon, shapely.LineString(ends))
         points = np.array([c for part in shapely.get_parts(cut) for c in shapely.get_coordinates(part)])
         if len(points):
-            # turns need room: lanes end half a spacing inside, where the lane is long enough
-            stop = _shortened(points[np.argsort(points[:, along])][[0, -1]], along, 0.5 * spacing)
+            stop = _shortened(points[np.argsort(points[:, along])][[0, -1]], along, inset * spacing)
             track.append(stop if number % 2 == 0 else stop[::-1])
     return np.concatenate(track)
 
@@ -53,10 +53,10 @@ def _shortened(ends: Array, along: int, margin: float) -> Array:
     return inner
 
 
-def lawnmower_tours(region: Region, depots: ArrayLike, count: int, along: int) -> list[Array]:
+def lawnmower_tours(region: Region, depots: ArrayLike, count: int, along: int, inset: float = 0.5) -> list[Array]:
     """Return each UAV's closed tour over its share of `count` lanes, waypoints (k, 2) [m] from depot to depot."""
     homes = np.asarray(depots, dtype=float).reshape(-1, 2)
-    track = lanes(region, count, along)
+    track = lanes(region, count, along, inset)
     travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(track, axis=0).T))])
     m = len(homes)
     share = np.full(m, travelled[-1] / m)

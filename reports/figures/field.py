@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from instances.environment.radio import RadioMap
 from instances.environment.region import Region
 from instances.environment.terrain import Terrain
-from reports.figures.style import INK, PAPER, new_figure
+from reports.figures.style import INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
 
@@ -20,6 +21,7 @@ UNCERTAINTY = "Greys"
 """Colours of uncertainty: dark where little is known, as in the paper."""
 
 
+@rc_context(RC)
 def draw_field(field: RadioMap, region: Region, terrain: Terrain | None, source: tuple[float, float] | None) -> Drawn:
     """Return the field over `region`, and beside it the ground it comes from where there is one."""
     figure = new_figure(7.2 if terrain else 4.6, 3.5)

@@ -5,37 +5,39 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import shapely
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from instances.environment.region import Region
 from instances.scenario import Scenario
-from reports.figures.style import COLOURS, INK, PAPER, new_figure
+from reports.figures.style import COLOURS, FAINT, INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes, wind_arrows
 
 Floats = NDArray[np.float64]
 
 
+@rc_context(RC)
 def draw_flight(scenario: Scenario, tasks: Floats, reference: pd.DataFrame, flown: pd.DataFrame) -> Drawn:
     """Return the paper's figure: depots, tasks, reference paths and flown paths over the wind; and a piece enlarged.
 
     reference : columns uav, leg, x, y [m]; flown : uav, time, x, y.
     """
-    figure = new_figure(7.2, 4.0)
+    figure = new_figure(7.2, 3.9)
     whole, detail = figure.subplots(1, 2, width_ratios=[1.35, 1.0])
     for axes in (whole, detail):
         map_axes(axes, scenario.free)
         _zones(axes, scenario)
         if scenario.wind is not None:
-            wind_arrows(axes, scenario.wind, scenario.free)
+            wind_arrows(axes, scenario.wind, scenario.free, colour=f"{FAINT}66")
         for k, track in flown.groupby("uav"):
             path = reference[reference["uav"] == k]
             axes.plot(track["x"] / KM, track["y"] / KM, color=colour_of(int(str(k))), linewidth=1.6, zorder=3)
             axes.plot(path["x"] / KM, path["y"] / KM, color=INK, linewidth=0.7, zorder=4)
         axes.scatter(*(tasks.T / KM), s=14, color=COLOURS[0], edgecolors=PAPER, linewidths=0.5, zorder=5)
         stars(axes, scenario.depots)
-    centre, half = _turn(reference, flown), 0.35
+    centre, half = _turn(reference, flown), 0.3
     detail.set_xlim(centre[0] - half, centre[0] + half)
     detail.set_ylim(centre[1] - half, centre[1] + half)
     detail.set_title("a turn, enlarged")
@@ -50,6 +52,7 @@ def draw_flight(scenario: Scenario, tasks: Floats, reference: pd.DataFrame, flow
     )
 
 
+@rc_context(RC)
 def draw_plans(region: Region, depots: Floats, tracks: pd.DataFrame, table: pd.DataFrame, unit: str) -> Drawn:
     """Return a map a way to fly. tracks : name, draw, uav, x, y; table : name, draw, length, rmse."""
     first = table[table["draw"] == 0]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from instances.environment.region import Region
 from reports.figures.field import SIGNAL, UNCERTAINTY, show
 from reports.figures.flight import colour_of, stars
-from reports.figures.style import COLOURS, INK, PAPER, new_figure
+from reports.figures.style import COLOURS, INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
 from reports.mission import Maps
@@ -21,12 +22,13 @@ EARLY = 0.2
 """Share of the mission's time at which its initial stage is drawn."""
 
 
+@rc_context(RC)
 def draw_stages(
     maps: Maps, region: Region, depots: Floats, flown: pd.DataFrame, samples: pd.DataFrame, unit: str
 ) -> Drawn:
     """Return the paper's figure: (a) initial and (b) final stage, each as uncertainty, estimate and flown portion."""
     early = int(np.argmin(np.abs(maps.time - EARLY * maps.time[-1])))
-    figure = new_figure(6.6, 8.6)
+    figure = new_figure(7.2, 9.2)
     plots = figure.subplots(3, 2, sharex=True, sharey=True)
     most = float(np.nanmax(maps.sd[early]))
     low, high = signal_range(maps)
@@ -46,7 +48,7 @@ def draw_stages(
             for axes in (top, middle, bottom):
                 axes.set_ylabel("")
         bottom.set_xlabel("x, east [km]")
-        top.set_title(f"{words}: {now:.0f} s, {len(seen)} samples")
+        top.set_title(f"{words}\n{now:.0f} s, {len(seen)} samples")
     figure.colorbar(sd, ax=plots[0], label=f"uncertainty, posterior sd [{unit}]")
     figure.colorbar(mean, ax=plots[1], label=f"estimated field [{unit}]")
     return Drawn(
@@ -58,6 +60,7 @@ def draw_stages(
     )
 
 
+@rc_context(RC)
 def draw_judged(maps: Maps, region: Region, unit: str) -> Drawn:
     """Return the last map against the truth: truth, estimate, error and uncertainty."""
     figure = new_figure(7.2, 6.2)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pandas as pd
+from matplotlib import rc_context
 
-from reports.figures.style import COLOURS, FAINT, INK, new_figure, styles
+from reports.figures.style import COLOURS, DASHES, FAINT, INK, MARKERS, RC, new_figure
 from reports.figures.svg import Drawn
 
 
+@rc_context(RC)
 def draw_progress(ticks: pd.DataFrame, unit: str) -> Drawn:
     """Return RMSE and posterior sd, NLPD, coverage and information against time. ticks : a row a tick."""
     figure = new_figure(7.2, 5.2)
@@ -37,20 +39,22 @@ def draw_progress(ticks: pd.DataFrame, unit: str) -> Drawn:
     )
 
 
+@rc_context(RC)
 def draw_comparison(ticks: pd.DataFrame, table: pd.DataFrame, unit: str) -> Drawn:
     """Return RMSE and NLPD against the length flown so far, a line a plan. ticks : name, draw, time, rmse, nlpd."""
     figure = new_figure(7.2, 3.3)
     error, density = figure.subplots(1, 2)
-    style = styles(ticks["name"])
+    plans = list(dict.fromkeys(ticks["name"]))  # the mission first
     for (name, draw), mine in ticks.groupby(["name", "draw"], sort=False):
         own = table[(table["name"] == name) & (table["draw"] == draw)].iloc[0]
         km = own["length"] / 1e3 * mine["samples"] / own["samples"]
-        look = style[str(name)]
+        rank = plans.index(str(name))
+        colour, dash, marker = COLOURS[rank % len(COLOURS)], DASHES[rank % len(DASHES)], MARKERS[rank % len(MARKERS)]
         label = str(name) if draw == 0 else None
         for axes, column in ((error, "rmse"), (density, "nlpd")):
             width = 2.4 if name == "mission" else 1.4
-            axes.plot(km, mine[column], color=look.colour, linestyle=look.dash, linewidth=width, label=label)
-            axes.scatter(km.iloc[-1:], mine[column].iloc[-1:], color=look.colour, marker=look.marker, s=26, zorder=4)
+            axes.plot(km, mine[column], color=colour, linestyle=dash, linewidth=width, label=label)
+            axes.scatter(km.iloc[-1:], mine[column].iloc[-1:], color=colour, marker=marker, s=26, zorder=4)
     error.set(ylabel=f"RMSE [{unit}]", xlabel="flown by all UAVs [km]", ylim=(0, None))
     density.set(ylabel="NLPD [nats]", xlabel="flown by all UAVs [km]")
     error.legend(loc="upper right")

@@ -1,7 +1,8 @@
 """Stage 7, compare: what a person would fly otherwise, measured and mapped over the same field with the same UAVs.
 
-lawnmower: the fewest lanes whose tours are at least as long as the mission's, in the direction that promises less
-uncertainty. random: uniform random tasks, as many as make the tours at least as long; routed as the mission is.
+lawnmower: the fewest lanes whose tours are at least as long as the mission's, in the direction and with the margin at
+the border that promise least uncertainty.
+random: uniform random tasks, as many as make the tours at least as long; routed as the mission is.
 greedy: as many tasks as the mission has, placed greedily; routed as the mission is.
 
 Products: compare.csv (a row a flight plan, the mission first), compare-ticks.csv, tracks.csv.
@@ -42,6 +43,8 @@ MOST_TRIES = 3
 MORE_TASKS = 1.75
 """So many times as many random tasks as placed ones make about equally long tours."""
 MOST_LANES = 60
+INSETS = (0.5, 0.3)
+"""Margins at the ends of lanes that are tried, in spacings of the lanes."""
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -73,7 +76,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
         survey = survey_of(mission, scenario.region, field, plan.flights)
         rows.append(_row(plan, survey, scenario, mission))
         ticks.append(ticks_frame(survey).assign(name=plan.name, draw=plan.draw))
-        tracks.append(track_frame(plan.flights).assign(name=plan.name, draw=plan.draw)[::5])
+        tracks.append(track_frame(plan.flights).assign(name=plan.name, draw=plan.draw)[::20])
     table = pd.DataFrame(rows)
     write_aside(out / "compare.csv", table.to_csv(index=False))
     write_aside(out / "compare-ticks.csv", pd.concat(ticks).to_csv(index=False))
@@ -98,14 +101,14 @@ def _plans(mission: Mission, scenario: Scenario, length: float, tell: Tell) -> I
 
 
 def lawnmower(mission: Mission, scenario: Scenario, length: float) -> Plan:
-    """Return the lawnmower of at least `length` [m] in the direction that promises less uncertainty."""
-    plans = [_lawnmower_along(mission, scenario, length, along) for along in (0, 1)]
+    """Return the lawnmower of at least `length` [m] that promises least uncertainty."""
+    plans = [_lawnmower_along(mission, scenario, length, along, inset) for along in (0, 1) for inset in INSETS]
     return min(plans, key=lambda plan: _promised_sd(mission, scenario, plan))
 
 
-def _lawnmower_along(mission: Mission, scenario: Scenario, length: float, along: int) -> Plan:
+def _lawnmower_along(mission: Mission, scenario: Scenario, length: float, along: int, inset: float) -> Plan:
     for count in range(scenario.n_depots, MOST_LANES):
-        tours = lawnmower_tours(scenario.free, scenario.depots, count, along)
+        tours = lawnmower_tours(scenario.free, scenario.depots, count, along, inset)
         flights = [_straight(mission, tour) for tour in tours]
         plan = Plan("lawnmower", 0, count, flights)
         if plan.length >= length:

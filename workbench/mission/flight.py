@@ -1,7 +1,7 @@
 """Stage 5, flight: Dubins tours along the reference paths (sub-problem 4), checked, and exported for ground control.
 
-Products: flights.json, flown.csv (a pose a second), reference.csv, flown.geojson (local metres), flight-check.csv and,
-where the mission has an origin, uav-K.geojson, .kml and .plan.
+Products: flights.json, flown.csv (a pose every 0.2 s), reference.csv, flown.geojson (local metres), flight-check.csv
+and, where the mission has an origin, uav-K.geojson, .kml and .plan.
 """
 
 from __future__ import annotations
@@ -31,6 +31,9 @@ from workbench.mission.routes import kept_routes
 from workbench.mission.settings import Mission
 
 Floats = NDArray[np.float64]
+
+TRACK_STEP = 0.2
+"""Time between the poses of a track [s]."""
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -98,12 +101,12 @@ def refuse_long_period(mission: Mission, fleet: Fleet) -> None:
 
 
 def track_frame(flights: Sequence[Flight]) -> pd.DataFrame:
-    """Return a pose a second of every UAV: columns uav, time [s], x [m], y [m], heading [rad]."""
+    """Return a pose every TRACK_STEP of every UAV: columns uav, time [s], x [m], y [m], heading [rad]."""
     frames = []
     for k, flight in enumerate(flights):
         if flight.length == 0.0:
             continue
-        times = np.append(np.arange(0.0, flight.duration), flight.duration)
+        times = np.append(np.arange(0.0, flight.duration, TRACK_STEP), flight.duration)
         x, y, heading = flight.poses(times * flight.speed).T
         heading = (heading + np.pi) % (2 * np.pi) - np.pi
         frames.append(pd.DataFrame({"uav": k, "time": times, "x": x, "y": y, "heading": heading}).round(4))

@@ -86,4 +86,4 @@ def referenced_files(value: Any, folder: Path) -> dict[str, str]:
     path = folder / value
     # a WindNinja speed grid has its directions and projection beside it
     beside = [path, *(path.with_name(path.name.replace("_vel.asc", end)) for end in ("_ang.asc", "_vel.prj"))]
-    return {str(p): file_digest(p) for p in dict.fromkeys(beside) if p.is_file()}
+    return {f"{value} {p.name}": file_digest(p) for p in dict.fromkeys(beside) if p.is_file()}

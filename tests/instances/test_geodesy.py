@@ -1,0 +1,47 @@
+"""The tangent plane against closed forms of the ellipsoid, and there and back."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from instances.errors import InputError
+from instances.geodesy import E2, A, TangentPlane
+
+
+def test_the_origin_is_the_origin() -> None:
+    np.testing.assert_allclose(TangentPlane(36.0, 128.0).geographic([[0.0, 0.0]]), [[36.0, 128.0]], atol=1e-12)
+
+
+@pytest.mark.parametrize("latitude", [0.0, 36.0, -70.0])
+def test_small_steps_are_those_of_the_radii_of_curvature(latitude: float) -> None:
+    s = math.sin(math.radians(latitude))
+    N = A / math.sqrt(1 - E2 * s * s)  # prime vertical
+    M = A * (1 - E2) / (1 - E2 * s * s) ** 1.5  # meridian
+    step = 10.0
+    moved = TangentPlane(latitude, 10.0).geographic([[step, 0.0], [0.0, step]])
+    assert math.radians(moved[0, 1] - 10.0) * N * math.cos(math.radians(latitude)) == pytest.approx(step, rel=1e-6)
+    assert math.radians(moved[1, 0] - latitude) * M == pytest.approx(step, rel=1e-6)
+
+
+def test_east_along_the_equator_is_an_arc_tangent() -> None:
+    assert TangentPlane(0.0, 0.0).geographic([[20e3, 0.0]])[0] == pytest.approx(
+        [0.0, math.degrees(math.atan(20e3 / A))]
+    )
+
+
+@settings(deadline=None)
+@given(st.floats(-80, 80), st.floats(-180, 180), st.floats(-30e3, 30e3), st.floats(-30e3, 30e3))
+def test_there_and_back(latitude: float, longitude: float, x: float, y: float) -> None:
+    plane = TangentPlane(latitude, longitude)
+    np.testing.assert_allclose(plane.local(plane.geographic([[x, y]])), [[x, y]], atol=1e-4)
+
+
+@pytest.mark.parametrize("origin", [(128.0, 36.0), (0.0, 200.0), (float("nan"), 0.0)])
+def test_origins_that_are_none(origin: tuple[float, float]) -> None:
+    with pytest.raises(InputError, match="latitude, longitude"):
+        TangentPlane(*origin)

@@ -1,0 +1,235 @@
+"""The mission's stages: their products, skipped where up to date, run alone, continued after a kill."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from instances.errors import InputError
+from instances.files import read_instance, read_routes
+from instances.formats.netcdf import read_grids
+from instances.routes import check_routes
+from workbench.mission.pipeline import NAMES, STAGES, folder_names, run_mission
+from workbench.mission.settings import mission_of, read_mission
+
+SMALL = """
+airspeed = 50.0
+size = [6000, 5000]
+no_fly = "zones.geojson"
+depots = [[500, 500], [5500, 500]]
+tasks = 8
+origin = [47.0, 8.0]
+
+[wind]
+kind = "rotation"
+rate = 1e-3
+centre = [3000, 2500]
+
+[radio]
+position = [3000, 2500]
+
+[field]
+model = "free-space"
+shadowing_sd = 2.0
+cells = 30
+
+[place]
+method = "greedy"
+tests = [6, 6]
+length_scale = 1500.0
+
+[costs]
+method = "dijkstra"
+
+[routes]
+solver = "greedy"
+time_limit = 1.0
+
+[sensing]
+period = 6.0
+
+[map]
+length_scale = 1500.0
+cells = 20
+frames = 4
+
+[compare]
+time_limit = 1.0
+"""
+ZONE = {"type": "Polygon", "coordinates": [[[2600, 1800], [3400, 1800], [3400, 3000], [2600, 3000], [2600, 1800]]]}
+
+
+@pytest.fixture(scope="module")
+def mission_file(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("mission")
+    (folder / "zones.geojson").write_text(json.dumps(ZONE))
+    (folder / "small.toml").write_text(SMALL)
+    return folder / "small.toml"
+
+
+@pytest.fixture(scope="module")
+def made(mission_file: Path, tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("made") / "out"
+    run_mission(read_mission(mission_file), out)
+    return out
+
+
+@pytest.fixture
+def copied(made: Path, tmp_path: Path) -> Path:
+    shutil.copytree(made, tmp_path / "copy")
+    return tmp_path / "copy"
+
+
+def again(mission_file: Path, out: Path, text: str = SMALL, **how: str) -> list[str]:
+    """Run a mission and return the stages that were made, not skipped."""
+    told: list[str] = []
+    mission = mission_of(tomllib.loads(text), mission_file.parent, "small")
+    run_mission(mission, out, tell=told.append, **how)
+    return [name for name in NAMES if any(re.match(rf"{name}: .* \(\d+\.\d s\)$", line) for line in told)]
+
+
+def test_every_stage_leaves_its_products(made: Path) -> None:
+    instance = read_instance(made / "3-costs/instance.json")
+    assert (instance.n_tasks, instance.n_depots) == (8, 2)
+    assert check_routes(instance, read_routes(made / "4-routes/routes.sol", instance)) == []
+    axes, maps = read_grids(made / "6-map/maps.nc")
+    assert maps["mean"].values.shape == (len(axes["time"]), 17, 20)
+    assert list(pd.read_csv(made / "7-compare/compare.csv")["name"]) == ["mission", "lawnmower", "random", "greedy"]
+    assert not list(made.glob(".*"))
+
+
+def test_flights_keep_the_radius_pass_the_tasks_and_stay_out_of_the_zone(made: Path) -> None:
+    checks = pd.read_csv(made / "5-flight/flight-check.csv")
+    assert (checks["least_radius"] >= 50.0 - 1e-6).all()
+    assert (checks["task_distance"] <= 0.1).all()
+    assert (checks["closure"] <= 1e-6).all()
+    assert (checks["in_no_fly"] == 0.0).all()
+    flown = pd.read_csv(made / "5-flight/flown.csv")
+    inside = flown["x"].between(2600, 3400) & flown["y"].between(1800, 3000)
+    assert not inside.any()
+
+
+def test_maps_are_masked_outside_the_region_and_never_uncertain_below_zero(made: Path) -> None:
+    _, maps = read_grids(made / "6-map/maps.nc")
+    sd = maps["sd"].values
+    assert (sd[np.isfinite(sd)] >= 0).all()
+    samples = pd.read_csv(made / "6-map/samples.csv")
+    assert len(samples) == pd.read_csv(made / "6-map/ticks.csv")["samples"].iloc[-1]
+    np.testing.assert_allclose(samples["time"] % 6.0, 0.0, atol=1e-9)
+
+
+def test_the_page_is_self_contained_and_small(made: Path) -> None:
+    page = (made / "report.html").read_text(encoding="utf-8")
+    assert page == (made / "8-report/report.html").read_text(encoding="utf-8")
+    assert len(page) < 5e6
+    assert not re.findall(r'(?:src|href)="(?!data:|#)[^"]+"', page)
+    for words in ("RMSE", "NLPD", "lawnmower", "Initial and final stage", "Reference paths and flown paths"):
+        assert words in page
+
+
+def test_ground_control_files_hold_the_tour(made: Path) -> None:
+    plan = json.loads((made / "5-flight/uav-0.plan").read_text())
+    items = plan["mission"]["items"]
+    assert [items[0]["command"], items[-1]["command"]] == [22, 20]
+    assert len(plan["geoFence"]["polygons"]) == 1
+    line = json.loads((made / "5-flight/uav-0.geojson").read_text())["features"][0]["geometry"]["coordinates"]
+    assert line[0] == line[-1]
+    assert abs(line[0][1] - 47.0) < 0.1
+
+
+def test_nothing_is_made_twice(mission_file: Path, copied: Path) -> None:
+    assert again(mission_file, copied) == []
+
+
+def test_a_change_is_made_from_its_stage_on(mission_file: Path, copied: Path) -> None:
+    before = (copied / "6-map/samples.csv").read_bytes()
+    changed = SMALL.replace("[compare]", '[compare]\nbaselines = ["lawnmower"]')
+    assert again(mission_file, copied, changed) == ["compare", "report"]
+    assert (copied / "6-map/samples.csv").read_bytes() == before
+    assert list(pd.read_csv(copied / "7-compare/compare.csv")["name"]) == ["mission", "lawnmower"]
+
+
+def test_a_changed_file_that_the_mission_names_is_noticed(mission_file: Path, copied: Path, tmp_path: Path) -> None:
+    moved = tmp_path / "small.toml"
+    moved.write_text(SMALL)
+    zone = json.dumps(ZONE).replace("2600", "2500")
+    (tmp_path / "zones.geojson").write_text(zone)
+    assert again(moved, copied, only="environment") == ["environment"]
+
+
+def test_one_stage_alone(mission_file: Path, copied: Path) -> None:
+    shutil.rmtree(copied / "7-compare")
+    shutil.rmtree(copied / "6-map")
+    assert again(mission_file, copied, only="map") == ["map"]
+    assert not (copied / "7-compare").exists()
+
+
+def test_a_stage_can_be_forced(mission_file: Path, copied: Path) -> None:
+    assert again(mission_file, copied, force_from="report") == ["report"]
+
+
+def test_a_stage_without_what_it_starts_from(mission_file: Path, copied: Path) -> None:
+    shutil.rmtree(copied / "4-routes")
+    with pytest.raises(InputError, match="stage 'flight' starts from the products of 'routes', which are not there"):
+        again(mission_file, copied, only="flight")
+
+
+def test_a_product_that_was_changed_is_noticed(mission_file: Path, copied: Path) -> None:
+    (copied / "2-place/tasks.csv").write_text("x,y\n1,1\n")
+    with pytest.raises(InputError, match="products of stage 'place' are missing or were changed"):
+        again(mission_file, copied, only="costs")
+
+
+def test_a_failing_stage_leaves_the_old_products(mission_file: Path, copied: Path) -> None:
+    before = (copied / "5-flight/flown.csv").read_bytes()
+    with pytest.raises(InputError, match=r"sensing\.period = 1000 s is longer than the longest tour"):
+        again(mission_file, copied, SMALL.replace("period = 6.0", "period = 1000.0"))
+    assert (copied / "5-flight/flown.csv").read_bytes() == before
+    assert not list(copied.glob(".*.part"))
+
+
+def test_a_killed_mission_continues_where_it_was(mission_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    slow = SMALL.replace('solver = "greedy"\ntime_limit = 1.0', 'solver = "ruin-recreate"\ntime_limit = 60.0')
+    (tmp_path / "zones.geojson").write_text(json.dumps(ZONE))
+    (tmp_path / "slow.toml").write_text(slow)
+    command = [sys.executable, "-c", "from workbench.cli import main; main()", "mission", "slow.toml", "--out", "out"]
+    child = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    deadline = time.monotonic() + 120
+    while not (out / "3-costs").exists() and time.monotonic() < deadline and child.poll() is None:
+        time.sleep(0.05)
+    child.send_signal(signal.SIGKILL)
+    child.wait()
+    assert (out / "3-costs").exists()
+    assert not (out / "4-routes").exists()
+    made_now = again(mission_file, out)
+    assert made_now == [name for name in NAMES if name not in ("environment", "place", "costs")]
+    assert not list(out.glob(".*.part"))
+
+
+def test_folders_are_numbered_in_order() -> None:
+    assert list(folder_names()) == [stage.name for stage in STAGES]
+    assert folder_names()["flight"] == "5-flight"
+
+
+def test_an_unknown_stage(cli) -> None:
+    code, _, err = cli("mission", "--out", "made", "--stage", "flihgt")
+    assert code == 2
+    assert "unknown stage 'flihgt'; did you mean 'flight'?" in err
+
+
+def test_stage_and_from_exclude_each_other(cli) -> None:
+    code, _, err = cli("mission", "--out", "made", "--stage", "map", "--from", "map")
+    assert code == 2
+    assert "give one of them" in err

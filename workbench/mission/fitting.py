@@ -1,0 +1,81 @@
+"""Whether the settings of a mission fit together: known names, counts, and lengths that cannot be in metres."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from formulations.moving_cost.registry import make_method as make_cost_method
+from formulations.registry import make_solver
+from formulations.task_location.criterion import convention
+from formulations.task_location.registry import make_method as make_placement_method
+from instances.environment.propagation import MODELS
+from instances.environment.radio import RadioSource
+from instances.errors import InputError, suggestion
+from workbench.mission.settings import Mission
+
+BASELINES = ("lawnmower", "random", "greedy")
+
+MOST_G = 200.0
+"""Load factors beyond this are no flight but a length in the wrong unit (the paper's own example flies 20 g)."""
+
+
+def check_mission(mission: Mission) -> None:
+    """Raise InputError where settings do not fit together."""
+    scenario = mission.scenario
+    if scenario.n_tasks < scenario.n_depots:
+        raise InputError(f"there are more UAVs ({scenario.n_depots} depots) than tasks ({scenario.n_tasks})")
+    make_placement_method(mission.place.method, mission.place.options)
+    convention(mission.place.criterion)
+    make_cost_method(mission.costs.method, mission.costs.options)
+    try:
+        make_solver(mission.routes.solver, mission.routes.options)
+    except ImportError as error:
+        raise InputError(f"routes.solver: {mission.routes.solver} is not available here: {error}") from None
+    _known("field.model", mission.field.model, MODELS)
+    for name in mission.compare.baselines:
+        _known("compare.baselines", name, BASELINES)
+    if mission.field.file is None:
+        if scenario.radio is None:
+            raise InputError('there is nothing to measure: give a table [radio], or [field] with file = "…"')
+        RadioSource.from_table(scenario.radio)
+    elif not (mission.folder / mission.field.file).is_file():
+        raise InputError(f"field.file: there is no file {mission.folder / mission.field.file}")
+    _check_lengths(mission)
+    _check_period(mission)
+
+
+def _known(key: str, name: str, known: Collection[str]) -> None:
+    if name not in known:
+        raise InputError(f"{key}: unknown '{name}'{suggestion(name, known)} (known: {', '.join(known)})")
+
+
+def _check_lengths(mission: Mission) -> None:
+    x0, y0, x1, y1 = mission.scenario.region.bounds
+    size = max(x1 - x0, y1 - y0)
+    for name, given in (("place", mission.place.length_scale), ("map", mission.map.length_scale)):
+        for scale in given if isinstance(given, list) else [given]:
+            if scale <= size / 1000:
+                raise InputError(
+                    f"{name}.length_scale = {scale:g} m is at most a thousandth of the region ({size:g} m): "
+                    "lengths are in metres"
+                )
+    radius, speed = mission.flight.turning_radius, mission.speed
+    load = speed**2 / radius / 9.81
+    if load > MOST_G:
+        raise InputError(
+            f"flight.turning_radius = {radius:g} m at {speed:g} m/s would need {load:.0f} g: lengths are in metres"
+        )
+    if radius > size / 4:
+        raise InputError(f"flight.turning_radius = {radius:g} m is more than a quarter of the region ({size:g} m)")
+
+
+def _check_period(mission: Mission) -> None:
+    """Refuse before the planning a period that no tour can last; the flight stage knows the tours themselves."""
+    x0, y0, x1, y1 = mission.scenario.region.bounds
+    tasks = mission.scenario.n_tasks
+    longest = (tasks + 1) * 2 * ((x1 - x0) + (y1 - y0)) / mission.speed
+    if mission.sensing.period > longest:
+        raise InputError(
+            f"sensing.period = {mission.sensing.period:g} s is longer than any tour of {tasks} tasks could last "
+            f"({longest:.0f} s)"
+        )

@@ -1,0 +1,95 @@
+"""Keys of a mission file's tables: each says what values it takes, in words for people and as a test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import field, fields
+from typing import Any, TypeVar
+
+from instances.errors import InputError, suggestion
+
+T = TypeVar("T")
+
+
+def _key(default: Any, wanted: str, fits: Callable[[Any], bool]) -> Any:
+    """Return a dataclass field whose metadata says what it takes."""
+    metadata = {"wanted": wanted, "fits": fits}
+    if isinstance(default, (list, dict)):
+        return field(default_factory=lambda: type(default)(default), metadata=metadata)
+    return field(default=default, metadata=metadata)
+
+
+def positive(default: float | None, unit: str = "") -> Any:
+    """Return a key for a positive number."""
+    return _key(default, f"a positive number{_in(unit)}", lambda v: is_number(v) and v > 0)
+
+
+def not_negative(default: float | None, unit: str = "") -> Any:
+    """Return a key for a number of at least 0."""
+    return _key(default, f"a number of at least 0{_in(unit)}", lambda v: is_number(v) and v >= 0)
+
+
+def one_or_two(default: float, unit: str) -> Any:
+    """Return a key for a positive number, or two of them, along x and y."""
+
+    def fits(value: Any) -> bool:
+        parts = value if isinstance(value, list) and len(value) == 2 else [value]
+        return all(is_number(v) and v > 0 for v in parts)
+
+    return _key(default, f"a positive number{_in(unit)} or two of them", fits)
+
+
+def count(default: int, least: int) -> Any:
+    """Return a key for a whole number of at least `least`."""
+    return _key(default, f"a whole number of at least {least}", lambda v: type(v) is int and v >= least)
+
+
+def counts(default: list[int]) -> Any:
+    """Return a key for two whole numbers of at least 1."""
+
+    def fits(value: Any) -> bool:
+        return isinstance(value, list) and len(value) == 2 and all(type(v) is int and v >= 1 for v in value)
+
+    return _key(default, "two whole numbers of at least 1", fits)
+
+
+def text(default: str | None) -> Any:
+    """Return a key for a text that is not empty."""
+    return _key(default, "a text", lambda v: isinstance(v, str) and v != "")
+
+
+def texts(default: list[str]) -> Any:
+    """Return a key for a list of texts."""
+    return _key(default, "a list of texts", lambda v: isinstance(v, list) and all(isinstance(item, str) for item in v))
+
+
+def switch(default: bool) -> Any:
+    """Return a key for true or false."""
+    return _key(default, "true or false", lambda v: isinstance(v, bool))
+
+
+def options() -> Any:
+    """Return a key for a method's options."""
+    return _key({}, "a table", lambda v: isinstance(v, dict))
+
+
+def settings_of(cls: type[T], table: Any, name: str) -> T:
+    """Return the settings in a table; InputError names the key, the value and what it should be."""
+    if not isinstance(table, Mapping):
+        raise InputError(f"[{name}] must be a table, got {table!r}")
+    known = {f.name: f.metadata for f in fields(cls)}  # type: ignore[arg-type]
+    for key, value in table.items():
+        if key not in known:
+            raise InputError(f"[{name}]: unknown key '{key[:40]}'{suggestion(key, known)} (known: {', '.join(known)})")
+        if not known[key]["fits"](value):
+            raise InputError(f"{name}.{key} must be {known[key]['wanted']}, got {value!r}")
+    return cls(**table)
+
+
+def is_number(value: Any) -> bool:
+    """Return whether `value` is a finite number."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+
+
+def _in(unit: str) -> str:
+    return f" [{unit}]" if unit else ""

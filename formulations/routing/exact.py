@@ -1,0 +1,164 @@
+"""`exact`: the portfolio to try first. It chooses, combines, and says who proved it.
+
+* n ≤ 13: `subset-dp`, which is then done at once.
+* otherwise `branch-and-price`, which closes tours of up to about twenty tasks each in seconds;
+* with two threads `branch-and-cut` beside it in a process of its own, for longer tours: both pass on every better
+  incumbent and bound the moment they have it, and the first proof ends both;
+* with one thread and n/m ≥ 20, `branch-and-price` for a quarter of the time and `branch-and-cut` with what it found.
+
+Where the change-over points come from: README.md in this folder. ``Result.statistics["proved_by"]`` names the method
+whose bound met the incumbent.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import multiprocessing
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any, ClassVar
+
+from formulations.recorder import Recorder
+from formulations.routing.branch_and_cut import BranchAndCut
+from formulations.routing.branch_and_price import TOLERANCE, BranchAndPrice
+from formulations.routing.linked import LinkedRecorder
+from formulations.routing.subset_dp import SubsetDp
+from formulations.solver import Limits, Observer, Result, Solver, Status, ignore
+from instances import Instance, Routes
+
+FEW = 13
+"""Tasks up to which subset programming takes a fraction of a second."""
+LONG = 20
+"""Tasks per UAV from which branch-and-cut is worth its time."""
+_SHARE = 0.25
+_TELLING = 0.2  # seconds a peer is given to end by itself
+
+
+@dataclass(frozen=True)
+class Exact(Solver):
+    """The portfolio of exact methods."""
+
+    proves: ClassVar[bool] = True
+
+    def prepare(self, instance: Instance) -> None:
+        """Prepare the methods that this instance will use."""
+        if instance.n_tasks <= FEW:
+            SubsetDp().prepare(instance)
+            return
+        BranchAndPrice().prepare(instance)
+        BranchAndCut().prepare(instance)
+
+    def solve(
+        self,
+        instance: Instance,
+        *,
+        limits: Limits,
+        seed: int = 0,
+        observe: Observer = ignore,
+        start: Routes | None = None,
+    ) -> Result:
+        """Solve to proof or limit; `limits.iterations` counts nodes of each tree."""
+        if instance.n_tasks <= FEW:
+            result = SubsetDp().solve(instance, limits=limits, seed=seed, observe=observe, start=start)
+            return _named(result, "subset-dp")
+        recorder = LinkedRecorder(instance, limits, observe, start)
+        columns = BranchAndPrice()
+        columns.improve(recorder, 1000 * seed, columns.starts)
+        may_cut = BranchAndCut().accepts(instance) is None
+        if limits.threads >= 2 and may_cut:
+            return _side_by_side(recorder, columns, seed)
+        if instance.n_tasks >= LONG * instance.n_depots and may_cut:
+            return _one_after_the_other(recorder, columns, seed)
+        return _columns_alone(recorder, columns, seed)
+
+
+def _columns_alone(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
+    ended, counts = columns.prove(recorder, seed, lambda: False)
+    return _result(recorder, ended, "branch-and-price", 2 * TOLERANCE * recorder.objective, counts)
+
+
+def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
+    """Columns until a quarter of the time has passed, then cuts."""
+    until = (1 - _SHARE) * recorder.remaining
+    ended, counts = columns.prove(recorder, seed, lambda: recorder.remaining <= until)
+    if ended == "proof" or recorder.remaining <= 0:
+        return _result(recorder, ended, "branch-and-price", 2 * TOLERANCE * recorder.objective, counts)
+    limits = Limits(time=recorder.remaining, iterations=recorder.limits.iterations)
+    cut = BranchAndCut().solve(
+        recorder.instance, limits=limits, seed=seed, observe=_into(recorder), start=recorder.routes
+    )
+    return _result(
+        recorder,
+        cut.stopped_by,
+        "branch-and-cut",
+        cut.tolerance,
+        {**counts, **{f"cut_{name}": value for name, value in cut.statistics.items()}},
+    )
+
+
+def _into(recorder: Recorder) -> Observer:
+    """Return an observer that passes incumbents and bounds on to `recorder`."""
+
+    def observe(event: Any) -> None:
+        if event.routes is not None:
+            recorder.incumbent(event.routes)
+        if event.bound is not None:
+            recorder.raise_bound(event.bound)
+
+    return observe
+
+
+def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) -> Result:
+    """Columns here, cuts in another process."""
+    methods = multiprocessing.get_all_start_methods()
+    context: Any = multiprocessing.get_context("fork" if "fork" in methods else "spawn")
+    here, there = context.Pipe()
+    limits = Limits(time=max(recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
+    peer = context.Process(
+        target=_cut, args=(here, there, recorder.instance, limits, seed, recorder.routes), daemon=True
+    )
+    peer.start()
+    there.close()
+    recorder.link = here
+    try:
+        ended, counts = columns.prove(recorder, seed, lambda: False)
+        while ended != "proof" and recorder.remaining > 0 and recorder.link is not None:
+            here.poll(min(recorder.remaining, 0.1))
+        by = "branch-and-price" if ended == "proof" else "branch-and-cut"
+        tolerance = 2 * TOLERANCE * recorder.objective
+        if recorder.met_by_peer:
+            ended, tolerance = "proof", recorder.tolerance
+    finally:
+        here.close()
+        peer.join(_TELLING)
+        if peer.is_alive():
+            peer.terminate()
+            peer.join()
+    return _result(recorder, ended, by, tolerance, counts)
+
+
+def _cut(
+    others: Connection, link: Connection, instance: Instance, limits: Limits, seed: int, start: Routes | None
+) -> None:
+    """Run branch-and-cut in this process and keep the peer informed."""
+    others.close()
+    recorder = LinkedRecorder(instance, limits, ignore, start, link)
+    with contextlib.suppress(KeyboardInterrupt):  # how branch-and-cut says that it was interrupted: the peer was first
+        result = BranchAndCut()._search(recorder, seed)
+        if result.status is Status.OPTIMAL:
+            recorder.tell_proof(result.tolerance)
+    link.close()
+
+
+def _result(recorder: Recorder, ended: str, by: str, tolerance: float, counts: dict[str, Any]) -> Result:
+    """Write the result; a bound of one method and routes of another prove together."""
+    met = recorder.objective - recorder.bound <= tolerance
+    if met:
+        return recorder.result("proof", proved=True, tolerance=tolerance, proved_by=by, **counts)
+    return recorder.result("time" if ended == "proof" else ended, proved_by=None, **counts)
+
+
+def _named(result: Result, by: str) -> Result:
+    proved = by if result.status is Status.OPTIMAL else None
+    return dataclasses.replace(result, statistics={**result.statistics, "proved_by": proved})

@@ -1,0 +1,236 @@
+"""Bars of the exact methods: measured figure beside bar.
+
+    python tests/benchmarks/exact.py [--quick] [SECTION...]
+
+Sections: proofs (branch-and-price, n = 40 to 100), long (exact, m = 2), gaps (certified where no proof is in reach),
+public (eil51, berlin52, eil76), agreement (300 random instances against subset-dp), ratio (exact against circuit and
+branch-and-cut). Times are CPU seconds of the process (children included) unless called wall.
+
+Instances: tasks and depots uniform in a 20 km square, airspeed 20 m/s, wind (4, −2) m/s plus a rotation of 5 m/s at
+the edge, legs by first-order expansion of Randers' closed form; seeds count from 0.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from pathlib import Path
+from statistics import geometric_mean, median
+
+import numpy as np
+
+from formulations.registry import make_solver
+from formulations.routing.branch_and_price import BranchAndPrice
+from formulations.routing.subset_dp import SubsetDp
+from formulations.solver import Limits, Result, Solver, Status
+from instances import Instance, Routes, check_routes
+
+KNOWN = {  # proved optima [s] of seeds 0, 1, 2
+    (20, 2): (2295.084, 2048.518, 1979.242),
+    (20, 3): (1578.891, 1603.418, 1697.514),
+    (20, 4): (1173.440, 1288.910, 1235.960),
+    (30, 2): (2299.984, 2194.440, 2385.230),
+    (30, 3): (1820.611, 1678.482, 1868.150),
+    (30, 4): (1315.000, 1639.341, 1723.179),
+    (40, 2): (2616.011, 2509.269, 2621.851),
+    (40, 3): (1868.924, 1795.758, 1773.941),
+    (40, 4): (1433.316, 1485.499, 1456.734),
+    (50, 3): (2058.511, 2052.582, 2211.421),
+    (50, 4): (1709.777, 1608.736, 1541.500),
+}
+PROOFS = (  # n, m, CPU seconds, how many of ten
+    (40, 3, 15.0, 10),
+    (40, 4, 15.0, 10),
+    (50, 3, 60.0, 9),
+    (50, 4, 60.0, 9),
+    (50, 5, 60.0, 9),
+    (60, 4, 300.0, 8),
+    (60, 5, 300.0, 8),
+    (60, 6, 300.0, 8),
+    (80, 8, 120.0, 8),
+    (100, 10, 120.0, 8),
+)
+BENCHMARKS = Path(__file__).parents[3] / "shared" / "benchmarks"
+
+
+def wind_instance(n: int, m: int, seed: int) -> Instance:
+    """The random instance described at the top."""
+    place = np.random.default_rng(1000 * n + 100 * m + seed).uniform(0, 20_000, (n + m, 2))
+    q = place - 10_000
+    leg = q[None, :, :] - q[:, None, :]
+    turn = q[:, None, 0] * q[None, :, 1] - q[:, None, 1] * q[None, :, 0]
+    cost = np.hypot(leg[..., 0], leg[..., 1]) / 20 - (4 * leg[..., 0] - 2 * leg[..., 1]) / 400 - 5e-4 * turn / 400
+    np.fill_diagonal(cost, 0.0)
+    return Instance(f"wind-{n}-{m}-{seed}", cost, n, m, coordinates=place)
+
+
+def cpu() -> float:
+    """CPU seconds of this process and its ended children."""
+    t = os.times()
+    return t.user + t.system + t.children_user + t.children_system
+
+
+def run(solver: Solver, instance: Instance, limit: float, threads: int = 1) -> tuple[Result, float, float]:
+    """Solve; return the result, CPU and wall seconds. Wrong routes or a wrong optimum stop the script."""
+    began, wall = cpu(), time.perf_counter()
+    result = solver.solve(instance, limits=Limits(time=limit, threads=threads))
+    spent, lasted = cpu() - began, time.perf_counter() - wall
+    assert result.routes is not None, instance.name
+    assert not check_routes(instance, result.routes), instance.name
+    known = KNOWN.get((instance.n_tasks, instance.n_depots), ())
+    seed = int(instance.name.rpartition("-")[2]) if instance.name.startswith("wind") else 99
+    if seed < len(known):
+        assert result.bound is None or result.bound <= known[seed] + 2e-3, instance.name
+        if result.status is Status.OPTIMAL:
+            assert abs(result.objective - known[seed]) < 2e-3 + result.tolerance, instance.name
+    return result, spent, lasted
+
+
+def proofs(quick: bool) -> None:
+    """Every size: how many seeds are proved within the bar."""
+    print("proofs by branch-and-price: n m | proved within the bar | median and greatest CPU s | worst gap")
+    solver = BranchAndPrice()
+    solver.prepare(wind_instance(10, 2, 0))
+    for n, m, bar, of_ten in PROOFS:
+        seeds = range(2 if quick else 10)
+        runs = [run(solver, wind_instance(n, m, seed), bar) for seed in seeds]
+        good = [spent for result, spent, _ in runs if result.status is Status.OPTIMAL and spent <= bar]
+        gaps = [result.gap or 0.0 for result, _, _ in runs]
+        middle = f"median {median(good):6.2f}, greatest {max(good):6.2f} CPU s" if good else "none"
+        late = max(lasted for _, _, lasted in runs) - bar
+        print(
+            f"{n:4d} {m:3d} | {len(good)} of {len(runs)} (bar {of_ten} of 10 in {bar:.0f} s) | {middle} | "
+            f"worst gap {max(gaps):.2%}" + (f" | {late:.1f} s over the limit" if late > 2 else ""),
+            flush=True,
+        )
+
+
+def long_tours(quick: bool) -> None:
+    """Two UAVs: the portfolio on two threads."""
+    print("exact on two threads, m = 2: n | proved | wall s of each | by")
+    solver = make_solver("exact")
+    solver.prepare(wind_instance(20, 2, 0))
+    for n, limit, of_ten in ((40, 120.0, 8), (50, 180.0, 6), (60, 180.0, 6)):
+        runs = [run(solver, wind_instance(n, 2, seed), limit, 2) for seed in range(2 if quick else 10)]
+        good = [lasted for result, _, lasted in runs if result.status is Status.OPTIMAL]
+        names = [str(result.statistics["proved_by"]) for result, _, _ in runs]
+        by = ", ".join(f"{name} {names.count(name)}" for name in sorted(set(names)))
+        print(f"{n:4d} | {len(good)} of {len(runs)} (bar {of_ten} of 10 in {limit:.0f} s) | "
+              f"{' '.join(f'{t:.1f}' for t in good)} | {by}", flush=True)  # fmt: skip
+
+
+def gaps(quick: bool) -> None:
+    """Where proofs are out of reach: the certified gap."""
+    print("certified gaps of branch-and-price: n m | gap | bound | routes | wall s")
+    solver = BranchAndPrice()
+    for n, m, bar in ((60, 3, "5 %"), (100, 3, "as small as possible"), (200, 10, "as small as possible")):
+        result, _, lasted = run(solver, wind_instance(n, m, 0), 60.0 if quick else 280.0)
+        gap = "none" if result.gap is None else f"{result.gap:.2%}"
+        print(f"{n:4d} {m:3d} | {gap} (bar {bar}) | {result.bound} | {result.objective:.3f} | {lasted:.1f}", flush=True)
+
+
+def public(quick: bool) -> None:
+    """The classics of mTSPLib, one depot."""
+    from instances.files import read_instance
+
+    if not BENCHMARKS.exists():
+        print("public: skipped, the benchmark folder is not here")
+        return
+    print("public instances by exact on two threads: name | status | routes | bound | gap | wall s")
+    solver = make_solver("exact")
+    for name in ("eil51_2", "eil51_3", "eil51_5", "berlin52_2", "berlin52_3", "berlin52_5", "eil76_5", "eil76_7"):
+        instance = read_instance(BENCHMARKS / "single_mtsplib" / f"{name}.mdm")
+        result, _, lasted = run(solver, instance, 20.0 if quick else 120.0, 2)
+        bound = "none" if result.bound is None else f"{result.bound:.3f}"
+        print(
+            f"{name} | {result.status} | {result.objective:.3f} | {bound} | {result.gap or 0:.2%} | {lasted:.1f}",
+            flush=True,
+        )
+
+
+def agreement(quick: bool) -> None:
+    """Random instances against subset-dp, with loose starts, permutations and tiny bins."""
+    count, wrong, open_ = 60 if quick else 300, 0, 0
+    for seed in range(count):
+        rng = np.random.default_rng(seed)
+        n, m = int(rng.integers(1, 15)), int(rng.integers(1, 6))
+        cost = rng.uniform(0, 100, (n + m, n + m)) if seed % 2 else rng.integers(0, 9, (n + m, n + m)).astype(float)
+        np.fill_diagonal(cost, 0.0)
+        instance = wind_instance(n, m, seed) if seed % 3 == 0 else Instance("any", cost, n, m)
+        oracle = SubsetDp().solve(instance, limits=Limits(time=600.0))
+        order = np.concatenate([rng.permutation(n), n + rng.permutation(m)])
+        permuted = Instance("permuted", instance.cost[np.ix_(order, order)], n, m)
+        worst: Routes = (tuple(range(n)), *[()] * (m - 1))
+        bins = int(rng.integers(1, 12))
+        for solver, given, start in (
+            (BranchAndPrice(starts=1), instance, None),
+            (BranchAndPrice(starts=0), permuted, worst),
+            (BranchAndPrice(starts=0, bins=bins, tours=300), instance, loosened(oracle.routes or worst, n, rng)),
+        ):
+            result = solver.solve(given, limits=Limits(time=60.0), start=start)
+            best = oracle.objective or 0.0
+            faults = check_routes(given, result.routes or ())
+            open_ += result.status is not Status.OPTIMAL
+            claimed = (
+                result.status is Status.OPTIMAL and abs((result.objective or 0.0) - best) > result.tolerance + 1e-9
+            )
+            wrong += bool(faults) or claimed or (result.bound or 0.0) > best + 1e-9
+    print(f"agreement: {count} instances of n ≤ 14, three ways each: {wrong} wrong (bar 0), {open_} not proved in 60 s")
+
+
+def loosened(routes: Routes, n: int, rng: np.random.Generator) -> Routes:
+    """The same routes with three tasks thrown onto the ends of any tours: a loose upper bound."""
+    tours = [list(route) for route in routes]
+    for task in rng.integers(n, size=3):
+        for tour in tours:
+            if task in tour:
+                tour.remove(int(task))
+        tours[rng.integers(len(tours))].append(int(task))
+    return tuple(tuple(tour) for tour in tours)
+
+
+def ratio(quick: bool) -> None:
+    """Exact against circuit and branch-and-cut, one thread each, in one run."""
+    limit = 20.0 if quick else 60.0
+    names = ("exact", "circuit", "branch-and-cut")
+    print(f"CPU s to proof, limit {limit:.0f} s wall (– not proved): n m | " + " | ".join(names))
+    solvers = {name: make_solver(name) for name in names}
+    against: dict[str, list[float]] = {"circuit": [], "branch-and-cut": []}
+    for n, m in ((20, 2), (20, 3), (20, 4), (30, 3), (40, 2), (40, 4), (60, 6)):
+        instance = wind_instance(n, m, 0)
+        times: dict[str, float | None] = {}
+        for name, solver in solvers.items():
+            if solver.accepts(instance) is None:
+                solver.prepare(instance)
+                result, spent, _ = run(solver, instance, limit)
+                times[name] = spent if result.status is Status.OPTIMAL else None
+        print(
+            f"{n:4d} {m:3d} | " + " | ".join("–" if times.get(x) is None else f"{times[x]:.2f}" for x in names),
+            flush=True,
+        )
+        for name, ratios in against.items():
+            if times["exact"] is not None and (times.get(name) is None or (times[name] or 0) > 5):
+                ratios.append((times.get(name) or limit) / times["exact"])
+    for name, ratios in against.items():
+        if ratios:
+            print(f"{name} / exact, geometric mean where it needs over 5 s (unproved counted at the limit): "
+                  f"{geometric_mean(ratios):.1f} (bar 5)")  # fmt: skip
+
+
+SECTIONS = {
+    "proofs": proofs,
+    "long": long_tours,
+    "gaps": gaps,
+    "public": public,
+    "agreement": agreement,
+    "ratio": ratio,
+}
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sections", nargs="*", choices=[[], *SECTIONS], metavar="SECTION")
+    parser.add_argument("--quick", action="store_true", help="fewer seeds, shorter limits")
+    asked = parser.parse_args()
+    for section in asked.sections or SECTIONS:
+        SECTIONS[section](asked.quick)

@@ -1,0 +1,87 @@
+"""exact: who proves what, and two linked processes that share what they find."""
+
+import multiprocessing
+
+import numpy as np
+import pytest
+
+from formulations.routing.exact import Exact
+from formulations.routing.linked import LinkedRecorder
+from formulations.routing.subset_dp import SubsetDp
+from formulations.solver import Event, Limits, Status, ignore
+from instances import Instance, check_routes
+
+
+def random_instance(n: int, m: int, seed: int) -> Instance:
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(0, 100, (n + m, 2))
+    leg = points[None, :, :] - points[:, None, :]
+    return Instance(f"plane-{n}-{m}-{seed}", np.hypot(leg[..., 0], leg[..., 1]) + 0.3 * leg[..., 0], n, m)
+
+
+@pytest.mark.parametrize(("n", "m", "threads", "by"), [(8, 2, 1, {"subset-dp"}), (15, 3, 1, {"branch-and-price"}),
+                                                       (15, 2, 2, {"branch-and-price", "branch-and-cut"})])  # fmt: skip
+def test_proves_the_optimum_and_says_by_whom(n: int, m: int, threads: int, by: set[str]) -> None:
+    instance = random_instance(n, m, 1)
+    events: list[Event] = []
+    result = Exact().solve(instance, limits=Limits(time=300.0, threads=threads), observe=events.append)
+    oracle = SubsetDp().solve(instance, limits=Limits(time=300.0))
+    assert result.status is Status.OPTIMAL
+    assert result.statistics["proved_by"] in by
+    assert result.objective == pytest.approx(oracle.objective, abs=result.tolerance)
+    assert result.objective is not None
+    assert result.bound is not None
+    assert result.objective - result.bound <= result.tolerance
+    assert result.routes is not None
+    assert not check_routes(instance, result.routes)
+    assert any(event.routes == result.routes for event in events)
+    assert not multiprocessing.active_children()
+
+
+def test_long_tours_go_on_to_branch_and_cut() -> None:
+    """One UAV and a clock so short that columns get nowhere: cuts take over, and nothing false is claimed."""
+    instance = random_instance(24, 1, 3)
+    result = Exact().solve(instance, limits=Limits(time=20.0))
+    assert result.routes is not None
+    assert not check_routes(instance, result.routes)
+    assert result.bound is not None
+    assert result.bound <= (result.objective or 0.0)
+
+
+def test_stopped_early_gives_routes() -> None:
+    instance = random_instance(30, 3, 2)
+    for threads in (1, 2):
+        result = Exact().solve(instance, limits=Limits(time=0.3, threads=threads))
+        assert result.routes is not None
+        assert not check_routes(instance, result.routes)
+        assert not multiprocessing.active_children()
+
+
+def test_linked_recorders_share_incumbent_bound_and_proof() -> None:
+    instance = random_instance(4, 2, 0)
+    here, there = multiprocessing.Pipe()
+    first = LinkedRecorder(instance, Limits(), ignore, None, here)
+    second = LinkedRecorder(instance, Limits(), ignore, None, there)
+    first.incumbent(((0, 1), (2, 3)))
+    first.raise_bound(1.0)
+    assert second.remaining > 0
+    assert second.routes == ((0, 1), (2, 3))
+    assert second.bound == 1.0
+    first.incumbent(((0, 1, 2, 3), ()))
+    second.raise_bound(2.0)
+    second.tell_proof(0.5)
+    assert first.remaining == 0
+    assert (first.bound, first.tolerance, first.met_by_peer) == (2.0, 0.5, True)
+
+
+def test_a_peer_that_ends_leaves_what_it_said() -> None:
+    instance = random_instance(4, 2, 0)
+    here, there = multiprocessing.Pipe()
+    recorder = LinkedRecorder(instance, Limits(), ignore, ((0, 1, 2, 3), ()), here)
+    there.send(("bound", 1.5))
+    there.close()
+    assert recorder.remaining > 0
+    assert recorder.bound == 1.5
+    recorder.raise_bound(1.6)
+    recorder.listen()
+    assert recorder.link is None

@@ -19,6 +19,7 @@ ENTRY_POINT_GROUP = "mmmdmtsp_workbench.solvers"
 SOLVERS: dict[str, tuple[str, str]] = {
     "milp": ("formulations.routing.milp:Milp", "the paper's MILP on CP-SAT, subtour cuts added lazily"),
     "circuit": ("formulations.routing.circuit:Circuit", "CP-SAT circuit constraints, one giant circuit"),
+    "exact": ("formulations.routing.exact:Exact", "the portfolio to try first: columns, cuts, subsets, side by side"),
     "subset-dp": ("formulations.routing.subset_dp:SubsetDp", "Held–Karp over all subsets, then a min-max partition"),
     "branch-and-cut": (
         "formulations.routing.branch_and_cut:BranchAndCut",

@@ -13,6 +13,7 @@ collision (lazy). The paper's modifications:
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,6 +53,7 @@ class FmtStar(MovingCostMethod):
 
     def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
         """Return costs and paths between all terminals."""
+        began = time.process_time()
         n = len(query.terminals)
         field, space = search_field(query.wind, query.region, query.v0), free_space(query.region)
         points = sample_points(query, self.samples, self.seed)
@@ -68,10 +70,12 @@ class FmtStar(MovingCostMethod):
             )
             tests += tested
             progress((i + 1) / n, f"tree {i + 1} of {n}")
+        planned = time.process_time() - began
         paths = paths_of_trees(points, predecessor, np.arange(n))
         require_reached(query, paths)
         cost = path_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
-        return MovingCosts(cost, paths, {"nodes": len(points), "edges": 2 * len(pairs), "collision_tests": tests})
+        figures = {"nodes": len(points), "edges": 2 * len(pairs), "collision_tests": tests, "planning_cpu": planned}
+        return MovingCosts(cost, paths, figures)
 
 
 def sample_points(query: Query, samples: int, seed: int) -> Floats:

@@ -91,11 +91,11 @@ class Terrain:
 
 
 def mountains(
-    size: float = 20_000.0, cells: int = 200, relief: float = 1500.0, length_scale: float = 6000.0, seed: int = 0
+    size: float = 20_000.0, cells: int = 200, relief: float = 1500.0, length_scale: float = 10_000.0, seed: int = 0
 ) -> Terrain:
     """Return seeded synthetic mountains on a square of `size` [m] with its lower left corner at the origin.
 
-    A Gaussian random field with spectrum ∝ (1 + (kL)²)^(−1.9), L = `length_scale` [m] over 2π, about the roughness of
+    A Gaussian random field with spectrum ∝ (1 + (kL)²)^(−2.2), L = `length_scale` [m] over 2π, about the roughness of
     real ranges (B. Mandelbrot, The Fractal Geometry of Nature, 1982), stretched from 0 to `relief` [m]; valleys
     are flattened by squaring.
     """
@@ -105,7 +105,7 @@ def mountains(
     wide = 2 * n  # twice the square: the field of a Fourier series is periodic
     k = 2 * np.pi * np.fft.fftfreq(wide, size / cells)
     kk = k[:, None] ** 2 + k[None, :] ** 2
-    amplitude = (1 + kk * (length_scale / (2 * np.pi)) ** 2) ** -0.95
+    amplitude = (1 + kk * (length_scale / (2 * np.pi)) ** 2) ** -1.1
     noise = np.fft.fft2(np.random.default_rng(seed).standard_normal((wide, wide)))
     field = np.fft.ifft2(noise * amplitude).real[:n, :n]
     unit = (field - field.min()) / np.ptp(field)

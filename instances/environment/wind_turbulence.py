@@ -1,7 +1,7 @@
-"""Stream-function turbulence: a seeded, divergence-free random wind with a von Kármán-like spectrum.
+"""Stream-function turbulence: a seeded, divergence-free random wind.
 
 w = (∂ψ/∂y, −∂ψ/∂x), ψ(x) = Σ_k a_k cos(k·x + p_k), with random directions and phases and wave numbers spread
-over the scales from L to L/16; energy falls as |k|^(−5/3) beyond 1/L. After R. H. Kraichnan, Phys. Fluids 13
+over the scales from L to L/4; energy falls as |k|^(−5/3). After R. H. Kraichnan, Phys. Fluids 13
 (1970). Every mode integrates along a straight segment in closed form:
 ∫ w·dσ = −a (k × d) · sin(k·m + p) · sinc(k·d/2), m the midpoint, d the segment.
 """
@@ -60,7 +60,7 @@ class Turbulence:
     def _waves(self) -> tuple[Floats, Floats, Floats]:
         """Wave vectors (k, 2) [rad/m], amplitudes of ψ [m²/s], phases."""
         rng = np.random.default_rng(self.seed)
-        size = 2 * np.pi / self.length_scale * np.exp(rng.uniform(0, np.log(16), self.modes))
+        size = 2 * np.pi / self.length_scale * np.exp(rng.uniform(0, np.log(4), self.modes))
         angle = rng.uniform(0, 2 * np.pi, self.modes)
         # Log-uniform wave numbers carry a weight |k|; the energy of a wave is a²k²/2.
         energy = (size * self.length_scale) ** (-5 / 3) * size

@@ -32,6 +32,11 @@ STEADY = (
     Parameter("wind_direction", 225.0, "degree", "where the steady wind blows to, anticlockwise from east"),
 )
 
+TURBULENCE = (
+    Parameter("turbulence", 2.0, "m/s", "root mean square speed of the turbulence (stream function)", at_least=0.0),
+    Parameter("eddy_size", 6_000.0, "m", "size of its largest eddies", at_least=1.0),
+)
+
 MakeWind = Callable[[Region, np.random.Generator, Values], WindField]
 
 
@@ -77,11 +82,16 @@ def _steady(values: Values) -> Uniform:
     return Uniform((values["wind_speed"] * math.cos(angle), values["wind_speed"] * math.sin(angle)))
 
 
-def _gusty(region: Region, rng: np.random.Generator, values: Values) -> WindField:
+def _with_turbulence(wind: WindField, rng: np.random.Generator, values: Values) -> WindField:
     from instances.environment.wind_turbulence import Turbulence  # here: numba takes its time
 
-    turbulence = Turbulence(values["turbulence"], values["eddy_size"], int(rng.integers(2**31)))
-    return Sum((_steady(values), turbulence)) if values["turbulence"] > 0 else _steady(values)
+    if values["turbulence"] == 0:
+        return wind
+    return Sum((wind, Turbulence(values["turbulence"], values["eddy_size"], int(rng.integers(2**31)))))
+
+
+def _gusty(region: Region, rng: np.random.Generator, values: Values) -> WindField:
+    return _with_turbulence(_steady(values), rng, values)
 
 
 def _vortices(region: Region, rng: np.random.Generator, values: Values) -> WindField:
@@ -110,7 +120,8 @@ def _mountains(region: Region, rng: np.random.Generator, values: Values) -> Wind
         "seed": int(rng.integers(2**31)),
     }
     inflow = Inflow(_steady(values).velocity, values["profile"], reference=1000.0)
-    return TerrainWind(inflow, values["altitude"], None, ground, values["cells"])
+    flow = TerrainWind(inflow, values["altitude"], None, ground, values["cells"])
+    return _with_turbulence(flow, rng, values)
 
 
 WIND_UNIFORM = Mission(
@@ -119,8 +130,7 @@ WIND_UNIFORM = Mission(
     (
         SIZE,
         *STEADY,
-        Parameter("turbulence", 2.5, "m/s", "root mean square speed of the turbulence", at_least=0.0),
-        Parameter("eddy_size", 6_000.0, "m", "size of its largest eddies", at_least=1.0),
+        *TURBULENCE,
         *ZONES,
         *depots.PARAMETERS,
     ),
@@ -148,15 +158,16 @@ WIND_VORTICES = Mission(
 
 WIND_MOUNTAINS = Mission(
     "wind-mountains",
-    "mass-consistent flow over synthetic mountains at a chosen altitude, inflow from the north-east, no-fly zones",
+    "mass-consistent flow over synthetic mountains at an altitude, with turbulence in their lee, no-fly zones",
     (
         SIZE,
         *STEADY,
         Parameter("relief", 1_500.0, "m", "height of the mountains over the valleys", at_least=0.0),
-        Parameter("range_size", 5_000.0, "m", "size of the mountains", at_least=1.0),
+        Parameter("range_size", 10_000.0, "m", "size of the mountains", at_least=1.0),
         Parameter("altitude", 1_600.0, "m", "altitude of the flight, above the highest ground", at_least=0.0),
         Parameter("profile", "log", "", "how the inflow varies with height above ground", ("uniform", "log", "power")),
         Parameter("cells", 160, "", "cells of the flow along a side", at_least=8),
+        *TURBULENCE,
         *ZONES,
         *depots.PARAMETERS,
     ),

@@ -14,6 +14,7 @@ import pandas as pd
 
 from instances import InputError
 from instances.disk import write_aside
+from reports import numbers
 from reports.compare import Comparison, compare_stores
 from reports.example import example_routes
 from reports.figures import Drawn, study_figures
@@ -141,7 +142,8 @@ def _embedded_note(held: int, runs: int) -> str:
 
 
 def _shown(drawn: Drawn) -> dict[str, Any]:
-    return {"key": drawn.key, "title": drawn.title, "caption": drawn.caption, "svg": inline_svg(drawn)}
+    caption = drawn.caption.replace(" %", numbers.PER_CENT)
+    return {"key": drawn.key, "title": drawn.title, "caption": caption, "svg": inline_svg(drawn)}
 
 
 def _template() -> jinja2.Template:

@@ -97,7 +97,7 @@ def _plans(mission: Mission, scenario: Scenario, length: float, tell: Tell) -> I
         else:
             free = widened(scenario, mission.clearance).free
             points = place_tasks(mission, free, scenario.n_tasks, "greedy", {}).points
-            yield Plan("greedy", 0, len(points), _routed(mission, scenario, points))
+            yield Plan("greedy", 0, len(points), routed(mission, scenario, points))
 
 
 def lawnmower(mission: Mission, scenario: Scenario, length: float) -> Plan:
@@ -140,14 +140,14 @@ def _random(mission: Mission, scenario: Scenario, length: float, draw: int) -> P
     count = math.ceil(MORE_TASKS * scenario.n_tasks)
     for _ in range(MOST_TRIES):
         points = free.sample(count, np.random.default_rng([mission.compare.seed, draw]))
-        plan = Plan("random", draw, count, _routed(mission, scenario, points))
+        plan = Plan("random", draw, count, routed(mission, scenario, points))
         if plan.length >= length:
             break
         count = math.ceil(1.03 * count * (length / plan.length) ** 2)  # tours grow with the root of the count
     return plan
 
 
-def _routed(mission: Mission, scenario: Scenario, points: NDArray[np.float64]) -> list[Flight]:
+def routed(mission: Mission, scenario: Scenario, points: NDArray[np.float64]) -> list[Flight]:
     """Return the flights to `points`, by the mission's own moving costs and solver."""
     instance, paths = moving_costs(mission, scenario, points)
     routes = solve(mission, instance, mission.compare.time_limit, mission.compare.seed).routes

@@ -109,3 +109,12 @@ def test_a_store_without_runs_is_an_input_error(tmp_path):
     with pytest.raises(InputError, match="empty: holds no run"):
         write_report([tmp_path / "empty"], tmp_path / "page.html")
     assert not (tmp_path / "page.html").exists()
+
+
+def test_stores_without_a_common_run_compare_to_nothing(make_store, tmp_path):
+    old = make_store("old").study(sizes=((5, 2),), count=1, seeds=1, efforts=EFFORTS)
+    new = make_store("new").study(sizes=((6, 2),), count=1, seeds=1, efforts=EFFORTS)
+    report = write_report([new], tmp_path / "page.html", against=[old])
+    assert report.comparison.methods.empty
+    assert not report.comparison.regressed
+    assert "0 runs have a partner" in (tmp_path / "page.html").read_text()

@@ -7,11 +7,14 @@ search shorten the others too, which makes room for the longest one to give task
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from formulations.routing.search.costs import Costs
+from formulations.routing.search.cuts import blank_bench, cut
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import recreate, shuffle
@@ -20,8 +23,19 @@ from formulations.routing.search.tours import Tours, copy_tours, sum_costs, unli
 
 POWERS = (1, 2, 5, 12)
 """The p of the recreation's guidance Σ (C_k / ref)^p, one drawn for each recreation."""
-STRINGS = 0.5
-"""Share of ruins by strings; the others are adjacent removals."""
+QUENCH = 0.1
+"""Temperature of the cuts as a share of that of the ruins: a cut tries hundreds of moves, not one."""
+
+
+class Habits(NamedTuple):
+    """removals: tasks taken out by one ruin, at most; strings: share of ruins by strings, the others are adjacent
+    removals; cuts: share of steps that cut long pieces instead of ruining; powers: how many of POWERS are drawn from.
+    """
+
+    removals: int
+    strings: float
+    cuts: float
+    powers: int
 
 
 @njit(cache=True, nogil=True)
@@ -32,6 +46,7 @@ def energy(lengths: NDArray[np.float64], evenness: float) -> float:
 
 @njit(cache=True, nogil=True)
 def undo(
+    costs: Costs,
     tours: Tours,
     count: int,
     gone: NDArray[np.int32],
@@ -40,14 +55,24 @@ def undo(
 ) -> None:
     """Return to the tours as they were before a ruin of `count` tasks and its recreation."""
     for i in range(count):
-        unlink(tours, gone[i])
-    put_back(tours, count, gone, stood)
+        unlink(costs, tours, gone[i])
+    put_back(costs, tours, count, gone, stood)
     tours.cost[:] = costs_before
 
 
 @njit(cache=True, nogil=True)
+def _keep_best(tours: Tours, best: Tours, lowest: float) -> float:
+    """Copy `tours` to `best` where their longest is below `lowest` [s]; return the lowest of both."""
+    longest = tours.cost.max()
+    if longest < lowest:
+        copy_tours(tours, best)
+        return longest
+    return lowest
+
+
+@njit(cache=True, nogil=True)
 def anneal(
-    cost: NDArray[np.float64],
+    costs: Costs,
     near: Neighbours,
     tours: Tours,
     best: Tours,
@@ -55,33 +80,36 @@ def anneal(
     steps: int,
     temperature: float,
     evenness: float,
-    removals: int,
+    habits: Habits,
 ) -> None:
     """Take `steps` steps of ruin and recreate from `tours`, in place; `best` follows the smallest max_k C_k.
 
     A step that raises the energy by x [s] is kept with probability exp(−x / temperature).
     """
+    removals = habits.removals
     gone, stood, queue = (np.empty(removals, np.int32), np.empty(removals, np.int32), np.empty(removals, np.int32))
     ruined = np.zeros(tours.cost.size, np.uint8)
     costs_before = np.empty(tours.cost.size)
-    sum_costs(cost, tours)
+    sum_costs(tours)
     now = energy(tours.cost, evenness)
     lowest = best.cost.max()
+    bench = blank_bench(near.tasks.shape[0])
     for _ in range(steps):
+        if uniform(rng) < habits.cuts:
+            now = cut(costs, near.tasks, tours, bench, rng, now, QUENCH * temperature, evenness)
+            lowest = _keep_best(tours, best, lowest)
+            continue
         costs_before[:] = tours.cost
-        if uniform(rng) < STRINGS:
-            count = ruin_strings(cost, near.tasks, tours, rng, removals, gone, stood, ruined)
+        if uniform(rng) < habits.strings:
+            count = ruin_strings(costs, near.tasks, tours, rng, removals, gone, stood, ruined)
         else:
-            count = ruin_adjacent(cost, near.tasks, tours, rng, removals, gone, stood)
+            count = ruin_adjacent(costs, near.tasks, tours, rng, removals, gone, stood)
         queue[:count] = gone[:count]
         shuffle(queue, count, rng)
-        recreate(cost, near, tours, queue, count, POWERS[below(rng, len(POWERS))], rng)
+        recreate(costs, near, tours, queue, count, POWERS[below(rng, habits.powers)], rng)
         then = energy(tours.cost, evenness)
         if then < now - temperature * math.log(1.0 - uniform(rng)):
             now = then
-            longest = tours.cost.max()
-            if longest < lowest:
-                lowest = longest
-                copy_tours(tours, best)
+            lowest = _keep_best(tours, best, lowest)
         else:
-            undo(tours, count, gone, stood, costs_before)
+            undo(costs, tours, count, gone, stood, costs_before)

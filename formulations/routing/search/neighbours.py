@@ -11,6 +11,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+NEAR_TASKS, NEAR_DEPOTS = 20, 128
+"""Lengths of the lists, where there are as many."""
+
 
 class Neighbours(NamedTuple):
     """tasks (n, k) and depots (n, d): node numbers, nearest first."""

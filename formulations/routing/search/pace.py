@@ -41,6 +41,12 @@ class Pace:
         limit = self._recorder.limits.iterations
         return "iterations" if limit is not None and self.iterations >= limit else ""
 
+    @property
+    def total_steps(self) -> float:
+        """How many steps the limit allows, as far as known by now."""
+        limits = self._recorder.limits
+        return float(limits.iterations) if limits.iterations is not None else self._rate * limits.time
+
     def next_steps(self) -> int:
         """Return how many steps to take now, at least 1."""
         self._began = time.perf_counter()

@@ -2,8 +2,8 @@
 
 Hurt is the growth of Σ_k C_k^p: p = 1 minimises the total, a large p spares the longest tours; a p drawn anew for each
 recreation keeps the search from going blind where only the longest tour counts.
-Places looked at: behind and before each near neighbour, and both ends of the tours of near depots; each place is
-overlooked with a small probability (blinks, Christiaens & Vanden Berghe 2020).
+Places looked at: behind and before each near neighbour, and both ends of the tours of near depots; now and then one of
+them is overlooked (blinks, Christiaens & Vanden Berghe 2020).
 """
 
 from __future__ import annotations
@@ -12,12 +12,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from formulations.routing.search.costs import Costs
 from formulations.routing.search.neighbours import Neighbours
-from formulations.routing.search.randomness import below, uniform
+from formulations.routing.search.randomness import below
 from formulations.routing.search.tours import Tours, insertion_change, link
 
 BLINK = 0.01
-"""Probability of overlooking a place."""
+"""Probability of overlooking a place, at most one for each task."""
 WIDTH = 12
 """Near tasks whose two sides are looked at."""
 DEPOTS = 4
@@ -45,11 +46,11 @@ def growth(length: float, change: float, p: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _better_side(cost: NDArray[np.float64], tours: Tours, v: int, u: int) -> tuple[int, float]:
+def _better_side(costs: Costs, tours: Tours, v: int, u: int) -> tuple[int, float]:
     """Return (node to put task v behind, cost change [s]) for the cheaper of behind u and before u."""
     b = tours.before[u]
-    behind = insertion_change(cost, tours, v, u)
-    ahead = cost[b, v] + cost[v, u] - cost[b, u]
+    behind = insertion_change(costs, tours, v, u)
+    ahead = costs.into[v, b] + costs.out[v, u] - tours.arc[b]
     if ahead < behind:
         return b, ahead
     return u, behind
@@ -57,7 +58,7 @@ def _better_side(cost: NDArray[np.float64], tours: Tours, v: int, u: int) -> tup
 
 @njit(cache=True, nogil=True)
 def best_place(
-    cost: NDArray[np.float64],
+    costs: Costs,
     near: Neighbours,
     tours: Tours,
     v: int,
@@ -73,9 +74,10 @@ def best_place(
     n_near = near.tasks.shape[1]
     n_depots = near.depots.shape[1]
     n_tasks_seen = min(WIDTH, n_near)
-    n_ends_seen = min(2 * DEPOTS, n_depots)
+    n_seen = n_tasks_seen + min(2 * DEPOTS, n_depots)
+    overlooked = below(rng, int(n_seen / blink)) if blink > 0.0 else -1
     best, best_u, best_change = np.inf, -1, 0.0
-    for j in range(n_tasks_seen + n_ends_seen):
+    for j in range(n_seen):
         if j < n_tasks_seen:
             node = near.tasks[v, j]
         elif j < n_tasks_seen + DEPOTS or n_depots <= 2 * DEPOTS:
@@ -83,9 +85,9 @@ def best_place(
         else:
             node = near.depots[v, DEPOTS + below(rng, n_depots - DEPOTS)]
         k = tours.tour[node]
-        if k < 0 or uniform(rng) < blink:
+        if k < 0 or j == overlooked:
             continue
-        u, change = _better_side(cost, tours, v, node)
+        u, change = _better_side(costs, tours, v, node)
         value = growth(tours.cost[k] * scale, change * scale, p)
         if value < best or best_u < 0:
             best, best_u, best_change = value, u, change
@@ -94,7 +96,7 @@ def best_place(
 
 @njit(cache=True, nogil=True)
 def recreate(
-    cost: NDArray[np.float64],
+    costs: Costs,
     near: Neighbours,
     tours: Tours,
     queue: NDArray[np.int32],
@@ -107,11 +109,11 @@ def recreate(
     scale = 1.0 / longest if longest > 0.0 else 1.0
     for i in range(count):
         v = queue[i]
-        u, change = best_place(cost, near, tours, v, p, scale, BLINK, rng)
+        u, change = best_place(costs, near, tours, v, p, scale, BLINK, rng)
         if u < 0:
-            u, change = best_place(cost, near, tours, v, p, scale, 0.0, rng)
+            u, change = best_place(costs, near, tours, v, p, scale, 0.0, rng)
         k = tours.tour[u]
-        link(tours, v, u)
+        link(costs, tours, v, u)
         tours.cost[k] += change
 
 
@@ -124,10 +126,10 @@ def shuffle(queue: NDArray[np.int32], count: int, rng: NDArray[np.uint64]) -> No
 
 
 @njit(cache=True, nogil=True)
-def construct(cost: NDArray[np.float64], near: Neighbours, tours: Tours, rng: NDArray[np.uint64]) -> None:
+def construct(costs: Costs, near: Neighbours, tours: Tours, rng: NDArray[np.uint64]) -> None:
     """Fill empty tours with all tasks in random order, each where it least raises Σ_k C_k²."""
     n = near.tasks.shape[0]
     queue = np.arange(n).astype(np.int32)
     shuffle(queue, n, rng)
     for i in range(n):
-        recreate(cost, near, tours, queue[i : i + 1], 1, 2, rng)
+        recreate(costs, near, tours, queue[i : i + 1], 1, 2, rng)

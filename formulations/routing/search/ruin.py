@@ -11,32 +11,31 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from formulations.routing.search.costs import Costs
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.tours import Tours, link, removal_change, unlink
 
 
 @njit(cache=True, nogil=True)
-def take_out(
-    cost: NDArray[np.float64], tours: Tours, v: int, count: int, gone: NDArray[np.int32], stood: NDArray[np.int32]
-) -> int:
+def take_out(costs: Costs, tours: Tours, v: int, count: int, gone: NDArray[np.int32], stood: NDArray[np.int32]) -> int:
     """Take task v out, book its cost and place, and return the new count of removed tasks."""
-    tours.cost[tours.tour[v]] += removal_change(cost, tours, v)
+    tours.cost[tours.tour[v]] += removal_change(costs, tours, v)
     gone[count] = v
     stood[count] = tours.before[v]
-    unlink(tours, v)
+    unlink(costs, tours, v)
     return count + 1
 
 
 @njit(cache=True, nogil=True)
-def put_back(tours: Tours, count: int, gone: NDArray[np.int32], stood: NDArray[np.int32]) -> None:
+def put_back(costs: Costs, tours: Tours, count: int, gone: NDArray[np.int32], stood: NDArray[np.int32]) -> None:
     """Undo `count` removals, last first; costs are the caller's business."""
     for i in range(count - 1, -1, -1):
-        link(tours, gone[i], stood[i])
+        link(costs, tours, gone[i], stood[i])
 
 
 @njit(cache=True, nogil=True)
 def ruin_adjacent(
-    cost: NDArray[np.float64],
+    costs: Costs,
     near: NDArray[np.int32],
     tours: Tours,
     rng: NDArray[np.uint64],
@@ -48,9 +47,9 @@ def ruin_adjacent(
     n = near.shape[0]
     wanted = 1 + below(rng, min(most, near.shape[1] + 1))
     v = below(rng, n)
-    count = take_out(cost, tours, v, 0, gone, stood)
+    count = take_out(costs, tours, v, 0, gone, stood)
     for j in range(wanted - 1):
-        count = take_out(cost, tours, near[v, j], count, gone, stood)
+        count = take_out(costs, tours, near[v, j], count, gone, stood)
     return count
 
 
@@ -67,7 +66,7 @@ def _string_around(tours: Tours, v: int, length: int, rng: NDArray[np.uint64], n
 
 @njit(cache=True, nogil=True)
 def ruin_strings(
-    cost: NDArray[np.float64],
+    costs: Costs,
     near: NDArray[np.int32],
     tours: Tours,
     rng: NDArray[np.uint64],
@@ -104,7 +103,7 @@ def ruin_strings(
             if taken >= skip_from and skipped < kept:
                 skipped += 1
             else:
-                count = take_out(cost, tours, u, count, gone, stood)
+                count = take_out(costs, tours, u, count, gone, stood)
                 taken += 1
             u = after
         if count >= wanted:

@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.recorder import Recorder
-from formulations.routing.search.annealing import anneal
-from formulations.routing.search.neighbours import Neighbours, neighbours
+from formulations.routing.search import cooling
+from formulations.routing.search.annealing import POWERS, Habits, anneal
+from formulations.routing.search.costs import Costs, both_ways
+from formulations.routing.search.neighbours import NEAR_DEPOTS, NEAR_TASKS, Neighbours, neighbours
 from formulations.routing.search.pace import Pace
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import construct
@@ -23,40 +25,21 @@ from formulations.routing.search.tours import Tours, copy_tours, empty_tours, fr
 from formulations.solver import Limits, Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 
-NEAR_TASKS = 20
-NEAR_DEPOTS = 128
-
-
-def near_nodes(instance: Instance) -> Neighbours:
-    """Return the neighbour lists of `instance`."""
-    return neighbours(instance.cost, instance.n_tasks, NEAR_TASKS, NEAR_DEPOTS)
-
 
 @dataclass(frozen=True)
 class RuinRecreate(Solver):
     """Annealed ruin-and-recreate.
 
-    removals : tasks taken out at once, at most.
-    hot, cold : first and last temperature, as shares of the longest tour.
-    even, peaked : first and last share ε of the mean tour in the energy.
+    removals : tasks taken out at once, at most (1 to 20).
     """
 
     removals: int = 12
-    hot: float = 1e-2
-    cold: float = 1e-5
-    even: float = 0.5
-    peaked: float = 0.02
 
     proves: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         if not 1 <= self.removals <= NEAR_TASKS:
             raise InputError(f"ruin-recreate: removals must lie in 1..{NEAR_TASKS}, got {self.removals}")
-        for high, low in (("hot", "cold"), ("even", "peaked")):
-            if not getattr(self, high) >= getattr(self, low) > 0:
-                raise InputError(
-                    f"ruin-recreate: {high} ≥ {low} > 0 is needed, got {getattr(self, high)} and {getattr(self, low)}"
-                )
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (or load them from numba's cache)."""
@@ -74,28 +57,31 @@ class RuinRecreate(Solver):
     ) -> Result:
         """Anneal until a limit; one step is one iteration."""
         recorder = Recorder(instance, limits, observe, start)
-        near = near_nodes(instance)
+        costs, near = both_ways(instance.cost), neighbours(instance.cost, instance.n_tasks, NEAR_TASKS, NEAR_DEPOTS)
+        habits = Habits(self.removals, strings=0.5, cuts=0.0, powers=len(POWERS))
         rng = seeded(seed)
-        tours = _first_tours(instance, near, rng, start)
+        tours = _first_tours(instance, costs, near, rng, start)
         best = empty_tours(instance.n_tasks, instance.n_depots)
         copy_tours(tours, best)
         recorder.incumbent(to_routes(best))
         pace = Pace(recorder)
         while not pace.stopped_by:
             done, longest = pace.fraction, best.cost.max()
-            temperature = longest * self.hot * (self.cold / self.hot) ** done
-            evenness = self.even * (self.peaked / self.even) ** done
+            temperature = cooling.mean_leg(best) * cooling.temperature(cooling.HOT, done)
+            evenness = cooling.evenness(cooling.HOT, done)
             steps = pace.next_steps()
-            anneal(instance.cost, near, tours, best, rng, steps, temperature, evenness, self.removals)
+            anneal(costs, near, tours, best, rng, steps, temperature, evenness, habits)
             pace.took(steps)
             if best.cost.max() < longest:
                 recorder.incumbent(to_routes(best))
         return recorder.result(pace.stopped_by, iterations=pace.iterations)
 
 
-def _first_tours(instance: Instance, near: Neighbours, rng: NDArray[np.uint64], start: Routes | None) -> Tours:
+def _first_tours(
+    instance: Instance, costs: Costs, near: Neighbours, rng: NDArray[np.uint64], start: Routes | None
+) -> Tours:
     if start is not None:
-        return from_routes(instance.cost, start)
+        return from_routes(costs, start)
     tours = empty_tours(instance.n_tasks, instance.n_depots)
-    construct(instance.cost, near, tours, rng)
+    construct(costs, near, tours, rng)
     return tours

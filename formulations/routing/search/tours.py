@@ -11,15 +11,22 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from formulations.routing.search.costs import Costs
 from instances import Routes
 
 
 class Tours(NamedTuple):
-    """after, before (n+m,): ring neighbours; tour (n+m,): ring number of each node, −1 for a task taken out;
-    cost (m,): C_k [s]; size (m,): tasks of each tour."""
+    """Rings.
+
+    after, before (n+m,): neighbours; arc (n+m,): cost of flying on to `after` [s]; back (n+m,): cost of flying that
+    leg the other way [s]; tour (n+m,): ring number of each node, −1 for a task taken out; cost (m,): C_k [s];
+    size (m,): tasks of each tour.
+    """
 
     after: NDArray[np.int32]
     before: NDArray[np.int32]
+    arc: NDArray[np.float64]
+    back: NDArray[np.float64]
     tour: NDArray[np.int32]
     cost: NDArray[np.float64]
     size: NDArray[np.int32]
@@ -32,7 +39,8 @@ def empty_tours(n_tasks: int, n_depots: int) -> Tours:
     tour = np.full(n_tasks + n_depots, -1, np.int32)
     for k in range(n_depots):
         tour[n_tasks + k] = k
-    return Tours(after, after.copy(), tour, np.zeros(n_depots), np.zeros(n_depots, np.int32))
+    arc = np.zeros(n_tasks + n_depots)
+    return Tours(after, after.copy(), arc, arc.copy(), tour, np.zeros(n_depots), np.zeros(n_depots, np.int32))
 
 
 @njit(cache=True, nogil=True)
@@ -40,74 +48,86 @@ def copy_tours(source: Tours, target: Tours) -> None:
     """Overwrite `target` with `source`."""
     target.after[:] = source.after
     target.before[:] = source.before
+    target.arc[:] = source.arc
+    target.back[:] = source.back
     target.tour[:] = source.tour
     target.cost[:] = source.cost
     target.size[:] = source.size
 
 
 @njit(cache=True, nogil=True)
-def link(tours: Tours, v: int, u: int) -> None:
-    """Put task v behind node u; costs are the caller's business."""
+def join(costs: Costs, tours: Tours, u: int, w: int) -> None:
+    """Let node w follow node u."""
+    tours.after[u] = w
+    tours.before[w] = u
+    tours.arc[u] = costs.out[u, w]
+    tours.back[u] = costs.into[u, w]
+
+
+@njit(cache=True, nogil=True)
+def link(costs: Costs, tours: Tours, v: int, u: int) -> None:
+    """Put task v behind node u; the tour's cost is the caller's business."""
     w = tours.after[u]
     k = tours.tour[u]
     tours.after[u] = v
     tours.before[v] = u
     tours.after[v] = w
     tours.before[w] = v
+    tours.arc[u] = costs.into[v, u]
+    tours.arc[v] = costs.out[v, w]
+    tours.back[u] = costs.out[v, u]
+    tours.back[v] = costs.into[v, w]
     tours.tour[v] = k
     tours.size[k] += 1
 
 
 @njit(cache=True, nogil=True)
-def unlink(tours: Tours, v: int) -> None:
-    """Take task v out of its tour; costs are the caller's business."""
+def unlink(costs: Costs, tours: Tours, v: int) -> None:
+    """Take task v out of its tour; the tour's cost is the caller's business."""
     u, w, k = tours.before[v], tours.after[v], tours.tour[v]
-    tours.after[u] = w
-    tours.before[w] = u
+    join(costs, tours, u, w)
     tours.tour[v] = -1
     tours.size[k] -= 1
 
 
 @njit(cache=True, nogil=True)
-def removal_change(cost: NDArray[np.float64], tours: Tours, v: int) -> float:
+def removal_change(costs: Costs, tours: Tours, v: int) -> float:
     """Return the change of its tour's cost [s] if task v were taken out."""
     u, w = tours.before[v], tours.after[v]
-    return cost[u, w] - cost[u, v] - cost[v, w]
+    return costs.out[u, w] - tours.arc[u] - tours.arc[v]
 
 
 @njit(cache=True, nogil=True)
-def insertion_change(cost: NDArray[np.float64], tours: Tours, v: int, u: int) -> float:
+def insertion_change(costs: Costs, tours: Tours, v: int, u: int) -> float:
     """Return the change of the tour's cost [s] if task v were put behind node u."""
-    w = tours.after[u]
-    return cost[u, v] + cost[v, w] - cost[u, w]
+    return costs.into[v, u] + costs.out[v, tours.after[u]] - tours.arc[u]
 
 
 @njit(cache=True, nogil=True)
-def sum_costs(cost: NDArray[np.float64], tours: Tours) -> None:
+def sum_costs(tours: Tours) -> None:
     """Recompute every C_k from the arcs, so that rounding of many small changes cannot gather."""
     n = tours.after.size - tours.cost.size
     for k in range(tours.cost.size):
         u, total = n + k, 0.0
         while True:
-            w = tours.after[u]
-            total += cost[u, w]
-            u = w
+            total += tours.arc[u]
+            u = tours.after[u]
             if u == n + k:
                 break
         tours.cost[k] = total
 
 
-def from_routes(cost: NDArray[np.float64], routes: Routes) -> Tours:
+def from_routes(costs: Costs, routes: Routes) -> Tours:
     """Return `routes` as rings with their costs."""
     n_depots = len(routes)
-    n_tasks = cost.shape[0] - n_depots
+    n_tasks = costs.out.shape[0] - n_depots
     tours = empty_tours(n_tasks, n_depots)
     for k, route in enumerate(routes):
         u = n_tasks + k
         for v in route:
-            link(tours, v, u)
+            link(costs, tours, v, u)
             u = v
-    sum_costs(cost, tours)
+    sum_costs(tours)
     return tours
 
 

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from formulations.routing.search import recreate as rebuilding
 from formulations.routing.search import ruin as ruining
 from formulations.routing.search import tours as rings
-from formulations.routing.search.annealing import anneal, energy, undo
+from formulations.routing.search.annealing import Habits, anneal, energy, undo
+from formulations.routing.search.costs import both_ways
 from formulations.routing.search.neighbours import neighbours
 from formulations.routing.search.randomness import below, seeded, uniform
 from instances import Instance, check_routes, makespan, tour_costs
@@ -64,29 +65,38 @@ def test_neighbours_of_the_smallest_instances():
 @settings(deadline=None, max_examples=20)
 def test_routes_survive_the_rings_and_costs_are_those_of_the_check(seed):
     instance, routes = random_instance(seed), random_routes(seed)
-    tours = rings.from_routes(instance.cost, routes)
+    tours = rings.from_routes(both_ways(instance.cost), routes)
     assert rings.to_routes(tours) == routes
     assert tours.cost == pytest.approx(tour_costs(instance, routes))
     assert tours.size.tolist() == [len(r) for r in routes]
+    assert tours.arc.tolist() == [instance.cost[u, w] for u, w in enumerate(tours.after)]
+
+
+def test_costs_are_copied_only_where_they_are_asymmetric():
+    cost = random_instance(1).cost
+    costs = both_ways(cost)
+    assert np.array_equal(costs.into, cost.T)
+    symmetric = cost + cost.T
+    assert both_ways(symmetric).into is symmetric
 
 
 @given(seeds)
 @settings(deadline=None, max_examples=30)
 def test_change_of_a_removal_and_of_an_insertion_is_the_recomputed_difference(seed):
     instance, routes = random_instance(seed), random_routes(seed)
-    cost, n = instance.cost, instance.n_tasks
-    tours = rings.from_routes(cost, routes)
+    costs, n = both_ways(instance.cost), instance.n_tasks
+    tours = rings.from_routes(costs, routes)
     rng = np.random.default_rng(seed)
     for _ in range(20):
         v = int(rng.integers(n))
         before = tour_costs(instance, rings.to_routes(tours))
-        k, change = tours.tour[v], rings.removal_change(cost, tours, v)
-        rings.unlink(tours, v)
+        k, change = tours.tour[v], rings.removal_change(costs, tours, v)
+        rings.unlink(costs, tours, v)
         assert tour_costs(instance, rings.to_routes(tours))[k] == pytest.approx(before[k] + change)
         u = int(rng.choice([u for u in range(n + 3) if u != v]))
         before = tour_costs(instance, rings.to_routes(tours))
-        change = rings.insertion_change(cost, tours, v, u)
-        rings.link(tours, v, u)
+        change = rings.insertion_change(costs, tours, v, u)
+        rings.link(costs, tours, v, u)
         after = tour_costs(instance, rings.to_routes(tours))
         assert after[tours.tour[u]] == pytest.approx(before[tours.tour[u]] + change)
     assert check_routes(instance, rings.to_routes(tours)) == []
@@ -98,13 +108,13 @@ def test_change_of_a_removal_and_of_an_insertion_is_the_recomputed_difference(se
 def test_ruin_books_its_costs_and_undoes_without_a_trace(way, seed):
     instance, routes = random_instance(seed), random_routes(seed)
     near = neighbours(instance.cost, instance.n_tasks, 8, 3)
-    tours = rings.from_routes(instance.cost, routes)
+    tours = rings.from_routes(both_ways(instance.cost), routes)
     gone, stood = np.empty(6, np.int32), np.empty(6, np.int32)
     if way == "adjacent":
-        count = ruining.ruin_adjacent(instance.cost, near.tasks, tours, seeded(seed), 6, gone, stood)
+        count = ruining.ruin_adjacent(both_ways(instance.cost), near.tasks, tours, seeded(seed), 6, gone, stood)
     else:
         ruined = np.zeros(3, np.uint8)
-        count = ruining.ruin_strings(instance.cost, near.tasks, tours, seeded(seed), 6, gone, stood, ruined)
+        count = ruining.ruin_strings(both_ways(instance.cost), near.tasks, tours, seeded(seed), 6, gone, stood, ruined)
     assert 1 <= count <= 6
     taken = set(gone[:count].tolist())
     left = tuple(tuple(v for v in route if v not in taken) for route in routes)
@@ -112,7 +122,7 @@ def test_ruin_books_its_costs_and_undoes_without_a_trace(way, seed):
     assert rings.to_routes(tours) == left
     assert tours.cost == pytest.approx(tour_costs(instance, left))
     assert all(tours.tour[v] == -1 for v in taken)
-    ruining.put_back(tours, count, gone, stood)
+    ruining.put_back(both_ways(instance.cost), tours, count, gone, stood)
     assert rings.to_routes(tours) == routes
 
 
@@ -121,21 +131,21 @@ def test_ruin_books_its_costs_and_undoes_without_a_trace(way, seed):
 @settings(deadline=None, max_examples=15)
 def test_best_place_is_the_best_of_all_places_where_the_lists_hold_all(p, seed):
     instance, routes = random_instance(seed, 10), random_routes(seed, 10)
-    cost = instance.cost
-    near = neighbours(cost, 10, 9, 3)
-    tours = rings.from_routes(cost, routes)
+    costs = both_ways(instance.cost)
+    near = neighbours(instance.cost, 10, 9, 3)
+    tours = rings.from_routes(costs, routes)
     v = seed % 10
-    tours.cost[tours.tour[v]] += rings.removal_change(cost, tours, v)
-    rings.unlink(tours, v)
+    tours.cost[tours.tour[v]] += rings.removal_change(costs, tours, v)
+    rings.unlink(costs, tours, v)
     left = rings.to_routes(tours)
     norms = []
     for k, route in enumerate(left):
         for i in range(len(route) + 1):
             tried = (*left[:k], (*route[:i], v, *route[i:]), *left[k + 1 :])
             norms.append((tour_costs(instance, tried) ** p).sum())
-    u, change = rebuilding.best_place(cost, near, tours, v, p, 0.01, 0.0, seeded(seed))
+    u, change = rebuilding.best_place(costs, near, tours, v, p, 0.01, 0.0, seeded(seed))
     k = tours.tour[u]
-    rings.link(tours, v, u)
+    rings.link(costs, tours, v, u)
     tours.cost[k] += change
     assert tours.cost == pytest.approx(tour_costs(instance, rings.to_routes(tours)))
     assert (tours.cost**p).sum() == pytest.approx(min(norms))
@@ -147,7 +157,7 @@ def test_construction_and_recreation_book_what_they_build(seed):
     instance = random_instance(seed)
     near = neighbours(instance.cost, 14, 8, 3)
     tours = rings.empty_tours(14, 3)
-    rebuilding.construct(instance.cost, near, tours, seeded(seed))
+    rebuilding.construct(both_ways(instance.cost), near, tours, seeded(seed))
     routes = rings.to_routes(tours)
     assert check_routes(instance, routes) == []
     assert tours.cost == pytest.approx(tour_costs(instance, routes))
@@ -155,9 +165,9 @@ def test_construction_and_recreation_book_what_they_build(seed):
 
 def test_construction_where_all_costs_are_zero_or_huge():
     for scale in (0.0, 1e200):
-        cost = scale * (1.0 - np.eye(8))
+        cost = Instance("flat", scale * (1.0 - np.eye(8)), 6, 2).cost
         tours = rings.empty_tours(6, 2)
-        rebuilding.construct(cost, neighbours(cost, 6, 5, 2), tours, seeded(0))
+        rebuilding.construct(both_ways(cost), neighbours(cost, 6, 5, 2), tours, seeded(0))
         assert sorted(sum(rings.to_routes(tours), ())) == list(range(6))
 
 
@@ -178,13 +188,13 @@ def test_shuffle_keeps_the_items_and_moves_them():
 def test_undo_returns_to_the_tours_before_the_step():
     instance, routes = random_instance(5), random_routes(5)
     near = neighbours(instance.cost, 14, 8, 3)
-    tours = rings.from_routes(instance.cost, routes)
+    tours = rings.from_routes(both_ways(instance.cost), routes)
     costs = tours.cost.copy()
     gone, stood = np.empty(6, np.int32), np.empty(6, np.int32)
     rng = seeded(5)
-    count = ruining.ruin_adjacent(instance.cost, near.tasks, tours, rng, 6, gone, stood)
-    rebuilding.recreate(instance.cost, near, tours, gone[:count].copy(), count, 5, rng)
-    undo(tours, count, gone, stood, costs)
+    count = ruining.ruin_adjacent(both_ways(instance.cost), near.tasks, tours, rng, 6, gone, stood)
+    rebuilding.recreate(both_ways(instance.cost), near, tours, gone[:count].copy(), count, 5, rng)
+    undo(both_ways(instance.cost), tours, count, gone, stood, costs)
     assert rings.to_routes(tours) == routes
     assert tours.cost.tolist() == costs.tolist()
 
@@ -194,8 +204,11 @@ def test_undo_returns_to_the_tours_before_the_step():
 def test_annealing_keeps_its_best_and_its_books(seed):
     instance, routes = random_instance(seed), random_routes(seed)
     near = neighbours(instance.cost, 14, 8, 3)
-    tours, best = rings.from_routes(instance.cost, routes), rings.from_routes(instance.cost, routes)
-    anneal(instance.cost, near, tours, best, seeded(seed), 300, 5.0, 0.1, 6)
+    tours, best = (
+        rings.from_routes(both_ways(instance.cost), routes),
+        rings.from_routes(both_ways(instance.cost), routes),
+    )
+    anneal(both_ways(instance.cost), near, tours, best, seeded(seed), 300, 5.0, 0.1, Habits(6, 0.5, 0.3, 4))
     for each in (tours, best):
         found = rings.to_routes(each)
         assert check_routes(instance, found) == []

@@ -1,0 +1,28 @@
+"""Moving costs for the kernels, readable along rows in both directions.
+
+A kernel that tries many places for one task v needs all c_vu and all c_uv: two rows that stay in the processor's cache,
+where a column would not.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Costs(NamedTuple):
+    """out[i, j] = into[j, i] = c_ij [s], both (n+m, n+m); one and the same array where costs are symmetric."""
+
+    out: NDArray[np.float64]
+    into: NDArray[np.float64]
+
+
+def both_ways(cost: NDArray[np.float64]) -> Costs:
+    """Return Costs of the matrix `cost`; an asymmetric one is copied once, transposed."""
+    if np.array_equal(cost, cost.T):
+        return Costs(cost, cost)
+    into = np.ascontiguousarray(cost.T)
+    into.setflags(write=False)
+    return Costs(cost, into)

@@ -1,0 +1,195 @@
+"""Strips: one or two tours laid out in flying order with prefix sums, for moves that cut long pieces.
+
+With forward[i] the cost of flying from the depot to position i and backward[i] that of flying the same way back, any
+piece of a tour has a known cost in both directions, so a reversal is priced in constant time under asymmetric costs.
+Positions run from 0 (depot) over 1..L (tasks) to L+1 (the depot again).
+Every `..._change` or `..._costs` function prices one move; the function of the same name without it makes the move.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from formulations.routing.search.costs import Costs
+from formulations.routing.search.tours import Tours, join
+
+
+class Strip(NamedTuple):
+    """nodes (n+2,): the tour's nodes by position; forward, backward (n+2,): prefix sums [s];
+    shape (2,): tour number k and its number of tasks L."""
+
+    nodes: NDArray[np.int32]
+    forward: NDArray[np.float64]
+    backward: NDArray[np.float64]
+    shape: NDArray[np.int64]
+
+
+@njit(cache=True, nogil=True)
+def blank_strip(n_tasks: int) -> Strip:
+    """Return room for a tour of up to n_tasks tasks."""
+    return Strip(np.empty(n_tasks + 2, np.int32), np.empty(n_tasks + 2), np.empty(n_tasks + 2), np.zeros(2, np.int64))
+
+
+@njit(cache=True, nogil=True)
+def lay_out(tours: Tours, k: int, strip: Strip, position: NDArray[np.int64]) -> None:
+    """Write tour k to `strip` and each of its tasks' place to `position`."""
+    depot = tours.after.size - tours.cost.size + k
+    u, i = depot, 0
+    strip.nodes[0] = depot
+    strip.forward[0] = 0.0
+    strip.backward[0] = 0.0
+    while True:
+        w = tours.after[u]
+        i += 1
+        strip.nodes[i] = w
+        strip.forward[i] = strip.forward[i - 1] + tours.arc[u]
+        strip.backward[i] = strip.backward[i - 1] + tours.back[u]
+        if w == depot:
+            break
+        position[w] = i
+        u = w
+    strip.shape[0] = k
+    strip.shape[1] = i - 1
+
+
+@njit(cache=True, nogil=True)
+def _flip(tours: Tours, strip: Strip, i: int, j: int) -> None:
+    """Turn the links between positions i..j round; the links to either side are the caller's business."""
+    nodes = strip.nodes
+    for q in range(j - 1, i - 1, -1):
+        u, w = nodes[q + 1], nodes[q]
+        arc, back = tours.arc[w], tours.back[w]
+        tours.after[u] = w
+        tours.before[w] = u
+        tours.arc[u] = back
+        tours.back[u] = arc
+
+
+@njit(cache=True, nogil=True)
+def _relabel(tours: Tours, strip: Strip, i: int, j: int, k: int) -> None:
+    """Book the tasks at positions i..j on tour k."""
+    for q in range(i, j + 1):
+        tours.tour[strip.nodes[q]] = k
+
+
+@njit(cache=True, nogil=True)
+def reversal_change(costs: Costs, a: Strip, i: int, j: int) -> float:
+    """Return the change of the tour's cost [s] if its tasks at positions i..j were flown in reverse, 1 ≤ i ≤ j ≤ L."""
+    u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
+    before = a.forward[j + 1] - a.forward[i - 1]
+    return costs.out[u, last] + a.backward[j] - a.backward[i] + costs.into[w, first] - before
+
+
+@njit(cache=True, nogil=True)
+def reversal(costs: Costs, tours: Tours, a: Strip, i: int, j: int) -> None:
+    """Fly positions i..j in reverse."""
+    u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
+    _flip(tours, a, i, j)
+    join(costs, tours, u, last)
+    join(costs, tours, first, w)
+
+
+@njit(cache=True, nogil=True)
+def segment_changes(costs: Costs, a: Strip, i: int, j: int, b: Strip, q: int, turned: bool) -> tuple[float, float]:
+    """Return the changes of tours a and b [s] if a's positions i..j moved behind b's position q, perhaps reversed.
+
+    b may be a itself, then q is not in i−1..j and the change of the tour is the sum of both.
+    """
+    u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
+    left = costs.out[u, w] - (a.forward[j + 1] - a.forward[i - 1])
+    inner = a.forward[j] - a.forward[i]
+    if turned:
+        first, last = last, first
+        inner = a.backward[j] - a.backward[i]
+    gap = b.forward[q + 1] - b.forward[q]
+    return left, costs.into[first, b.nodes[q]] + inner + costs.out[last, b.nodes[q + 1]] - gap
+
+
+@njit(cache=True, nogil=True)
+def segment(costs: Costs, tours: Tours, a: Strip, i: int, j: int, b: Strip, q: int, turned: bool) -> None:
+    """Move a's positions i..j behind b's position q, perhaps reversed."""
+    u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
+    if turned:
+        _flip(tours, a, i, j)
+        first, last = last, first
+    join(costs, tours, u, w)
+    join(costs, tours, b.nodes[q], first)
+    join(costs, tours, last, b.nodes[q + 1])
+    if a.shape[0] != b.shape[0]:
+        _relabel(tours, a, i, j, b.shape[0])
+        tours.size[a.shape[0]] -= j - i + 1
+        tours.size[b.shape[0]] += j - i + 1
+
+
+@njit(cache=True, nogil=True)
+def tails_costs(costs: Costs, a: Strip, i: int, b: Strip, j: int) -> tuple[float, float]:
+    """Return the costs [s] of tours a[..i] b[j..] and b[..j−1] a[i+1..], 0 ≤ i ≤ L_a, 1 ≤ j ≤ L_b + 1."""
+    return _head_and_tail(costs, a, i, b, j), _head_and_tail(costs, b, j - 1, a, i + 1)
+
+
+@njit(cache=True, nogil=True)
+def _head_and_tail(costs: Costs, a: Strip, i: int, b: Strip, j: int) -> float:
+    depot, last = a.nodes[0], b.shape[1]
+    if j > last:
+        return a.forward[i] + costs.out[a.nodes[i], depot]
+    tail = b.forward[last] - b.forward[j]
+    return a.forward[i] + costs.out[a.nodes[i], b.nodes[j]] + tail + costs.out[b.nodes[last], depot]
+
+
+@njit(cache=True, nogil=True)
+def tails(costs: Costs, tours: Tours, a: Strip, i: int, b: Strip, j: int) -> None:
+    """Exchange the tails behind a's position i and from b's position j on."""
+    k_a, n_a, k_b, n_b = a.shape[0], a.shape[1], b.shape[0], b.shape[1]
+    depot_a, depot_b = a.nodes[0], b.nodes[0]
+    _relabel(tours, a, i + 1, n_a, k_b)
+    _relabel(tours, b, j, n_b, k_a)
+    join(costs, tours, a.nodes[i], b.nodes[j] if j <= n_b else depot_a)
+    join(costs, tours, b.nodes[j - 1], a.nodes[i + 1] if i < n_a else depot_b)
+    if j <= n_b:
+        join(costs, tours, b.nodes[n_b], depot_a)
+    if i < n_a:
+        join(costs, tours, a.nodes[n_a], depot_b)
+    tours.size[k_a] = i + n_b - j + 1
+    tours.size[k_b] = j - 1 + n_a - i
+
+
+@njit(cache=True, nogil=True)
+def heads_costs(costs: Costs, a: Strip, i: int, b: Strip, j: int) -> tuple[float, float]:
+    """Return the costs [s] of tours a[..i] b[j..1] and a[L..i+1] b[j+1..], 0 ≤ i ≤ L_a, 0 ≤ j ≤ L_b."""
+    n_a, n_b, depot_a, depot_b = a.shape[1], b.shape[1], a.nodes[0], b.nodes[0]
+    cost_a = a.forward[i]
+    if j > 0:
+        turned = b.backward[j] - b.backward[1]
+        cost_a += costs.out[a.nodes[i], b.nodes[j]] + turned + costs.out[b.nodes[1], depot_a]
+    else:
+        cost_a += costs.out[a.nodes[i], depot_a]
+    cost_b = b.forward[n_b + 1] - b.forward[j + 1]
+    if i < n_a:
+        turned = a.backward[n_a] - a.backward[i + 1]
+        cost_b += costs.out[depot_b, a.nodes[n_a]] + turned + costs.out[a.nodes[i + 1], b.nodes[j + 1]]
+    else:
+        cost_b += costs.out[depot_b, b.nodes[j + 1]]
+    return cost_a, cost_b
+
+
+@njit(cache=True, nogil=True)
+def heads(costs: Costs, tours: Tours, a: Strip, i: int, b: Strip, j: int) -> None:
+    """Exchange a's tail behind position i and b's head up to position j, both reversed."""
+    k_a, n_a, k_b, n_b = a.shape[0], a.shape[1], b.shape[0], b.shape[1]
+    depot_a, depot_b = a.nodes[0], b.nodes[0]
+    _relabel(tours, a, i + 1, n_a, k_b)
+    _relabel(tours, b, 1, j, k_a)
+    _flip(tours, a, i + 1, n_a)
+    _flip(tours, b, 1, j)
+    join(costs, tours, a.nodes[i], b.nodes[j] if j > 0 else depot_a)
+    if j > 0:
+        join(costs, tours, b.nodes[1], depot_a)
+    join(costs, tours, depot_b, a.nodes[n_a] if i < n_a else b.nodes[j + 1])
+    if i < n_a:
+        join(costs, tours, a.nodes[i + 1], b.nodes[j + 1])
+    tours.size[k_a] = i + j
+    tours.size[k_b] = n_a - i + n_b - j

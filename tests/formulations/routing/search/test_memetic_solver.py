@@ -1,0 +1,108 @@
+"""What `memetic` and `ruin-recreate` promise as solvers."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from formulations.registry import make_solver
+from formulations.solver import Limits, Status
+from instances import InputError, Instance, check_routes, makespan
+
+BOTH = pytest.mark.parametrize("name", ["memetic", "ruin-recreate"])
+
+
+def random_instance(seed, n, m):
+    cost = np.random.default_rng(seed).uniform(1.0, 100.0, (n + m, n + m))
+    np.fill_diagonal(cost, 0.0)
+    return Instance(f"random {seed}", cost, n, m)
+
+
+def brute_force(instance):
+    best = np.inf
+    for order in itertools.permutations(instance.tasks):
+        for cut in range(instance.n_tasks + 1):
+            best = min(best, makespan(instance, (order[:cut], order[cut:])))
+    return best
+
+
+@BOTH
+def test_finds_the_brute_force_optimum(name):
+    for seed in range(3):
+        instance = random_instance(seed, 6, 2)
+        result = make_solver(name).solve(instance, limits=Limits(time=3600, iterations=5000))
+        assert result.objective == pytest.approx(brute_force(instance))
+        assert result.status == Status.FEASIBLE
+        assert result.stopped_by == "iterations"
+
+
+def test_finds_a_proved_optimum_of_twenty_tasks_in_wind():
+    """Optimum 1578.891 s, proved by column generation (cost: straight legs in uniform wind plus rotation)."""
+    xy = np.random.default_rng(20_300).uniform(0, 20_000, (23, 2)) - 10_000
+    leg = xy[None] - xy[:, None]
+    spin = xy[:, None, 0] * xy[None, :, 1] - xy[:, None, 1] * xy[None, :, 0]
+    cost = np.hypot(leg[..., 0], leg[..., 1]) / 20 - (4 * leg[..., 0] - 2 * leg[..., 1]) / 400 - 5e-4 * spin / 400
+    np.fill_diagonal(cost, 0.0)
+    result = make_solver("memetic").solve(Instance("wind", cost, 20, 3), limits=Limits(time=3600, iterations=100_000))
+    assert result.objective == pytest.approx(1578.891, abs=1e-3)
+
+
+@BOTH
+@pytest.mark.parametrize(("n", "m"), [(1, 1), (1, 4), (2, 1), (3, 7), (9, 1), (30, 4)])
+def test_feasible_routes_and_honest_events_for_every_shape(name, n, m):
+    instance = random_instance(n, n, m)
+    events = []
+    result = make_solver(name).solve(instance, limits=Limits(time=3600, iterations=3000), seed=1, observe=events.append)
+    assert check_routes(instance, result.routes) == []
+    assert result.objective == makespan(instance, result.routes)
+    assert events[-1].routes == result.routes
+    values = [event.objective for event in events]
+    assert values == sorted(values, reverse=True)
+
+
+def test_costs_of_zero_are_no_trouble():
+    instance = Instance("zero", np.zeros((7, 7)), 5, 2)
+    assert make_solver("memetic").solve(instance, limits=Limits(time=3600, iterations=2000)).objective == 0.0
+
+
+@BOTH
+def test_same_seed_same_answer_other_seed_other_way(name):
+    instance = random_instance(3, 60, 4)
+    solver, limits = make_solver(name), Limits(time=3600, iterations=2000)
+    first, again, other = (solver.solve(instance, limits=limits, seed=s) for s in (7, 7, 8))
+    assert first.routes == again.routes
+    assert [e.objective for e in first.trace] == [e.objective for e in again.trace]
+    assert first.routes != other.routes
+
+
+def test_two_threads_are_two_populations_and_repeatable():
+    instance = random_instance(5, 20, 3)
+    solver = make_solver("memetic", {"depth": 2})
+    runs = [solver.solve(instance, limits=Limits(time=3600, iterations=20_000, threads=2), seed=3) for _ in range(2)]
+    alone = solver.solve(instance, limits=Limits(time=3600, iterations=20_000, threads=1), seed=3)
+    assert runs[0].routes == runs[1].routes
+    assert runs[0].statistics["stages"] == alone.statistics["stages"] > 3
+    assert check_routes(instance, runs[0].routes) == []
+
+
+@BOTH
+def test_never_worse_than_its_start(name):
+    instance = random_instance(4, 25, 3)
+    solver = make_solver(name)
+    good = solver.solve(instance, limits=Limits(time=3600, iterations=5000)).routes
+    result = solver.solve(instance, limits=Limits(time=3600, iterations=1), start=good)
+    assert result.objective <= makespan(instance, good)
+
+
+def test_the_clock_stops_it():
+    result = make_solver("memetic").solve(random_instance(1, 20, 2), limits=Limits(time=0.3))
+    assert result.stopped_by == "time"
+
+
+@pytest.mark.parametrize("options", [{"removals": 0}, {"cuts": 1.5}, {"powers": 9}, {"depth": 0}, {"removal": 3}])
+def test_options_that_cannot_be_used_are_named(options):
+    with pytest.raises(InputError, match=next(iter(options))):
+        make_solver("memetic", options)
+    if "removals" in options or "removal" in options:
+        with pytest.raises(InputError, match=next(iter(options))):
+            make_solver("ruin-recreate", options)

@@ -1,0 +1,115 @@
+"""Crossover and the population's manners."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from formulations.routing.search import crossover as mixing
+from formulations.routing.search import tours as rings
+from formulations.routing.search.annealing import Habits
+from formulations.routing.search.costs import both_ways
+from formulations.routing.search.neighbours import neighbours
+from formulations.routing.search.population import Ground, Population
+from formulations.routing.search.randomness import seeded
+from instances import Instance, check_routes, tour_costs
+
+N = 15
+
+
+def ground(seed, positions):
+    """Tasks and depots in a plane with a wind, so that depots at one position have equal costs."""
+    rng = np.random.default_rng(seed)
+    xy = np.vstack([rng.uniform(0, 100, (N, 2)), np.array(positions, float)])
+    leg = xy[None] - xy[:, None]
+    cost = np.hypot(leg[..., 0], leg[..., 1]) * 1.2 - 0.3 * leg[..., 0]
+    np.fill_diagonal(cost, 0.0)
+    instance = Instance("plane", np.maximum(cost, 0.0), N, len(positions))
+    costs = both_ways(instance.cost)
+    near = neighbours(instance.cost, N, 8, len(positions))
+    return instance, Ground(costs, near, mixing.places(costs, N))
+
+
+def random_routes(seed, m):
+    rng = np.random.default_rng(seed)
+    routes = [[] for _ in range(m)]
+    for v in rng.permutation(N):
+        routes[rng.integers(m)].append(int(v))
+    return tuple(map(tuple, routes))
+
+
+SPREAD = [(0, 0), (100, 0), (50, 100)]
+SHARED = [(0, 0), (50, 50), (0, 0), (0, 0)]
+
+
+def test_depots_with_the_same_costs_are_one_place():
+    assert ground(1, SHARED)[1].place.tolist() == [0, 1, 0, 0]
+    assert ground(1, SPREAD)[1].place.tolist() == [0, 1, 2]
+
+
+def test_a_tour_matches_the_one_of_its_place_that_shares_most_tasks():
+    _, field = ground(2, SHARED)
+    child = rings.from_routes(field.costs, ((0, 1), (2, 3, 4, 5), (6, 7, 8), tuple(range(9, N))))
+    donor = rings.from_routes(field.costs, ((6, 7, 2, 3, 4, 5), (0, 1), (8,), tuple(range(9, N))))
+    assert mixing.matching_tour(child, donor, 0, field.place) == 2
+    assert mixing.matching_tour(child, donor, 1, field.place) == 1
+
+
+@given(st.integers(0, 10**6))
+@settings(deadline=None, max_examples=30)
+def test_laying_a_tour_over_copies_it_and_names_the_homeless(seed):
+    instance, field = ground(seed, SPREAD)
+    first, second = random_routes(seed, 3), random_routes(seed + 1, 3)
+    child, donor = rings.from_routes(field.costs, first), rings.from_routes(field.costs, second)
+    homeless = np.empty(N, np.int32)
+    count = mixing.lay_over(field.costs, child, donor, 1, 1, homeless, 0)
+    found = rings.to_routes(child)
+    assert found[1] == second[1]
+    for k in (0, 2):
+        assert found[k] == tuple(v for v in first[k] if v not in second[1])
+    assert sorted(homeless[:count]) == sorted(set(first[1]) - set(second[1]))
+    rings.sum_costs(child)
+    assert child.cost == pytest.approx(tour_costs(instance, found))
+
+
+@pytest.mark.parametrize("positions", [SPREAD, SHARED, [(0, 0)]])
+@given(seed=st.integers(0, 10**6))
+@settings(deadline=None, max_examples=30)
+def test_a_child_visits_every_task_once_and_books_its_costs(positions, seed):
+    instance, field = ground(seed, positions)
+    m = len(positions)
+    child = rings.from_routes(field.costs, random_routes(seed, m))
+    donor = rings.from_routes(field.costs, random_routes(seed + 1, m))
+    mixing.crossover(field.costs, field.near, child, donor, field.place, seeded(seed))
+    routes = rings.to_routes(child)
+    assert check_routes(instance, routes) == []
+    assert child.cost == pytest.approx(tour_costs(instance, routes))
+
+
+def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
+    instance, field = ground(5, SPREAD)
+    population = Population(field, Habits(6, 0.5, 0.1, 4), seeded(5), None)
+    population.plan(0.1)
+    ends = []
+    now = 0.0
+    for _ in range(30):
+        population.advance(now, 1)
+        now = population.end
+        ends.append(now)
+        if now >= 1.0:
+            break
+        population.next_stage(now)
+        values = [member.cost.max() for member in population.members]
+        assert len(values) <= population.founders
+        assert len(set(values)) == len(values)
+    assert now == pytest.approx(1.0)
+    assert ends[:5] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])
+    assert ends[5] == pytest.approx(0.55)
+    assert population.best.cost.max() <= min(member.cost.max() for member in population.members)
+    assert check_routes(instance, rings.to_routes(population.best)) == []
+
+
+def test_a_population_that_may_run_once_only_does_not_split_its_time():
+    population = Population(ground(6, SPREAD)[1], Habits(6, 0.5, 0.1, 4), seeded(6), None)
+    population.plan(0.6)
+    assert population.end == 1.0

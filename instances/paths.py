@@ -57,6 +57,12 @@ class Paths:
         if len(self.offsets) != self.n_nodes**2 + 1 or self.offsets[0] != 0 or self.offsets[-1] != len(self.points):
             raise InputError(f"paths: {self.n_nodes} nodes need {self.n_nodes**2} paths, held end to end")
 
+    @classmethod
+    def of(cls, n_nodes: int, paths: Sequence[Floats]) -> Paths:
+        """Return n_nodes² polylines as Paths, in the order (0, 0), (0, 1), …"""
+        offsets = np.concatenate([[0], np.cumsum([len(p) for p in paths])]).astype(np.int64)
+        return cls(n_nodes, np.concatenate([np.asarray(p, dtype=float).reshape(-1, 2) for p in paths]), offsets)
+
     def between(self, i: int, j: int) -> Floats:
         """Return the polyline from node i to node j, shape (k, 2) [m]."""
         k = i * self.n_nodes + j
@@ -78,8 +84,7 @@ class Paths:
             for a in range(n)
             for b in range(n)
         ]
-        offsets = np.concatenate([[0], np.cumsum([len(p) for p in paths])]).astype(np.int64)
-        return Paths(n, np.concatenate(paths), offsets)
+        return Paths.of(n, paths)
 
 
 def path_costs(points: Floats, offsets: Ints, wind: WindField, v0: float) -> Floats:

@@ -14,7 +14,10 @@ import click
 @click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Instance file (.json, .json.gz, .atsp).")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw wind, tasks and the paths from one start (.svg).")
-def command(scenario_file: Path, method: str, options: tuple[str, ...], out: Path, plot: Path | None) -> None:
+@click.option("--report", type=click.Path(path_type=Path), help="Compare all methods here; write a page (.html).")
+def command(
+    scenario_file: Path, method: str, options: tuple[str, ...], out: Path, plot: Path | None, report: Path | None
+) -> None:
     """Compute the moving cost and path between every pair of nodes of SCENARIO.toml.
 
     Writes the instance, and the paths beside it (NAME.paths.json.gz); prints how much the wind matters.
@@ -31,7 +34,7 @@ def command(scenario_file: Path, method: str, options: tuple[str, ...], out: Pat
     make_method(method, chosen)
     if not out.name.endswith(tuple(WRITERS)):
         raise InputError(f"{out}: must end in {', '.join(WRITERS)}")
-    for path in (out, plot):
+    for path in (out, plot, report):
         if path is not None and not path.parent.is_dir():
             raise InputError(f"{path}: there is no folder {path.parent}")
     scenario = read_scenario(scenario_file)
@@ -43,9 +46,18 @@ def command(scenario_file: Path, method: str, options: tuple[str, ...], out: Pat
         from reports.figures.paths import save_paths  # here: matplotlib takes its time
 
         save_paths(scenario, paths, plot)
+    effect = WindEffect(**instance.provenance["wind_effect"]).summary()
+    if report:
+        from formulations.moving_cost.costing import query_of
+        from reports.moving_cost_page import write_moving_cost_page
+        from workbench.costs_study import compare_methods, measure_claim
+
+        query = query_of(scenario)
+        methods, claim = compare_methods(query, _tell), measure_claim(query, _tell)
+        write_moving_cost_page(scenario, paths, methods, claim, effect, report)
     n = paths.n_nodes
     click.echo(f"{instance.summary()}; {n * (n - 1)} paths by {method} in {elapsed:.1f} s, all confirmed")
-    click.echo(WindEffect(**instance.provenance["wind_effect"]).summary())
+    click.echo(effect)
 
 
 def _tell(fraction: float, words: str) -> None:

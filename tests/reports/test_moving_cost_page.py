@@ -1,0 +1,70 @@
+"""Figures and page of moving costs: everything is drawn, and the page is one file with its words."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from instances.environment.terrain import mountains
+from instances.families import make_scenario
+from instances.paths import Paths
+from instances.scenario import Scenario
+from reports.figures.paths import draw_claim, draw_methods, draw_paths, save_paths
+from reports.figures.wind import draw_terrain, draw_wind
+from reports.moving_cost_page import write_moving_cost_page
+
+METHODS = pd.DataFrame(
+    [("refined", "default", 0.5, 0.0, 0.0, 1e-6), ("fmt-star", "2 000", 0.1, 6e-2, 0.12, 1.5)],
+    columns=["method", "options", "cpu", "mean", "p95", "largest"],
+)
+CLAIM = pd.DataFrame({"starts": [5, 10], "one query a pair": [1.0, 4.0], "one tree a start": [0.2, 0.4]})
+
+
+@pytest.fixture(scope="module")
+def scenario() -> Scenario:
+    return make_scenario("wind-vortices", 4, 2, 1)
+
+
+@pytest.fixture(scope="module")
+def paths(scenario: Scenario) -> Paths:
+    p = scenario.points
+    return Paths.of(6, [np.empty((0, 2)) if i == j else p[[i, j]] for i in range(6) for j in range(6)])
+
+
+def test_the_papers_figure_draws_every_path_from_and_to_one_node(
+    scenario: Scenario, paths: Paths, tmp_path: Path
+) -> None:
+    figure = draw_paths(scenario, paths, start=0).figure
+    outward, back = figure.axes
+    for axes, ends in ((outward, (0, -1)), (back, (-1, 0))):
+        lines = [line.get_xydata() * 1e3 for line in axes.lines if len(line.get_xydata()) == 2]
+        assert len(lines) == 5
+        for line in lines:
+            np.testing.assert_allclose(line[ends[0]], scenario.points[0])
+    save_paths(scenario, paths, tmp_path / "p.svg")
+    assert (tmp_path / "p.svg").read_text(encoding="utf-8").startswith("<?xml")
+
+
+def test_environment_and_comparison_figures_name_their_units(scenario: Scenario) -> None:
+    words = {
+        drawn.key: " ".join(a.get_xlabel() + a.get_ylabel() for a in drawn.figure.axes)
+        for drawn in (
+            draw_wind(scenario.wind, scenario.free),
+            draw_terrain(mountains(cells=20), scenario.free),
+            draw_methods(METHODS),
+            draw_claim(CLAIM),
+        )
+    }
+    expected = {"wind": "speed [m/s]", "terrain": "elevation [m]", "methods": "all pairs [s]", "claim": "of starts"}
+    for key, label in expected.items():
+        assert label in words[key]
+
+
+def test_the_page_is_one_file(scenario: Scenario, paths: Paths, tmp_path: Path) -> None:
+    write_moving_cost_page(scenario, paths, METHODS, CLAIM, "wind: <much>", tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert page.count("<figure>") == 4
+    assert "wind: &lt;much&gt;" in page
+    assert "30 ordered pairs" in page
+    assert "<script" not in page

@@ -80,6 +80,11 @@ def count(value: Any) -> str:
     return NOTHING if _missing(value) else f"{int(value):,}"
 
 
+def counted(number: int, noun: str) -> str:
+    """Return "1 seed" or "2 seeds"."""
+    return f"{number:,} {noun}" + ("" if number == 1 else "s")
+
+
 def ratio(value: Any) -> str:
     """Return a dimensionless figure with three decimals."""
     return NOTHING if _missing(value) else f"{value:.3f}"

@@ -118,10 +118,11 @@ def _contents(against: bool) -> list[dict[str, str]]:
 
 
 def _about(runs: pd.DataFrame, stores: Stores) -> str:
+    counted = numbers.counted
     names = ", ".join(folder.resolve().name for folder in stores.folders)
     return (
-        f"{len(runs):,} runs of {runs['method'].nunique()} methods on {runs['digest'].nunique():,} instances, "
-        f"{runs['seed'].nunique()} seeds, from {names}."
+        f"{counted(len(runs), 'run')} of {counted(runs['method'].nunique(), 'method')} on "
+        f"{counted(runs['digest'].nunique(), 'instance')}, {counted(runs['seed'].nunique(), 'seed')}, from {names}."
     )
 
 

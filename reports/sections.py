@@ -43,9 +43,10 @@ def summary_table(runs: pd.DataFrame) -> dict[str, Any]:
         marked = [number_cell(c.write, row[c.key], best=_is_best(c, row[c.key], table)) for c in columns]
         rows.append([method_cell(str(method), methods), *marked])
     caption = (
-        f"One row a method over {runs['digest'].nunique()} instances and {runs['seed'].nunique()} seeds. Times are "
-        f"shifted geometric means (shift {SHIFT:g} s); a run that failed counts {PENALTY:g} times its limit. The "
-        "best of each column is shaded. What each column means is said at the end of the page."
+        f"One row a method over {numbers.counted(runs['digest'].nunique(), 'instance')} and "
+        f"{numbers.counted(runs['seed'].nunique(), 'seed')}. Times are shifted geometric means (shift {SHIFT:g} s); "
+        f"a run that failed counts {PENALTY:g} times its limit. The best of each column is shaded. What each column "
+        "means is said at the end of the page."
     )
     headings = ["Method", *[c.heading for c in columns]]
     return {"key": "summary", "headings": headings, "texts": 1, "rows": rows, "caption": caption}

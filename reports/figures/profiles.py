@@ -31,9 +31,9 @@ def time_profile(runs: pd.DataFrame, target: float = 0.01) -> Drawn | None:
     """
     measured = runs.assign(_time=time_to_target(runs, [target])[target])
     caption = (
-        f"Share of instances on which a method was within {100 * target:g} % of the best known or found in at most τ "
-        "times the time of the soonest method. At τ = 1 it was the soonest; the right end is the share it reached "
-        f"at all within its limit. {_READING}"
+        f"Of the instances a method ran on, the share on which it was within {100 * target:g} % of the best known or "
+        "found in at most τ times the time of the soonest method. At τ = 1 it was the soonest; the right end is the "
+        f"share it reached at all within its limit. {_READING}"
     )
     look = styles(runs["method"])
     return _profile(
@@ -46,8 +46,8 @@ def proof_profile(runs: pd.DataFrame) -> Drawn | None:
     able = runs[runs["proves"]]
     measured = able.assign(_time=time_to_proof(able))
     caption = (
-        "Share of instances that a method proved optimal in at most τ times the time of the soonest proof; only "
-        f"methods that can prove take part. {_READING}"
+        "Of the instances a method ran on, the share that it proved optimal in at most τ times the time of the "
+        f"soonest proof; only methods that can prove take part. {_READING}"
     )
     look = styles(runs["method"])
     return _profile(
@@ -77,9 +77,10 @@ def quality_profile(runs: pd.DataFrame) -> Drawn | None:
         _share_axis(axes)
         legend_below(figure, axes)
     caption = (
-        "Share of instances on which a method's routes (median over seeds) are within the given gap of the best "
-        "known or found at the end of the run. At 0 % it found the best; what is missing to 100 % at the right end "
-        "it did not solve, or worse than the scale shows. Higher is better; the scale is linear below 0.1 %."
+        "Of the instances a method ran on, the share on which its routes (median over seeds) are within the given "
+        "gap of the best known or found at the end of the run. At 0 % it found the best; what is missing to 100 % "
+        "at the right end it did not solve, or worse than the scale shows. Higher is better; the scale is linear "
+        "below 0.1 %."
     )
     return Drawn("profile-quality", "Profile of quality", caption, figure)
 

@@ -42,15 +42,15 @@ TOLERANCE = 1e-7
 """Of the longest tour: routes better by less are neither looked for nor excluded."""
 
 _STEPS_A_TASK = 2000
-_MORE_STARTS = 4
+_MOST_BATCHES = 5
 
 
 @dataclass(frozen=True)
 class BranchAndPrice(Solver):
     """Branch and price over tours.
 
-    starts : ruin-and-recreate runs before the first relaxation (four times as many follow where that leaves a gap);
-        0 uses only the start given.
+    starts : ruin-and-recreate runs before the first relaxation, and in each batch after it while a gap is left and
+        they help; 0 uses only the start given.
     bins : divisions of the longest tour allowed in the completion bounds; fewer are faster and weaker.
     labels : room for labels of one search, about 50 bytes each.
     tours : room for listed tours.
@@ -107,10 +107,10 @@ class BranchAndPrice(Solver):
         tree = Tree(Legs.of(recorder.instance), _columns(recorder), work)
         incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
         nodes = np.inf if limits.iterations is None else limits.iterations
-        proved = tree.grow(incumbent, min(1, nodes))
-        if not proved and nodes > 1 and not work.out_of_time():
-            self.improve(recorder, 1000 * seed + self.starts, _MORE_STARTS * self.starts)
-            proved = tree.grow(incumbent, nodes - 1)
+        if nodes > 0:
+            tree.relax(incumbent)
+            self._improve_again(recorder, seed, lambda: tree.bound(incumbent.cap()) >= incumbent.cap())
+        proved = tree.grow(incumbent, nodes)
         recorder.raise_bound(tree.bound(incumbent.cap()) * (1 - 1e-12))
         if proved:
             return "proof", work.counts
@@ -132,6 +132,16 @@ class BranchAndPrice(Solver):
             found = RuinRecreate().solve(recorder.instance, limits=limits, seed=seed + run)
             if found.routes is not None:
                 recorder.incumbent(found.routes)
+
+    def _improve_again(self, recorder: Recorder, seed: int, enough: Callable[[], bool]) -> None:
+        """Search in batches until one finds nothing better: a gap costs far more to close than this."""
+        for batch in range(1, _MOST_BATCHES + 1):
+            before = recorder.objective
+            if enough() or recorder.remaining <= 0:
+                return
+            self.improve(recorder, 1000 * seed + batch * self.starts, self.starts)
+            if recorder.objective == before:
+                return
 
     def _efforts(self, n: int) -> tuple[tuple[Effort, ...], Effort]:
         """Return the schedule of pricing efforts, quick ones first, and the effort for fixing and listing."""

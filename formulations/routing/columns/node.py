@@ -79,13 +79,21 @@ class Node:
         return np.array([[bool((of_uav & holds).any()) for holds in columns] for of_uav in uavs])
 
 
+def relax(node: Node, cap: float, work: Workspace) -> None:
+    """Solve the node's relaxation once, for its bound and columns."""
+    node.legs = node.legs.under(cap)
+    master = _master(node, cap)
+    relaxation = generate(master, _pricers(node, cap, work), cap, work.out_of_time)
+    work.count("rounds", relaxation.rounds)
+    node.bound, node.columns = max(node.bound, relaxation.bound), list(master.columns)
+
+
 def tighten(node: Node, cap: float, work: Workspace) -> None:
     """Raise the node's bound until it exceeds `cap`, `share` (ready to branch) or `routes` is set, or time is up."""
     node.share = node.routes = None
     node.legs = node.legs.under(cap)
     node.pool = None if node.pool is None else node.pool.under(cap)
-    master = Master(node.legs.n_tasks, node.legs.n_uavs, 3 * cap / node.legs.n_tasks, node.cuts)
-    master.add([c for c in node.columns if c.cost <= cap])
+    master = _master(node, cap)
     stalled = 0
     while True:
         relaxation = generate(master, _pricers(node, cap, work), cap, work.out_of_time)
@@ -107,6 +115,13 @@ def tighten(node: Node, cap: float, work: Workspace) -> None:
             return
         master.cut_off(cuts)
         work.count("cuts", len(cuts))
+
+
+def _master(node: Node, cap: float) -> Master:
+    """Return the restricted master of the node's columns; duals begin in a box of thrice a fair share."""
+    master = Master(node.legs.n_tasks, node.legs.n_uavs, 3 * cap / node.legs.n_tasks, node.cuts)
+    master.add([c for c in node.columns if c.cost <= cap])
+    return master
 
 
 def _pricers(node: Node, cap: float, work: Workspace) -> list[Prices]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.node import Node, Workspace, tighten
+from formulations.routing.columns.node import Node, Workspace, relax, tighten
 from formulations.routing.columns.pricing import Column
 from instances import Routes
 
@@ -48,6 +48,13 @@ class Tree:
     def bound(self, cap: float) -> float:
         """Return a lower bound on all routes, no higher than `cap` [s]."""
         return min(cap, self._open[0][0]) if self._open else cap
+
+    def relax(self, incumbent: Incumbent) -> None:
+        """Solve the relaxation of the root once, before any work that depends on how good the incumbent is."""
+        _, _, root = heapq.heappop(self._open)
+        relax(root, incumbent.cap(), self.work)
+        self._push(root)
+        incumbent.report(self.bound(incumbent.cap()))
 
     def grow(self, incumbent: Incumbent, nodes: float = math.inf) -> bool:
         """Work until no routes of cost ≤ cap are left (True), or time is up or `nodes` are done (False)."""

@@ -15,12 +15,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pyscipopt import Model, Variable, quicksum
 from pyscipopt.scip import Solution
 
 from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, used_arcs
 from formulations.routing.subtours import Arc
+from formulations.routing.ways import ways_between_tasks, ways_from_depot
 from instances import Instance, Routes, makespan
 
 _BITS = 10  # the incumbent costs less than 2^10 in SCIP's unit
@@ -44,7 +44,8 @@ class ScipModel:
         self.T, self.D = instance.tasks, instance.depots
         self.scip = Model("MMMDMTSP")
         self.scip.hideOutput()
-        self.ways = {k: shortest_ways(self.cost, instance.n_tasks, k) for k in self.D}
+        between = ways_between_tasks(self.cost, instance.n_tasks)
+        self.ways = {k: ways_from_depot(self.cost, between, k) for k in self.D}
         self.theta: list[dict[Arc, Variable]] = [
             {(i, j): self.scip.addVar(f"theta_{i}_{j}_{k}", "B") for i, j in self.edges(k, reach)} for k in self.D
         ]
@@ -142,17 +143,3 @@ class ScipModel:
     def seconds(self, cost: float) -> float:
         """Return a cost in SCIP in seconds."""
         return math.ldexp(cost, -self.exponent)
-
-
-def shortest_ways(cost: NDArray[np.float64], n_tasks: int, k: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the cost of the cheapest ways (over any tasks) from depot k to each task and back, shape (n,) each.
-
-    Costs need not obey the triangle inequality, so the direct arc is no bound, but the cheapest way is. Floyd and
-    Warshall's recursion; rounded down by more than its rounding error.
-    """
-    nodes = [*range(n_tasks), k]
-    way = cost[np.ix_(nodes, nodes)]
-    for through in range(n_tasks + 1):
-        way = np.minimum(way, way[:, through, None] + way[None, through, :])
-    way *= 1 - (n_tasks + 2) * 2.0**-52
-    return way[n_tasks, :n_tasks], way[:n_tasks, n_tasks]

@@ -1,1 +1,99 @@
-"""workbench bound: lower bounds on the longest tour."""
+"""`workbench bound`: lower bounds on the longest tour, each with its time and its gap to the best routes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from formulations.routing.bounds import Bound
+    from instances import Instance
+
+
+@click.command("bound")
+@click.argument("instance_file", metavar="INSTANCE", type=click.Path(path_type=Path))
+@click.option("--routes", type=click.Path(path_type=Path), help="Routes (.sol) to measure the gaps from.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@click.option("--time-limit", default=60.0, show_default=True, help="Seconds of wall clock for each bound.")
+@click.option("--seed", default=0, show_default=True)
+@click.pass_context
+def command(
+    context: click.Context, instance_file: Path, routes: Path | None, as_json: bool, time_limit: float, seed: int
+) -> None:
+    """Print lower bounds of INSTANCE: no routes have a shorter longest tour.
+
+    Gaps are to the ROUTES given, else to the best value known of this instance, else to those of a short search.
+    Exit code 1 where a bound contradicts that value.
+    """
+    from formulations.routing.bounds import lower_bounds
+    from formulations.solver import Limits
+    from instances.files import read_instance
+
+    limits = Limits(time=time_limit)  # refuses nonsense before anything is read
+    instance = read_instance(instance_file)
+    best, source, slack = _best(instance, routes, seed)
+    found = []
+    for bound in lower_bounds(instance, time_limit=limits.time, seed=seed):
+        found.append(bound)
+        click.echo(f"{bound.name}: {bound.value:.6g} s", err=True)
+    highest = max((bound.value for bound in found), default=0.0)
+    described = [_described(bound, best) for bound in found]
+    if as_json:
+        report = {"instance": instance.name, "digest": instance.digest, "best": best, "best_from": source}
+        click.echo(json.dumps(report | {"bound": highest, "gap": _gap(highest, best), "bounds": described}))
+    else:
+        click.echo(_text(instance, best, source, found))
+    contradicted = highest > best + slack
+    if contradicted:
+        click.echo(f"{instance.name}: a bound of {highest!r} s contradicts {best!r} s ({source})", err=True)
+    context.exit(1 if contradicted else 0)
+
+
+def _best(instance: Instance, routes: Path | None, seed: int) -> tuple[float, str, float]:
+    """Return the cost to measure from [s], where it comes from, and what it may have been rounded down by [s]."""
+    from formulations.registry import make_solver
+    from formulations.solver import Limits
+    from instances import makespan
+    from instances.best_known import best_known
+    from instances.files import read_routes
+
+    if routes is not None:
+        return makespan(instance, read_routes(routes, instance)), str(routes), 0.0
+    known = best_known(instance.digest)
+    if known is not None:
+        return known.best_known, f"best known, {known.source}", 5e-4 + 1e-6 * known.best_known
+    search = make_solver("memetic")
+    search.prepare(instance)
+    found = search.solve(instance, limits=Limits(time=SEARCH), seed=seed)
+    if found.objective is None:
+        raise RuntimeError("the search ended without routes")
+    return found.objective, f"a search of {SEARCH:g} s", 0.0
+
+
+SEARCH = 5.0
+"""Seconds of search where no routes are given or known."""
+
+
+def _gap(bound: float, best: float) -> float:
+    return (best - bound) / best if best > 0 else 0.0
+
+
+def _described(bound: Bound, best: float) -> dict[str, object]:
+    return {
+        "name": bound.name,
+        "bound": bound.value,
+        "gap": _gap(bound.value, best),
+        "elapsed": bound.elapsed,
+        "message": bound.message,
+    }
+
+
+def _text(instance: Instance, best: float, source: str, found: list[Bound]) -> str:
+    lines = [instance.summary(), f"best routes {best:.6g} s ({source})"]
+    for bound in found:
+        gap = f"gap {_gap(bound.value, best):7.2%}"
+        lines.append(f"{bound.name:16s} {bound.value:12.6g} s   {gap}   in {bound.elapsed:7.2f} s   {bound.message}")
+    return "\n".join(line.rstrip() for line in lines)

@@ -1,0 +1,28 @@
+"""Cheapest ways: what flying to a task and back costs at least, over any tasks on the way.
+
+Costs need not obey the triangle inequality (a detour may be downwind), so a direct arc bounds nothing; the cheapest way
+does. Floyd and Warshall's recursion over the tasks, then out of and back to a depot.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def ways_between_tasks(cost: NDArray[np.float64], n_tasks: int) -> NDArray[np.float64]:
+    """Return the cost of the cheapest way from each task to each, over tasks only, shape (n, n), rounded down."""
+    way = cost[:n_tasks, :n_tasks].copy()
+    for through in range(n_tasks):
+        np.minimum(way, way[:, through, None] + way[None, through, :], out=way)
+    return way * (1 - (n_tasks + 2) * 2.0**-52)
+
+
+def ways_from_depot(
+    cost: NDArray[np.float64], between: NDArray[np.float64], k: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the cheapest ways from depot k (node number) to each task and back, shape (n,) each, rounded down."""
+    n = len(between)
+    out = (cost[k, :n, None] + between).min(axis=0)
+    back = (between + cost[None, :n, k]).min(axis=1)
+    return out * (1 - 2.0**-52), back * (1 - 2.0**-52)

@@ -8,6 +8,8 @@
     relaxation     the linear relaxation with subtour cuts (``relaxation.py``)
     branch-and-cut, branch-and-price
                    the bounds of these solvers at the root of their trees (see there)
+    destructive    the largest cap found at which the relaxation over tours of cost ≤ cap is impossible, by bisection
+                   (``columns/destructive.py``)
 
 The first three subtract (n+m)²·2^-52·U for rounding: costs are cut off at 2U, U the cost of routes known, and none of
 them adds or subtracts more than (n+m)² such numbers one after another.
@@ -24,6 +26,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from formulations.registry import make_solver, why_unavailable
+from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.relaxation import relax
 from formulations.routing.ways import ways_between_tasks, ways_from_depot
@@ -67,6 +70,7 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
     yield _relaxation(instance, upper, time_limit)
     for solver in ROOTS:
         yield _root(solver, instance, time_limit, seed)
+    yield _destructive(instance, upper, time_limit)
 
 
 def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
@@ -79,6 +83,14 @@ def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
     relaxed = relax(instance, upper, time_limit)
     message = "" if relaxed.complete else f"stopped after {relaxed.rounds} rounds"
     return Bound("relaxation", relaxed.bound, time.perf_counter() - began, message)
+
+
+def _destructive(instance: Instance, upper: float, time_limit: float) -> Bound:
+    """Return the destructive bound from capped tours, begun with no better routes than greedy ones."""
+    make_solver("branch-and-price").prepare(instance)
+    began = time.perf_counter()
+    value = max(destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() - began > time_limit), default=0.0)
+    return Bound("destructive", value, time.perf_counter() - began, "" if value else "not solved in time")
 
 
 def _root(name: str, instance: Instance, time_limit: float, seed: int) -> Bound:

@@ -1,6 +1,6 @@
 """Bars of the exact methods: measured figure beside bar.
 
-    python tests/benchmarks/exact.py [--quick] [SECTION...]
+    python tests/benchmarks/exact.py [--quick] [--tasks 40] [SECTION...]
 
 Sections: proofs (branch-and-price, n = 40 to 100), long (exact, m = 2), gaps (certified where no proof is in reach),
 public (eil51, berlin52, eil76), agreement (300 random instances against subset-dp), ratio (exact against circuit and
@@ -87,12 +87,14 @@ def run(solver: Solver, instance: Instance, limit: float, threads: int = 1) -> t
     return result, spent, lasted
 
 
-def proofs(quick: bool) -> None:
+def proofs(quick: bool, tasks: int | None) -> None:
     """Every size: how many seeds are proved within the bar."""
     print("proofs by branch-and-price: n m | proved within the bar | median and greatest CPU s | worst gap")
     solver = BranchAndPrice()
     solver.prepare(wind_instance(10, 2, 0))
     for n, m, bar, of_ten in PROOFS:
+        if tasks not in (None, n):
+            continue
         seeds = range(2 if quick else 10)
         runs = [run(solver, wind_instance(n, m, seed), bar) for seed in seeds]
         good = [spent for result, spent, _ in runs if result.status is Status.OPTIMAL and spent <= bar]
@@ -106,12 +108,14 @@ def proofs(quick: bool) -> None:
         )
 
 
-def long_tours(quick: bool) -> None:
+def long_tours(quick: bool, tasks: int | None) -> None:
     """Two UAVs: the portfolio on two threads."""
     print("exact on two threads, m = 2: n | proved | wall s of each | by")
     solver = make_solver("exact")
     solver.prepare(wind_instance(20, 2, 0))
     for n, limit, of_ten in ((40, 120.0, 8), (50, 180.0, 6), (60, 180.0, 6)):
+        if tasks not in (None, n):
+            continue
         runs = [run(solver, wind_instance(n, 2, seed), limit, 2) for seed in range(2 if quick else 10)]
         good = [lasted for result, _, lasted in runs if result.status is Status.OPTIMAL]
         names = [str(result.statistics["proved_by"]) for result, _, _ in runs]
@@ -120,17 +124,19 @@ def long_tours(quick: bool) -> None:
               f"{' '.join(f'{t:.1f}' for t in good)} | {by}", flush=True)  # fmt: skip
 
 
-def gaps(quick: bool) -> None:
+def gaps(quick: bool, tasks: int | None) -> None:
     """Where proofs are out of reach: the certified gap."""
     print("certified gaps of branch-and-price: n m | gap | bound | routes | wall s")
     solver = BranchAndPrice()
     for n, m, bar in ((60, 3, "5 %"), (100, 3, "as small as possible"), (200, 10, "as small as possible")):
+        if tasks not in (None, n):
+            continue
         result, _, lasted = run(solver, wind_instance(n, m, 0), 60.0 if quick else 280.0)
         gap = "none" if result.gap is None else f"{result.gap:.2%}"
         print(f"{n:4d} {m:3d} | {gap} (bar {bar}) | {result.bound} | {result.objective:.3f} | {lasted:.1f}", flush=True)
 
 
-def public(quick: bool) -> None:
+def public(quick: bool, tasks: int | None) -> None:
     """The classics of mTSPLib, one depot."""
     from instances.files import read_instance
 
@@ -149,7 +155,7 @@ def public(quick: bool) -> None:
         )
 
 
-def agreement(quick: bool) -> None:
+def agreement(quick: bool, tasks: int | None) -> None:
     """Random instances against subset-dp, with loose starts, permutations and tiny bins."""
     count, wrong, open_ = 60 if quick else 300, 0, 0
     for seed in range(count):
@@ -190,7 +196,7 @@ def loosened(routes: Routes, n: int, rng: np.random.Generator) -> Routes:
     return tuple(tuple(tour) for tour in tours)
 
 
-def ratio(quick: bool) -> None:
+def ratio(quick: bool, tasks: int | None) -> None:
     """Exact against circuit and branch-and-cut, one thread each, in one run."""
     limit = 20.0 if quick else 60.0
     names = ("exact", "circuit", "branch-and-cut")
@@ -198,6 +204,8 @@ def ratio(quick: bool) -> None:
     solvers = {name: make_solver(name) for name in names}
     against: dict[str, list[float]] = {"circuit": [], "branch-and-cut": []}
     for n, m in ((20, 2), (20, 3), (20, 4), (30, 3), (40, 2), (40, 4), (60, 6)):
+        if tasks not in (None, n):
+            continue
         instance = wind_instance(n, m, 0)
         times: dict[str, float | None] = {}
         for name, solver in solvers.items():
@@ -231,6 +239,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sections", nargs="*", choices=[[], *SECTIONS], metavar="SECTION")
     parser.add_argument("--quick", action="store_true", help="fewer seeds, shorter limits")
+    parser.add_argument("--tasks", type=int, help="only this many tasks, in proofs, long, gaps and ratio")
     asked = parser.parse_args()
     for section in asked.sections or SECTIONS:
-        SECTIONS[section](asked.quick)
+        SECTIONS[section](asked.quick, asked.tasks)

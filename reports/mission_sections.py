@@ -13,7 +13,7 @@ from matplotlib import colormaps
 from matplotlib.image import imsave
 from numpy.typing import NDArray
 
-from reports.figures.field import SIGNAL, UNCERTAINTY, draw_field
+from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, draw_field
 from reports.figures.flight import colour_of, draw_flight, draw_plans
 from reports.figures.map import draw_judged, draw_stages, signal_range
 from reports.figures.mission import draw_comparison, draw_progress
@@ -104,7 +104,7 @@ def film(products: Products, flown: pd.DataFrame, samples: pd.DataFrame) -> dict
         {
             "time": float(t),
             "mean": _picture(maps.mean[k], low, high, SIGNAL),
-            "sd": _picture(maps.sd[k], 0.0, most, UNCERTAINTY),
+            "sd": _picture(maps.sd[k] ** UNCERTAINTY_POWER, 0.0, most**UNCERTAINTY_POWER, UNCERTAINTY),
             "rmse": round(float(ticks.loc[t, "rmse"]), 3),
             "samples": int(ticks.loc[t, "samples"]),
         }
@@ -187,34 +187,49 @@ def _routed(products: Products) -> str:
 
 
 def _checks(products: Products) -> dict[str, Any]:
-    table = products.table("flight", "flight-check.csv")
-    headings = ["UAV", "flown [km]", "reference path [km]", "nearest to its tasks within [m]", "least radius [m]",
-                "off the reference at most [m]", "end to start [m]", "inside no-fly zones [m]"]  # fmt: skip
+    columns = [
+        ("flown [km]", "length", 1e-3, 2),
+        ("reference path [km]", "reference_length", 1e-3, 2),
+        ("nearest to its tasks within [m]", "task_distance", 1, 3),
+        ("least radius [m]", "least_radius", 1, 2),
+        ("off the reference at most [m]", "deviation", 1, 0),
+        ("end to start [m]", "closure", 1, 3),
+        ("inside no-fly zones [m]", "in_no_fly", 1, 0),
+    ]
     rows = []
-    for row in table.to_dict("records"):
-        flies = row["length"] > 0
-        cells = [f"{row['length'] / 1e3:.2f}", f"{row['reference_length'] / 1e3:.2f}", f"{row['task_distance']:.3f}",
-                 f"{row['least_radius']:.2f}", f"{row['deviation']:.0f}", f"{row['closure']:.3f}",
-                 f"{row['in_no_fly']:.0f}"]  # fmt: skip
-        cells = cells if flies else ["stays home"] + [""] * 6
-        rows.append({"name": f"UAV {int(row['uav'])}", "cells": cells, "bad": [False] * 6 + [row["in_no_fly"] > 0]})
-    return {"headings": headings, "rows": rows}
+    for row in products.table("flight", "flight-check.csv").to_dict("records"):
+        cells = [{"text": f"{row[key] * scale:.{digits}f}", "kind": ""} for _, key, scale, digits in columns]
+        if row["in_no_fly"] > 0:
+            cells[-1]["kind"] = "bad"
+        if row["length"] == 0:
+            cells = [{"text": "stays home", "kind": ""}] + [{"text": "", "kind": ""}] * (len(columns) - 1)
+        rows.append({"name": f"UAV {int(row['uav'])}", "cells": cells})
+    return {"headings": ["UAV", *(heading for heading, *_ in columns)], "rows": rows}
 
 
 def _comparison(table: pd.DataFrame, unit: str) -> dict[str, Any]:
-    headings = ["Plan", "tasks or lanes", "flown [km]", "longest tour [km]", "samples", f"RMSE [{unit}]", "NLPD [nats]",
-                "covered by 95 %", f"mean sd [{unit}]", f"greatest sd [{unit}]"]  # fmt: skip
-    least = {column: table[column].min() for column in ("rmse", "nlpd", "mean_sd", "max_sd")}
+    columns = [
+        ("tasks or lanes", "count", 1, 0),
+        ("flown [km]", "length", 1e-3, 1),
+        ("longest tour [km]", "longest", 1e-3, 1),
+        ("outside or in no-fly zones [km]", "outside", 1e-3, 2),
+        ("samples", "samples", 1, 0),
+        (f"RMSE [{unit}]", "rmse", 1, 3),
+        ("NLPD [nats]", "nlpd", 1, 3),
+        ("covered by the 95 % interval [%]", "coverage", 100, 1),
+        (f"mean sd [{unit}]", "mean_sd", 1, 2),
+        (f"greatest sd [{unit}]", "max_sd", 1, 2),
+    ]
+    least = {key: table[key].min() for key in ("rmse", "nlpd", "mean_sd", "max_sd")}
     rows = []
     for row in table.to_dict("records"):
-        name = row["name"] + (f", draw {int(row['draw']) + 1}" if (table["name"] == row["name"]).sum() > 1 else "")
-        cells = [f"{int(row['count'])}", f"{row['length'] / 1e3:.1f}", f"{row['longest'] / 1e3:.1f}",
-                 f"{int(row['samples'])}", f"{row['rmse']:.3f}", f"{row['nlpd']:.3f}", f"{row['coverage']:.1%}",
-                 f"{row['mean_sd']:.2f}", f"{row['max_sd']:.2f}"]  # fmt: skip
-        best = [False] * 4 + [row["rmse"] == least["rmse"], row["nlpd"] == least["nlpd"], False,
-                              row["mean_sd"] == least["mean_sd"], row["max_sd"] == least["max_sd"]]  # fmt: skip
-        rows.append({"name": name, "cells": cells, "bad": [False] * 9, "best": best})
-    return {"headings": headings, "rows": rows}
+        several = (table["name"] == row["name"]).sum() > 1
+        cells = [
+            {"text": f"{row[key] * scale:.{digits}f}", "kind": "best" if row[key] == least.get(str(key)) else ""}
+            for _, key, scale, digits in columns
+        ]
+        rows.append({"name": row["name"] + (f", draw {int(row['draw']) + 1}" if several else ""), "cells": cells})
+    return {"headings": ["Plan", *(heading for heading, *_ in columns)], "rows": rows}
 
 
 def _shown(drawn: Drawn) -> dict[str, Any]:

@@ -132,6 +132,10 @@ class GaussianProcess:
         diagonal = np.diagonal(self._L)[: self._count]
         return float(np.log(diagonal).sum() - self._count * np.log(self.noise_sd))
 
+    def entropy(self) -> float:
+        """Return H(y) = ½ log det(2πe (K_II + σ_n² I)) [nats] of the samples, differential in the field's unit."""
+        return self.information() + self._count * float(0.5 * np.log(2 * np.pi * np.e) + np.log(self.noise_sd))
+
     def refitted(self, kernel: SquaredExponential) -> GaussianProcess:
         """Return the same process and samples under another kernel, factorised afresh."""
         again = GaussianProcess(kernel, self.noise_sd, self.points, self.level)

@@ -65,13 +65,15 @@ def score(posterior: Posterior, truth: ArrayLike, noise_sd: float) -> Score:
 class Tick:
     """The state of the map after one round of measurements.
 
-    time [s]; samples so far; information IG gathered so far [nats]; score; the kernel in use; posterior, kept for the
+    time [s]; samples so far; information IG gathered so far and entropy H(y) of
+    the samples [nats]; score; the kernel in use; posterior, kept for the
     ticks asked for, else None.
     """
 
     time: float
     samples: int
     information: float
+    entropy: float
     score: Score
     kernel: SquaredExponential
     posterior: Posterior | None = None
@@ -124,7 +126,9 @@ def fly_survey(
             process = process.refitted(fit_hyperparameters(process.kernel, noise_sd, *process.samples))
         posterior = process.posterior()
         judged = score(posterior, truth, noise_sd)
-        tick = Tick(time, len(process.samples[1]), process.information(), judged, process.kernel, posterior)
+        tick = Tick(
+            time, len(process.samples[1]), process.information(), process.entropy(), judged, process.kernel, posterior
+        )
         observe(tick)
         ticks.append(tick if keep(number, len(schedule) - 1) else replace(tick, posterior=None))
     uav, position, value, when = (np.concatenate(parts) for parts in zip(*record, strict=True))

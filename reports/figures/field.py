@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.colors import PowerNorm
 from numpy.typing import NDArray
 
 from instances.environment.radio import RadioMap
@@ -19,6 +20,8 @@ SIGNAL = "viridis"
 """Colours of the field and its estimates: equal steps look equal, also in grey."""
 UNCERTAINTY = "Greys"
 """Colours of uncertainty: dark where little is known, as in the paper."""
+UNCERTAINTY_POWER = 0.5
+"""Uncertainty is drawn by its square root, so that what is left at the end is seen beside what there was."""
 
 
 @rc_context(RC)
@@ -55,12 +58,21 @@ def show(
     colours: str = SIGNAL,
     low: float | None = None,
     high: float | None = None,
+    power: float = 1.0,
 ) -> ScalarMappable:
-    """Draw a raster (rows going north) on `axes`; extent is west, east, south, north [km]."""
+    """Draw a raster (rows going north) on `axes`; extent is west, east, south, north [km].
+
+    power : of the scale of colours; below 1 it tells small values apart.
+    """
     return axes.imshow(
-        np.ma.masked_invalid(values), origin="lower", extent=extent, cmap=colours, vmin=low, vmax=high,
-        interpolation="nearest", zorder=0,
-    )  # fmt: skip
+        np.ma.masked_invalid(values),
+        origin="lower",
+        extent=extent,
+        cmap=colours,
+        norm=PowerNorm(power, low, high),
+        interpolation="nearest",
+        zorder=0,
+    )
 
 
 def _nodes(terrain: Terrain) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -24,7 +24,7 @@ def draw_flight(scenario: Scenario, tasks: Floats, reference: pd.DataFrame, flow
 
     reference : columns uav, leg, x, y [m]; flown : uav, time, x, y.
     """
-    figure = new_figure(7.2, 3.9)
+    figure = new_figure(9.6, 4.9)
     whole, detail = figure.subplots(1, 2, width_ratios=[1.35, 1.0])
     for axes in (whole, detail):
         map_axes(axes, scenario.free)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from instances.environment.region import Region
-from reports.figures.field import SIGNAL, UNCERTAINTY, show
+from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, show
 from reports.figures.flight import colour_of, stars
 from reports.figures.style import COLOURS, INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
@@ -35,7 +35,7 @@ def draw_stages(
     for column, (k, words) in enumerate(((early, "(a) initial stage"), (len(maps.time) - 1, "(b) final stage"))):
         now = maps.time[k]
         top, middle, bottom = plots[:, column]
-        sd = show(top, maps.sd[k], maps.extent, UNCERTAINTY, 0.0, most)
+        sd = show(top, maps.sd[k], maps.extent, UNCERTAINTY, 0.0, most, UNCERTAINTY_POWER)
         mean = show(middle, maps.mean[k], maps.extent, low=low, high=high)
         seen = samples[samples["time"] <= now + 1e-6]
         middle.scatter(seen["x"] / KM, seen["y"] / KM, s=5, color=COLOURS[0], edgecolors=PAPER, linewidths=0.3)
@@ -51,11 +51,14 @@ def draw_stages(
         top.set_title(f"{words}\n{now:.0f} s, {len(seen)} samples")
     figure.colorbar(sd, ax=plots[0], label=f"uncertainty, posterior sd [{unit}]")
     figure.colorbar(mean, ax=plots[1], label=f"estimated field [{unit}]")
+    empty = figure.colorbar(mean, ax=plots[2], label=" ")  # keeps the columns in line
+    empty.ax.set_visible(False)
     return Drawn(
         "stages",
         "Initial and final stage",
-        "Top: what is not known, dark where the uncertainty is high. Middle: the estimated field with the samples it "
-        "rests on (dots). Bottom: the portion of the paths that has been flown (coloured) of the whole (pale).",
+        "Top: what is not known, dark where the uncertainty is high (square-root scale). Middle: the estimated field "
+        "with the samples it rests on (dots). Bottom: the portion of the paths that has been flown (coloured) of the "
+        "whole (pale).",
         figure,
     )
 

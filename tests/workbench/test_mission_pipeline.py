@@ -233,3 +233,14 @@ def test_stage_and_from_exclude_each_other(cli) -> None:
     code, _, err = cli("mission", "--out", "made", "--stage", "map", "--from", "map")
     assert code == 2
     assert "give one of them" in err
+
+
+def test_a_mission_that_another_process_works_on_is_left_alone(mission_file: Path, copied: Path) -> None:
+    other = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+    try:
+        (copied / f".8-report.{other.pid}.part").mkdir()
+        with pytest.raises(InputError, match=f"process {other.pid} is working on this mission"):
+            again(mission_file, copied, force_from="report")
+    finally:
+        other.communicate(b"\n")
+    assert again(mission_file, copied, force_from="report") == ["report"]

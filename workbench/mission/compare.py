@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import shapely
 from numpy.typing import NDArray
 
 from formulations.kernel import SquaredExponential
@@ -74,7 +75,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
     rows, ticks, tracks = [], [], []
     for plan in (own, *_plans(mission, scenario, own.length, tell)):
         survey = survey_of(mission, scenario.region, field, plan.flights)
-        rows.append(_row(plan, survey, scenario, mission))
+        rows.append(_row(plan, survey, scenario))
         ticks.append(ticks_frame(survey).assign(name=plan.name, draw=plan.draw))
         tracks.append(track_frame(plan.flights).assign(name=plan.name, draw=plan.draw)[::20])
     table = pd.DataFrame(rows)
@@ -155,7 +156,7 @@ def routed(mission: Mission, scenario: Scenario, points: NDArray[np.float64]) ->
     return fly(mission, scenario, instance, paths, routes).flights
 
 
-def _row(plan: Plan, survey: Survey, scenario: Scenario, mission: Mission) -> dict[str, Any]:
+def _row(plan: Plan, survey: Survey, scenario: Scenario) -> dict[str, Any]:
     end = survey.ticks[-1]
     return {
         "name": plan.name,
@@ -163,10 +164,18 @@ def _row(plan: Plan, survey: Survey, scenario: Scenario, mission: Mission) -> di
         "count": plan.count,
         "length": plan.length,
         "longest": max(flight.length for flight in plan.flights),
+        "outside": _outside(plan, scenario),
         "samples": end.samples,
         "information": end.information,
         **asdict(end.score),
     }
+
+
+def _outside(plan: Plan, scenario: Scenario) -> float:
+    """Return the length [m] flown outside the region or in its no-fly zones."""
+    tracks = [flight.poses(np.arange(0.0, flight.length, 10.0))[:, :2] for flight in plan.flights if flight.length > 0]
+    room = scenario.free.polygon
+    return float(sum(shapely.length(shapely.difference(shapely.linestrings(track), room)) for track in tracks))
 
 
 def _said(table: pd.DataFrame, field: RadioMap) -> str:

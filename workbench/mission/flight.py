@@ -27,6 +27,7 @@ from instances.paths import Paths
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
 from workbench.mission.costs import kept_costs
+from workbench.mission.place import zones_of
 from workbench.mission.routes import kept_routes
 from workbench.mission.settings import Mission
 
@@ -86,7 +87,7 @@ def fly(mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, 
         flight = plan_flight(reference, speed=mission.speed, radius=mission.flight.turning_radius)
         flights.append(flight)
         legs.append(reference)
-        checks.append(check_flight(flight, reference, instance.coordinates[list(route)], scenario.no_fly))
+        checks.append(check_flight(flight, reference, instance.coordinates[list(route)], zones_of(scenario)))
     return Fleet(flights, legs, checks)
 
 
@@ -147,7 +148,7 @@ def _export(mission: Mission, scenario: Scenario, instance: Instance, routes: Ro
             numbers[int(np.argmin(np.hypot(*(points - instance.coordinates[task]).T)))] = task
         tour = Tour(f"{scenario.name} UAV {k}", points, numbers, mission.flight.altitude, flight.speed)
         for ending in ("geojson", "kml", "plan"):
-            write_tour(tour, mission.origin, out / f"uav-{k}.{ending}", scenario.no_fly)
+            write_tour(tour, mission.origin, out / f"uav-{k}.{ending}", zones_of(scenario))
 
 
 def _said(checks: list[FlightCheck]) -> str:

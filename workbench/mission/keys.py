@@ -11,9 +11,9 @@ from instances.errors import InputError, suggestion
 T = TypeVar("T")
 
 
-def _key(default: Any, wanted: str, fits: Callable[[Any], bool]) -> Any:
-    """Return a dataclass field whose metadata says what it takes."""
-    metadata = {"wanted": wanted, "fits": fits}
+def _key(default: Any, wanted: str, fits: Callable[[Any], bool], read: Callable[[Any], Any] = lambda v: v) -> Any:
+    """Return a dataclass field whose metadata says what it takes and how that is read."""
+    metadata = {"wanted": wanted, "fits": fits, "read": read}
     if isinstance(default, (list, dict)):
         return field(default_factory=lambda: type(default)(default), metadata=metadata)
     return field(default=default, metadata=metadata)
@@ -21,12 +21,12 @@ def _key(default: Any, wanted: str, fits: Callable[[Any], bool]) -> Any:
 
 def positive(default: float | None, unit: str = "") -> Any:
     """Return a key for a positive number."""
-    return _key(default, f"a positive number{_in(unit)}", lambda v: is_number(v) and v > 0)
+    return _key(default, f"a positive number{_in(unit)}", lambda v: is_number(v) and v > 0, float)
 
 
 def not_negative(default: float | None, unit: str = "") -> Any:
     """Return a key for a number of at least 0."""
-    return _key(default, f"a number of at least 0{_in(unit)}", lambda v: is_number(v) and v >= 0)
+    return _key(default, f"a number of at least 0{_in(unit)}", lambda v: is_number(v) and v >= 0, float)
 
 
 def one_or_two(default: float, unit: str) -> Any:
@@ -36,7 +36,10 @@ def one_or_two(default: float, unit: str) -> Any:
         parts = value if isinstance(value, list) and len(value) == 2 else [value]
         return all(is_number(v) and v > 0 for v in parts)
 
-    return _key(default, f"a positive number{_in(unit)} or two of them", fits)
+    def read(value: Any) -> Any:
+        return [float(v) for v in value] if isinstance(value, list) else float(value)
+
+    return _key(default, f"a positive number{_in(unit)} or two of them", fits, read)
 
 
 def count(default: int, least: int) -> Any:
@@ -83,7 +86,7 @@ def settings_of(cls: type[T], table: Any, name: str) -> T:
             raise InputError(f"[{name}]: unknown key '{key[:40]}'{suggestion(key, known)} (known: {', '.join(known)})")
         if not known[key]["fits"](value):
             raise InputError(f"{name}.{key} must be {known[key]['wanted']}, got {value!r}")
-    return cls(**table)
+    return cls(**{key: known[key]["read"](value) for key, value in table.items()})
 
 
 def is_number(value: Any) -> bool:

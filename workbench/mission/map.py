@@ -116,13 +116,19 @@ def samples_frame(survey: Survey) -> pd.DataFrame:
 
 
 def ticks_frame(survey: Survey) -> pd.DataFrame:
-    """Return a row a tick: time [s], samples, information [nats], the scores and the kernel's parameters."""
+    """Return a row a tick: time [s], samples, information and entropy [nats], scores, the kernel's parameters."""
     return pd.DataFrame([_row(tick) for tick in survey.ticks])
 
 
 def _row(tick: Tick) -> dict[str, float]:
     lx, ly = tick.kernel.length_scales
-    row = {"time": tick.time, "samples": tick.samples, "information": tick.information, **asdict(tick.score)}
+    row = {
+        "time": tick.time,
+        "samples": tick.samples,
+        "information": tick.information,
+        "entropy": tick.entropy,
+        **asdict(tick.score),
+    }
     return row | {"signal_sd": tick.kernel.signal_sd, "length_x": lx, "length_y": ly}
 
 

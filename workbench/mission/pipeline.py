@@ -12,6 +12,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 from instances.errors import InputError, suggestion
 from workbench.mission.settings import Mission
 from workbench.mission.stamp import Stamp, digest_of, intact, products_of, read_stamp
@@ -99,6 +101,7 @@ def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp
     """Make one stage aside and rename its folder."""
     target = folders[stage.name]
     for left in target.parent.glob(f".{target.name}.*.part"):
+        _refuse_living(left)
         shutil.rmtree(left, ignore_errors=True)  # of a run that was killed
     aside = target.with_name(f".{target.name}.{os.getpid()}.part")
     aside.mkdir()
@@ -113,6 +116,13 @@ def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp
     finally:
         shutil.rmtree(aside, ignore_errors=True)
     return said
+
+
+def _refuse_living(aside: Path) -> None:
+    """Raise InputError where the process that writes the folder `aside` is still there."""
+    owner = aside.name.split(".")[-2]
+    if owner.isdigit() and int(owner) != os.getpid() and psutil.pid_exists(int(owner)):
+        raise InputError(f"{aside.parent}: process {owner} is working on this mission; wait for it or end it")
 
 
 def publish(report: Path, out: Path) -> None:

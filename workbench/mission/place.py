@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from shapely.geometry import Polygon
 
 from formulations.kernel import SquaredExponential
 from formulations.task_location.certificate import certificate
@@ -52,13 +53,18 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
 
 def widened(scenario: Scenario, clearance: float) -> Scenario:
     """Return the scenario with its no-fly zones widened by `clearance` [m], so that turns stay outside of them."""
-    if not scenario.no_fly or clearance == 0:
+    zones = [zone.buffer(clearance, quad_segs=4) for zone in zones_of(scenario)]
+    if not zones or clearance == 0:
         return scenario
-    zones = [zone.buffer(clearance, quad_segs=4) for zone in scenario.no_fly]
     try:
         return replace(scenario, no_fly=zones)
     except InputError as error:
         raise InputError(f"{error} (no-fly zones are widened by costs.clearance = {clearance:g} m)") from None
+
+
+def zones_of(scenario: Scenario) -> list[Polygon]:
+    """Return where must not be flown: the no-fly zones and the holes of the region."""
+    return [*scenario.no_fly, *(Polygon(ring) for ring in scenario.region.polygon.interiors)]
 
 
 def place_tasks(

@@ -115,6 +115,12 @@ def test_information_of_replicates_and_of_two_far_points() -> None:
     assert process.information() == pytest.approx(4.206027 + 3.401197 + 0.5 * np.log(901 / 900), abs=1e-5)
 
 
+def test_entropy_of_the_samples_is_that_of_their_covariance() -> None:
+    X, y, points = field(8, 40, 5)
+    expected = entropy(KERNEL(X, X) + np.eye(40))
+    assert in_blocks(X, y, points, 3, None).entropy() == pytest.approx(expected, rel=1e-10)
+
+
 def test_entropy_of_independent_variables_adds_up() -> None:
     single = 0.5 * np.log(2 * np.pi * np.e * np.array([4.0, 9.0]))
     assert entropy(np.diag([4.0, 9.0])) == pytest.approx(single.sum(), rel=1e-12)

@@ -221,21 +221,23 @@ def report_bound(shared: Shared) -> None:
 
 
 class Offers(Heur):
-    """Hands the recorder's routes to SCIP where they are better than SCIP's own."""
+    """Hands the recorder's routes (repaired ones) to SCIP where they are better than SCIP's own."""
 
     timing = PY_SCIP_HEURTIMING.BEFORENODE | PY_SCIP_HEURTIMING.AFTERLPNODE
 
     def __init__(self, shared: Shared) -> None:
         self.shared = shared
-        self.given = shared.recorder.objective
 
     @guarded({"result": PY_SCIP_RESULT.DIDNOTRUN})
     def heurexec(self, heurtiming: Any, nodeinfeasible: Any) -> dict[str, Any]:
-        """Offer better routes once."""
+        """Offer better routes.
+
+        Better by more than the margin: SCIP has fixed away what its own best solution needs, and that could be these.
+        """
         recorder, model = self.shared.recorder, self.shared.model
-        if recorder.objective >= self.given or recorder.routes is None:
+        own = model.seconds(model.scip.getPrimalbound())
+        if recorder.routes is None or recorder.objective >= own - self.shared.margin:
             return {"result": PY_SCIP_RESULT.DIDNOTRUN}
-        self.given = recorder.objective
         solution = model.scip.createSol(self)
         model.fill(solution, recorder.routes)
         stored = model.scip.trySol(solution, printreason=False)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from instances.environment.region import Region
 from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, show
 from reports.figures.flight import colour_of, stars
-from reports.figures.style import COLOURS, INK, PAPER, RC, new_figure
+from reports.figures.style import INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
 from reports.mission import Maps
@@ -38,7 +38,7 @@ def draw_stages(
         sd = show(top, maps.sd[k], maps.extent, UNCERTAINTY, 0.0, most, UNCERTAINTY_POWER)
         mean = show(middle, maps.mean[k], maps.extent, low=low, high=high)
         seen = samples[samples["time"] <= now + 1e-6]
-        middle.scatter(seen["x"] / KM, seen["y"] / KM, s=5, color=COLOURS[0], edgecolors=PAPER, linewidths=0.3)
+        middle.scatter(seen["x"] / KM, seen["y"] / KM, s=9, color=INK, edgecolors=PAPER, linewidths=0.4)
         _portion(bottom, flown, now)
         stars(bottom, depots, 70)
         for axes in (top, middle, bottom):

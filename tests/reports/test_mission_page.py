@@ -1,0 +1,86 @@
+"""Mission page: the verdict is honest, pictures keep the region's shape, figures are drawn from frames alone."""
+
+from __future__ import annotations
+
+import base64
+import io
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.image import imread
+from shapely.geometry import Polygon
+
+from instances.environment.region import Region
+from reports.figures.map import draw_judged, draw_stages
+from reports.figures.mission import draw_comparison, draw_progress
+from reports.mission import Maps
+from reports.mission_sections import _picture, verdict
+
+
+def frame(**rows: tuple[float, float, float]) -> pd.DataFrame:
+    """Return a comparison: name = (length [m], RMSE, NLPD)."""
+    return pd.DataFrame([{"name": n, "length": a, "rmse": b, "nlpd": c} for n, (a, b, c) in rows.items()])
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        ((200e3, 2.0, 3.0), r"^The mission wins against lawnmower: RMSE 1\.00 against 2\.00 dBm \(50%\).*100% longer"),
+        ((90e3, 0.5, 1.0), r"^The baseline wins against lawnmower: RMSE 1\.00 against 0\.50 dBm \(200%\).*10% shorter"),
+        ((100e3, 0.5, 3.0), r"^A draw against lawnmower"),
+    ],
+)
+def test_the_verdict_says_who_wins(other: tuple[float, float, float], words: str) -> None:
+    (sentence,) = verdict(frame(mission=(100e3, 1.0, 2.0), lawnmower=other), "dBm")
+    assert pd.Series([sentence]).str.contains(words)[0]
+
+
+def test_draws_of_one_baseline_are_judged_by_their_mean() -> None:
+    table = pd.concat([frame(mission=(1e3, 1.0, 2.0)), frame(random=(1e3, 0.5, 1.0)), frame(random=(1e3, 2.5, 4.0))])
+    assert "RMSE 1.00 against 1.50" in verdict(table, "dBm")[0]
+
+
+def test_a_picture_has_a_pixel_a_cell_north_up_and_nothing_outside() -> None:
+    values = np.array([[0.0, 1.0], [np.nan, 0.5]])  # the first row is the southern one
+    picture = _picture(values, 0.0, 1.0, "viridis")
+    pixels = imread(io.BytesIO(base64.b64decode(picture.split(",")[1])))
+    assert pixels.shape == (2, 2, 4)
+    assert pixels[0, 0, 3] == 0.0
+    assert (pixels[[0, 1, 1], [1, 0, 1], 3] == 1.0).all()
+    assert pixels[1, 1, 0] > pixels[1, 0, 0]  # yellow is redder than violet
+
+
+@pytest.fixture
+def maps() -> Maps:
+    rng = np.random.default_rng(0)
+    x, y = np.arange(50.0, 1000.0, 100.0), np.arange(50.0, 800.0, 100.0)
+    shape = (len(y), len(x))
+    mean, sd = rng.normal(size=(4, *shape)), rng.uniform(1, 2, (4, *shape))
+    mean[:, 0, 0] = sd[:, 0, 0] = np.nan
+    return Maps(np.array([10.0, 20.0, 30.0, 40.0]), x, y, mean, sd, rng.normal(size=shape))
+
+
+def test_cells_reach_to_the_border(maps: Maps) -> None:
+    assert maps.extent == (0.0, 1.0, 0.0, 0.8)
+
+
+def test_figures_of_a_region_that_is_no_square(maps: Maps) -> None:
+    region = Region(Polygon([(0, 0), (1000, 0), (1000, 800), (0, 800)], [[(400, 300), (600, 300), (500, 500)]]))
+    flown = pd.DataFrame({"uav": 0, "time": [0.0, 20.0, 40.0], "x": [0.0, 900.0, 0.0], "y": [0.0, 700.0, 0.0]})
+    samples = pd.DataFrame({"time": [10.0, 40.0], "uav": 0, "x": [10.0, 20.0], "y": [5.0, 6.0], "value": [1.0, 2.0]})
+    stages = draw_stages(maps, region, np.array([[0.0, 0.0]]), flown, samples, "dBm")
+    titles = [axes.get_title() for axes in stages.figure.axes]
+    assert "(a) initial stage\n10 s, 1 samples" in titles
+    assert "(b) final stage\n40 s, 2 samples" in titles
+    assert len(draw_judged(maps, region, "dBm").figure.axes) == 8
+
+
+def test_curves_of_a_single_tick() -> None:
+    ticks = pd.DataFrame(
+        {"time": [10.0], "rmse": [1.0], "mean_sd": [1.0], "max_sd": [2.0], "nlpd": [1.0], "coverage": [1.0],
+         "information": [3.0], "samples": [3], "name": ["mission"], "draw": [0]}
+    )  # fmt: skip
+    assert len(draw_progress(ticks, "dBm").figure.axes) == 4
+    table = pd.DataFrame({"name": ["mission"], "draw": [0], "length": [1e3], "samples": [3]})
+    assert len(draw_comparison(ticks, table, "dBm").figure.axes) == 2

@@ -96,11 +96,12 @@ def proofs(quick: bool, tasks: int | None) -> None:
         if tasks not in (None, n):
             continue
         seeds = range(2 if quick else 10)
-        runs = [run(solver, wind_instance(n, m, seed), bar) for seed in seeds]
+        # the bar counts CPU seconds; a busy machine may need more by the clock
+        runs = [run(solver, wind_instance(n, m, seed), 3 * bar) for seed in seeds]
         good = [spent for result, spent, _ in runs if result.status is Status.OPTIMAL and spent <= bar]
         gaps = [result.gap or 0.0 for result, _, _ in runs]
         middle = f"median {median(good):6.2f}, greatest {max(good):6.2f} CPU s" if good else "none"
-        late = max(lasted for _, _, lasted in runs) - bar
+        late = max(lasted for _, _, lasted in runs) - 3 * bar
         print(
             f"{n:4d} {m:3d} | {len(good)} of {len(runs)} (bar {of_ten} of 10 in {bar:.0f} s) | {middle} | "
             f"worst gap {max(gaps):.2%}" + (f" | {late:.1f} s over the limit" if late > 2 else ""),

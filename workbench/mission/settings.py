@@ -70,7 +70,7 @@ class CostSettings:
 class RouteSettings:
     """[routes]: sub-problem 3, by any registered solver. time_limit [s]."""
 
-    solver: str = keys.text("ruin-recreate")
+    solver: str = keys.text("memetic")
     options: dict[str, Any] = keys.options()
     time_limit: float = keys.positive(10.0, "s")
     threads: int = keys.count(1, 1)

@@ -68,11 +68,13 @@ def measure_claim(query: Query, progress: Progress) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def timed(query: Query, method: str, options: dict[str, Any]) -> tuple[MovingCosts, float]:
-    """Return a method's result, re-evaluated independently, and its CPU time [s]; RuntimeError where refuted."""
-    began = time.process_time()
-    found = solve_query(query, method, options)
-    cpu = time.process_time() - began
+def timed(query: Query, method: str, options: dict[str, Any], repeats: int = 3) -> tuple[MovingCosts, float]:
+    """Return a method's result, re-evaluated independently, and its least CPU time [s]; RuntimeError where refuted."""
+    cpu = np.inf
+    for _ in range(repeats):
+        began = time.process_time()
+        found = solve_query(query, method, options)
+        cpu = min(cpu, time.process_time() - began)
     faults = check_paths(found.paths, found.cost, query.terminals, query.region, query.wind, query.v0)
     if faults:
         raise RuntimeError(f"the independent check refutes {method}: " + " ".join(faults))

@@ -254,6 +254,26 @@ def _let_go(p: Floats, corner: Ints, g: Floats, normal: Floats, space: FreeSpace
 
 
 @njit(cache=True)
+def _drop_crowded(p: Floats, corner: Ints, edge: Ints, space: FreeSpace) -> tuple[Floats, Ints, Ints]:
+    """Drop nodes that ran together where the path turned sharply: they would hold up every further step."""
+    n = len(p)
+    h = np.empty(n + 1)
+    h[0] = h[n] = np.inf
+    for k in range(1, n):
+        h[k] = math.hypot(p[k, 0] - p[k - 1, 0], p[k, 1] - p[k - 1, 1])
+    keep = np.ones(n, dtype=np.bool_)
+    for k in range(1, n):
+        if h[k] >= 0.1 * min(h[k - 1], h[k + 1]):
+            continue
+        i = k if k < n - 1 and corner[k] < 0 else k - 1
+        if 0 < i < n - 1 and corner[i] < 0 and keep[i - 1]:
+            keep[i] = not segment_free(p[i - 1, 0], p[i - 1, 1], p[i + 1, 0], p[i + 1, 1], space)
+    if keep.all():
+        return p, corner, edge
+    return p[keep], corner[keep], edge[keep]
+
+
+@njit(cache=True)
 def relax(
     p: Floats, corner: Ints, field: Vorticity, v0: float, space: FreeSpace, settled: float
 ) -> tuple[Floats, Ints]:
@@ -296,7 +316,9 @@ def relax(
         for k in range(1, n):
             move = math.hypot(new[k, 0] - p[k, 0], new[k, 1] - p[k, 1])
             shift = max(shift, move / math.hypot(p[k, 0] - p[k - 1, 0], p[k, 1] - p[k - 1, 1]))
-        p = new
+        p, corner, edge = _drop_crowded(new, corner, edge, space)
+        if len(p) < n:
+            continue
         if shift < settled and not _let_go(p, corner, g, normal, space):
             break
     return p, corner

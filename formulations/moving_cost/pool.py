@@ -44,10 +44,9 @@ class Pool:
         )
 
     def reversed(self) -> Pool:
-        """Return the same paths flown backwards."""
-        rows, offsets = _rows(self.offsets, np.arange(len(self))[::-1])
-        rows = np.arange(len(self.points))[::-1] if len(rows) else rows
-        return Pool(self.target[::-1], self.start[::-1], self.points[rows], self.corner[rows], offsets)
+        """Return the same paths flown backwards, last candidate first."""
+        offsets = self.offsets[-1] - self.offsets[::-1]
+        return Pool(self.target[::-1], self.start[::-1], self.points[::-1], self.corner[::-1], offsets)
 
     def best(self, cost: Floats) -> Ints:
         """Return the cheapest candidate of each ordered pair, by (start, target)."""

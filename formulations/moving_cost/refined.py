@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from shapely.geometry import Polygon
 
 from formulations.moving_cost.field import SearchField, search_field
 from formulations.moving_cost.free_space import FreeSpace, free_space
@@ -152,7 +153,8 @@ def _lattice_candidates(
     terminals = np.arange(n)
     away, parent = shortest_path_trees(graph.free_matrix, terminals)
     into, child = shortest_path_trees(graph.free_matrix.T.tocsr(), terminals)
-    centres = np.array([[p.x, p.y] for p in _obstacle_points(query)]).reshape(-1, 2)
+    inside = [Polygon(hole).representative_point() for hole in query.region.polygon.interiors]
+    centres = np.array([[p.x, p.y] for p in inside]).reshape(-1, 2)
     # Every corner, and a sparse half of a percent of the lattice for detours that no obstacle explains.
     via = np.concatenate([np.arange(n, seen), np.arange(seen, len(points), 40)])
     start, target, through = via_candidates(
@@ -170,13 +172,8 @@ def _lattice_candidates(
     return Pool(start, target, points[nodes], corner, offsets), spacing, len(graph.cost)
 
 
-def _obstacle_points(query: Query) -> list:  # type: ignore[type-arg]
-    from shapely.geometry import Polygon
-
-    return [Polygon(ring).representative_point() for ring in query.region.polygon.interiors]
-
-
 def _require_reached(query: Query, away: Floats) -> None:
+    """Raise InputError naming a terminal that the lattice does not reach, and from where."""
     n = len(query.terminals)
     missing = np.argwhere(~np.isfinite(away[:, :n]))
     if len(missing):

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from matplotlib import rc_context
+from matplotlib.ticker import LogLocator
 
 from instances.paths import Paths
 from instances.scenario import Scenario
@@ -81,6 +82,7 @@ def draw_methods(methods: pd.DataFrame) -> Drawn:
         low, high = axes.get_xlim()
         axes.set_xlim(low, high * 2.5)
         axes.set_ylim(bottom=LEAST / 2)
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         plain(axes.xaxis)
         axes.legend(loc="upper right")
     return Drawn(

@@ -20,6 +20,7 @@ from instances.errors import InputError
 from instances.files import read_instance, read_routes
 from instances.formats.netcdf import read_grids
 from instances.routes import check_routes
+from workbench.mission import environment
 from workbench.mission.pipeline import NAMES, STAGES, folder_names, run_mission
 from workbench.mission.settings import mission_of, read_mission
 
@@ -166,6 +167,20 @@ def test_a_changed_file_that_the_mission_names_is_noticed(mission_file: Path, co
     zone = json.dumps(ZONE).replace("2600", "2500")
     (tmp_path / "zones.geojson").write_text(zone)
     assert again(moved, copied, only="environment") == ["environment"]
+
+
+def test_a_file_that_the_scenario_file_names_is_noticed(tmp_path: Path) -> None:
+    (tmp_path / "zones.geojson").write_text(json.dumps(ZONE))
+    scenario, own = tmp_path / "scenario.toml", tmp_path / "mission.toml"
+    keys, rest = SMALL.split("origin = [47.0, 8.0]")
+    wind, _, others = rest.partition("[radio]")
+    radio, _, others = others.partition("[field]")
+    scenario.write_text(f"{keys}{wind}[radio]{radio}")
+    own.write_text(f'scenario = "scenario.toml"\n[field]{others}')
+    before = environment.settings(read_mission(own))
+    assert environment.settings(read_mission(own)) == before
+    (tmp_path / "zones.geojson").write_text(json.dumps(ZONE).replace("2600", "2500"))
+    assert environment.settings(read_mission(own)) != before
 
 
 def test_one_stage_alone(mission_file: Path, copied: Path) -> None:

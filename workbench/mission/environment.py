@@ -6,12 +6,13 @@ Products: scenario.toml, wind.nc (where the wind is a grid), terrain.nc, field.n
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from instances.disk import write_aside
+from instances.disk import read_text, write_aside
 from instances.environment.propagation import radio_map
 from instances.environment.radio import RadioMap, RadioSource
 from instances.environment.radio_files import read_field, write_field
@@ -27,9 +28,13 @@ from workbench.mission.stamp import referenced_files
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on: the scenario, the field, and every file they name."""
     table = {key: value for key, value in mission.table.items() if key not in LATER}
+    files = referenced_files(table, mission.folder)
+    if "scenario" in table:  # a file that names files of its own
+        scenario = mission.folder / table["scenario"]
+        files |= referenced_files(tomllib.loads(read_text(scenario)), scenario.parent)
     return {
         "table": table,
-        "files": referenced_files(table, mission.folder),
+        "files": files,
         "field": asdict(mission.field),
         "altitude": mission.flight.altitude,
     }

@@ -30,6 +30,8 @@ from instances import InputError, Instance, Routes
 
 _PROBE = 0.01
 """Share of the limit after which the speed is known well enough to plan."""
+_LEVELS, _SHORTEST = 40, 100
+"""Temperature levels of one annealing, at least; steps at one level, at least."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,8 @@ class Memetic(Solver):
         populations = self._populations(instance, limits.threads, seed, start)
         pace = Pace(recorder)
         planned = False
+        annealing = self.depth * instance.n_tasks**2
+        most = max(_SHORTEST, int(annealing / _LEVELS))
         with ThreadPoolExecutor(limits.threads) as pool:
             while True:
                 for population in populations:
@@ -97,10 +101,10 @@ class Memetic(Solver):
                 if not planned and now >= _PROBE:
                     planned = True
                     for population in populations:
-                        population.plan(min(1.0, self.depth * instance.n_tasks**2 / pace.total_steps))
+                        population.plan(annealing / pace.total_steps)
                 if now >= populations[0].end:
                     _next_stages(populations, now)
-                steps = pace.next_steps()
+                steps = pace.next_steps(most)
                 if len(populations) == 1:
                     populations[0].advance(now, steps)
                 else:

@@ -47,13 +47,13 @@ class Pace:
         limits = self._recorder.limits
         return float(limits.iterations) if limits.iterations is not None else self._rate * limits.time
 
-    def next_steps(self) -> int:
-        """Return how many steps to take now, at least 1."""
+    def next_steps(self, most: int = 10**9) -> int:
+        """Return how many steps to take now, from 1 to `most`."""
         self._began = time.perf_counter()
         limit = self._recorder.limits.iterations
         if limit is not None:
-            return max(1, min(_STEPS, limit - self.iterations))
-        return max(1, int(self._rate * min(_SLICE, self._recorder.remaining)))
+            return max(1, min(_STEPS, most, limit - self.iterations))
+        return max(1, min(most, int(self._rate * min(_SLICE, self._recorder.remaining))))
 
     def took(self, steps: int) -> None:
         """Say that `steps` steps were taken since `next_steps`."""

@@ -41,6 +41,8 @@ from instances import InputError, Instance, Routes, tour_costs
 TOLERANCE = 1e-7
 """Of the longest tour: routes better by less are neither looked for nor excluded."""
 
+MOST_TASKS = 300
+_MOST_LEGS = 4_000_000
 _STEPS_A_TASK = 2000
 _MOST_BATCHES = 5
 
@@ -67,6 +69,13 @@ class BranchAndPrice(Solver):
         for label, least in (("starts", 0), ("bins", 1), ("labels", 1000), ("tours", 100)):
             if getattr(self, label) < least:
                 raise InputError(f"branch-and-price: {label} must be at least {least}, got {getattr(self, label)}")
+
+    def accepts(self, instance: Instance) -> str | None:
+        """Refuse instances whose completion bounds take longer than a time limit may be overrun, or much memory."""
+        n, m = instance.n_tasks, instance.n_depots
+        if n <= MOST_TASKS and m * n * n <= _MOST_LEGS:
+            return None
+        return f"columns take at most {MOST_TASKS} tasks and {_MOST_LEGS} legs (m·n²), not {n} and {m * n * n}"
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (about a minute the first time, then cached)."""

@@ -41,6 +41,10 @@ class Exact(Solver):
 
     proves: ClassVar[bool] = True
 
+    def accepts(self, instance: Instance) -> str | None:
+        """Refuse what `branch-and-price` refuses."""
+        return BranchAndPrice().accepts(instance)
+
     def prepare(self, instance: Instance) -> None:
         """Prepare the methods that this instance will use."""
         if instance.n_tasks <= FEW:

@@ -48,6 +48,14 @@ def test_long_tours_go_on_to_branch_and_cut() -> None:
     assert result.bound <= (result.objective or 0.0)
 
 
+def test_refuses_what_columns_refuse() -> None:
+    cost = np.ones((303, 303)) - np.eye(303)
+    assert Exact().accepts(Instance("fits", cost, 300, 3)) is None
+    reason = Exact().accepts(Instance("too large", cost, 301, 2))
+    assert reason is not None
+    assert "300 tasks" in reason
+
+
 def test_stopped_early_gives_routes() -> None:
     instance = random_instance(30, 3, 2)
     for threads in (1, 2):

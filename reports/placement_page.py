@@ -14,6 +14,7 @@ import pandas as pd
 from instances.disk import write_aside
 from reports.figures.placement_convergence import draw_placement_convergence
 from reports.figures.svg import Drawn, inline_svg
+from reports.placement_store import placement_contradictions
 
 RUN_COLUMNS = [
     "instance", "digest", "n_tasks", "method", "seed", "time_limit", "status", "mutual_information", "certificate",
@@ -53,31 +54,31 @@ def placement_summary(frame: pd.DataFrame) -> pd.DataFrame:
     return table.sort_values(["order", "mean"], ascending=[True, False]).drop(columns="order").reset_index(drop=True)
 
 
-def write_placement_page(runs: Sequence[dict[str, Any]], path: Path, title: str) -> pd.DataFrame:
-    """Write the page about `runs` (their JSON values) to `path`; return the frame it was made from."""
+def write_placement_page(runs: Sequence[dict[str, Any]], path: Path | None, title: str) -> pd.DataFrame:
+    """Write the page about `runs` (from `read_placements`) to `path`, if given; return the frame it is made from."""
     frame = placement_frame(runs)
+    if path is not None:
+        write_aside(path, _page(runs, frame, title))
+    return frame
+
+
+def _page(runs: Sequence[dict[str, Any]], frame: pd.DataFrame, title: str) -> str:
     figures = [drawn for digest in dict.fromkeys(frame["digest"]) if (drawn := _convergence(runs, digest)) is not None]
-    above = frame[frame["mutual_information"] > frame["certificate"] * (1 + 1e-9)]
-    alarm = "".join(
-        f"<p class='alarm'>{escape(row['method'])} found {row['mutual_information']:.6f} nats on "
-        f"{escape(row['instance'])}, above the certificate {row['certificate']:.6f}: one of the two is wrong.</p>"
-        for row in above.to_dict("records")
-    )
+    alarm = "".join(f"<p class='alarm'>{escape(words)}.</p>" for _, words in placement_contradictions(runs))
     css = resources.files("reports").joinpath("templates", "report.css").read_text(encoding="utf-8")
     body = "".join(
         f"<figure>{inline_svg(d)}<figcaption><b>{escape(d.title)}.</b> {escape(d.caption)}</figcaption></figure>"
         for d in figures
     )
-    page = (
+    return (
         f"<!doctype html><html lang='en'><head><meta charset='utf-8'><title>{escape(title)}</title>"
         f"<meta name='viewport' content='width=device-width, initial-scale=1'><style>{css}</style></head><body><main>"
         f"<h1>{escape(title)}</h1><p>{len(frame)} runs of {frame['method'].nunique()} methods on "
-        f"{frame['digest'].nunique()} problems. Every placement was checked to lie in its region and its information "
-        f"recomputed outside the method.</p>{alarm}<h2>Methods</h2>{_table(placement_summary(frame))}"
+        f"{frame['digest'].nunique()} problems. Before it was stored, every placement was checked to lie in its region "
+        f"and its information recomputed outside the method.</p>{alarm}"
+        f"<h2>Methods</h2>{_table(placement_summary(frame))}"
         f"<h2>Convergence</h2>{body}</main></body></html>\n"
     )
-    write_aside(path, page)
-    return frame
 
 
 HEADINGS = {

@@ -19,6 +19,7 @@ import pandas as pd
 
 from instances import InputError, Instance, check_routes, tour_costs
 from instances.files import read_instance
+from reports.placement_store import PROBLEM_FILE
 from reports.proofs import RELATIVE_ROUNDING, holds
 from reports.runfile import read_json, read_run
 
@@ -101,7 +102,7 @@ def read_stores(*folders: Path | str) -> Stores:
         for folder, names in _folders(root):
             if folder.name == "environments":
                 environments |= _environments(folder, names, warnings)
-            else:
+            elif PROBLEM_FILE not in names:  # else its runs are placements, read by reports.placement_store
                 rows += _folder_runs(folder, names, instance_files, warnings)
     frame = _frame(rows, warnings)
     frame.attrs["warnings"] = warnings

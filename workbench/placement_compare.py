@@ -13,28 +13,41 @@ import time
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import click
 
 from formulations.task_location.certificate import certificate
 from instances.disk import write_aside
-from instances.errors import InputError
+from instances.errors import InputError, suggestion
+from reports.placement_store import placement_run
 from workbench.job import Job
 from workbench.machine import environment, environment_digest
 from workbench.placement_jobs import PlacementStudy, Task, placement_study_from
 from workbench.placement_runner import run_placement
+from workbench.settings import names
+from workbench.store import Store
 from workbench.study import load_tables
+
+STATUSES = ("error", "killed")
+"""What `--retry` can name: the ways in which a placement run ends without having finished."""
 
 
 def compare_placements(
-    path: Path, out: Path | None, parallel: int, changes: Mapping[str, object], dry_run: bool
+    path: Path,
+    out: Path | None,
+    parallel: int,
+    changes: Mapping[str, object],
+    *,
+    retry: str | None,
+    report: bool,
+    dry_run: bool,
 ) -> int:
     """Run the study in the file `path`, with the changes that flags make to it, and report; return the exit code."""
     tables = load_tables(path)
     for key, value in changes.items():
         if key not in ("time_limit", "seeds"):
-            raise InputError(f"compare: {key} cannot be given with a placement study")
+            flag = "INSTANCES" if key == "instances" else f"--{key}"
+            raise InputError(f"compare: {flag} cannot be given with a placement study")
         tables = {**tables, key: value}
         tables["methods"] = [{k: v for k, v in entry.items() if k != key} for entry in tables.get("methods", [])]
     try:
@@ -42,7 +55,7 @@ def compare_placements(
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     folder = out or Path("runs") / study.name
-    todo = [(task, job) for task, job in study.jobs if not (folder / job.path).exists()]
+    todo, damaged = _to_do(study, folder, _statuses(retry))
     if dry_run:
         click.echo("\n".join(job.path for _, job in todo))
         click.echo(f"{len(todo)} runs to do ({len(study.jobs) - len(todo)} of {len(study.jobs)} stored)")
@@ -63,38 +76,55 @@ def compare_placements(
 
     with ThreadPoolExecutor(parallel) as pool:
         list(pool.map(one, todo))
-    return report_placements(study, folder)
+    problems_found = _report(folder) if report else damaged
+    for problem in problems_found:
+        click.echo(problem, err=True)
+    return 1 if problems_found else 0
 
 
-def report_placements(study: PlacementStudy, folder: Path) -> int:
-    """Write results.csv and report.html about every stored run of the study, print the summary; 1 where one failed."""
-    from rich import box  # here: not needed while methods run
-    from rich.console import Console
-    from rich.table import Table
+def _statuses(retry: str | None) -> list[str]:
+    """Return the statuses that `retry` names; InputError for one that no placement run ends with."""
+    again = [] if retry is None else names(retry, "--retry")
+    for name in again:
+        if name.lower() not in STATUSES:
+            near = suggestion(name.lower(), STATUSES)
+            raise InputError(f"--retry: '{name}' is no status of a placement study{near} (known: error, killed)")
+    return [name.upper() for name in again]
 
-    from reports.placement_page import HEADINGS, placement_summary, summary_cells, write_placement_page
 
-    runs = [_read(folder / job.path) for _, job in study.jobs]
-    frame = write_placement_page(runs, folder / "report.html", f"Task locations: {study.name}")
-    write_aside(folder / "results.csv", frame.to_csv(index=False))
-    table = Table(box=box.SIMPLE_HEAD)
-    for words in HEADINGS.values():
-        table.add_column(words, justify="left" if words in ("Problem", "Method") else "right")
-    for cells in summary_cells(placement_summary(frame)):
-        table.add_row(*cells)
-    console = Console()
-    Console(width=None if console.is_terminal else max(console.width, 160)).print(table)
-    click.echo(f"{folder / 'results.csv'}\n{folder / 'report.html'}")
-    return 1 if frame["mutual_information"].isna().any() else 0
+def _to_do(study: PlacementStudy, folder: Path, again: list[str]) -> tuple[list[tuple[Task, Job]], list[str]]:
+    """Return the jobs that have no file or ended with a status in `again`, and what is wrong with damaged files."""
+    todo, damaged = [], []
+    for task, job in study.jobs:
+        path = folder / job.path
+        if not path.exists():
+            todo.append((task, job))
+            continue
+        try:
+            if placement_run(path)["status"] in again:
+                todo.append((task, job))
+        except InputError as error:
+            damaged.append(f"{path}: {error}; left alone.")
+    return todo, damaged
+
+
+def _report(folder: Path) -> list[str]:
+    """Write the CSV and the page about every stored placement run; return what is damaged, false or failed there."""
+    from workbench.placement_publish import publish_placements  # here: pandas is not needed while methods run
+
+    published = publish_placements([folder], folder / "report.html", folder / "results.csv")
+    assert published is not None
+    click.echo("\n".join(str(path) for path in published.written))
+    failed = [f"{published.failed} runs ended without a placement"] if published.failed else []
+    return [*published.warnings, *published.false, *failed]
 
 
 def _prepare(study: PlacementStudy, folder: Path) -> dict[str, float]:
     """Make the folders, state what is asked, and return the certificate of each problem, computed once."""
-    (folder / "environments").mkdir(parents=True, exist_ok=True)
-    found = environment()
-    write_aside(folder / "environments" / f"{environment_digest(found)}.json", json.dumps(found, indent=1))
-    asked = {"schema": 1, "study": study.asked, "runs": [job.path for _, job in study.jobs]}
-    write_aside(folder / "study.json", json.dumps(asked))
+    store = Store(folder)
+    store.create()
+    store.put_environment(environment_digest(environment()), environment())
+    store.put_study({"name": study.name, **study.asked}, [job.path for _, job in study.jobs])
     bounds = {}
     for task in study.tasks:
         path = folder / task.folder / "problem.json"
@@ -105,13 +135,12 @@ def _prepare(study: PlacementStudy, folder: Path) -> dict[str, float]:
             bound = certificate(problem.criterion, problem.region, task.n_tasks)
             stated = {"bound": bound.bound, "kind": bound.kind, "elapsed": time.perf_counter() - began}
             write_aside(path, json.dumps({**json.loads(task.to_json()), "certificate": stated}))
-        bounds[task.folder] = float(_read(path)["certificate"]["bound"])
+        bounds[task.folder] = _bound(path)
     return bounds
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _bound(path: Path) -> float:
     try:
-        data: dict[str, Any] = json.loads(path.read_bytes())
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); move it away to go on") from None
-    return data
+        return float(json.loads(path.read_bytes())["certificate"]["bound"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: is damaged or not ours ({error!r}); move it away to go on") from None

@@ -56,6 +56,7 @@ def _check_store(folder: Path) -> tuple[str, list[str]]:
     """Return every damaged file, every contradiction and every run that ended in ERROR."""
     from reports.metrics import contradictions
     from reports.stores import read_stores
+    from workbench.placement_check import check_placements
 
     stores = read_stores(folder)
     runs, found = stores.runs, contradictions(stores.runs)
@@ -63,4 +64,6 @@ def _check_store(folder: Path) -> tuple[str, list[str]]:
     problems = [*stores.warnings]
     problems += [f"{path}: {sentence}" for path, sentence in zip(found["path"], found["sentence"], strict=True)]
     problems += [f"{path}: ERROR: {message}" for path, message in zip(failed["path"], failed["message"], strict=True)]
-    return f"{len(runs)} runs on {runs['digest'].nunique()} instances", problems
+    placed, wrong = check_placements(folder)
+    looked_at = [] if placed and runs.empty else [f"{len(runs)} runs on {runs['digest'].nunique()} instances"]
+    return ", ".join([*looked_at, *([placed] if placed else [])]), [*problems, *wrong]

@@ -58,9 +58,9 @@ def command(
     if placement := _placement_study(targets):
         from workbench.placement_compare import compare_placements
 
-        others = {"solvers": solvers, "retry": retry, "shard": shard, "scheduler": scheduler, "instances": targets[1:]}
+        others = {"solvers": solvers, "shard": shard, "scheduler": scheduler, "instances": targets[1:]}
         given = {key: value for key, value in (changes | others).items() if value not in (None, ())}
-        context.exit(compare_placements(placement, out, parallel, given, dry_run))
+        context.exit(compare_placements(placement, out, parallel, given, retry=retry, report=report, dry_run=dry_run))
     study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
     folder = out or Path("runs") / study.name
     plan, store = _planned(study, folder, retry, shard, dry_run)
@@ -87,10 +87,13 @@ def _placement_study(targets: tuple[str, ...]) -> Path | None:
 
 def _publish(folder: Path) -> list[str]:
     """Write results.csv and report.html in `folder`; return what is damaged or contradicts itself there."""
+    from workbench.placement_publish import publish_placements
     from workbench.publish import publish  # here: pandas and matplotlib are not needed while solvers run
 
     problems = publish(folder)
     click.echo(f"{folder / 'results.csv'}\n{folder / 'report.html'}")
+    if placed := publish_placements([folder], folder / "report.html", folder / "results.csv"):
+        problems += [*placed.warnings, *placed.false]
     return problems
 
 

@@ -32,15 +32,27 @@ def command(
     against: Path | None,
     fail_on_regression: bool,
 ) -> None:
-    """Report on the runs of one store or several merged, without running anything; prints the summary."""
+    """Report on the runs of one store or several merged, without running anything; prints the summary.
+
+    Placements have a page and a table of their own: OUT-placement.html and CSV-placement.csv beside those of routing
+    runs, where there are any.
+    """
     from reports import tables
     from reports.compare import compare_stores
     from reports.page import write_report
     from reports.stores import read_stores
+    from workbench.placement_publish import publish_placements
     from workbench.publish import print_comparison, print_summary
 
     if fail_on_regression and against is None:
         raise InputError("--fail-on-regression: needs --against OLD")
+    routing_only = {"--latex": latex, "--markdown": markdown, "--parquet": parquet, "--against": against}
+    placed = publish_placements(folders, out, csv, [flag for flag, value in routing_only.items() if value])
+    if placed is not None:
+        for warning in [*placed.warnings, *placed.false]:
+            click.echo(warning, err=True)
+        if not placed.routing:
+            return
     if out:
         report = write_report(folders, out, against=[against] if against else ())
         runs, warnings, comparison = report.runs, report.warnings, report.comparison

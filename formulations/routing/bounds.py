@@ -8,8 +8,8 @@
     relaxation     the linear relaxation with subtour cuts (``relaxation.py``)
     branch-and-cut, branch-and-price
                    the bounds of these solvers at the root of their trees (see there)
-    destructive    the largest cap found at which the relaxation over tours of cost ≤ cap is impossible, by bisection
-                   (``columns/destructive.py``)
+    capped-tours   the relaxation over whole tours that cost no more than the best routes known
+    destructive    the largest cap found at which that relaxation is impossible (``columns/destructive.py``)
 
 The first three subtract (n+m)²·2^-52·U for rounding: costs are cut off at 2U, U the cost of routes known, and none of
 them adds or subtracts more than (n+m)² such numbers one after another.
@@ -25,7 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from formulations.registry import make_solver, why_unavailable
+from formulations.registry import make_solver
+from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.relaxation import relax
@@ -69,8 +70,10 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
         return
     yield _relaxation(instance, upper, time_limit)
     for solver in ROOTS:
-        yield _root(solver, instance, time_limit, seed)
-    yield _destructive(instance, upper, time_limit)
+        root, upper = _root(solver, instance, upper, time_limit, seed)
+        yield root
+    if BranchAndPrice().accepts(instance) is None:
+        yield from _columns(instance, upper, time_limit)
 
 
 def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
@@ -85,24 +88,29 @@ def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
     return Bound("relaxation", relaxed.bound, time.perf_counter() - began, message)
 
 
-def _destructive(instance: Instance, upper: float, time_limit: float) -> Bound:
-    """Return the destructive bound from capped tours, begun with no better routes than greedy ones."""
-    make_solver("branch-and-price").prepare(instance)
-    began = time.perf_counter()
-    value = max(destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() - began > time_limit), default=0.0)
-    return Bound("destructive", value, time.perf_counter() - began, "" if value else "not solved in time")
-
-
-def _root(name: str, instance: Instance, time_limit: float, seed: int) -> Bound:
-    """Return the bound of a solver at the root of its tree."""
-    reason = why_unavailable(name)
-    solver = None if reason else make_solver(name)
-    reason = reason or (solver.accepts(instance) if solver else None)
-    if solver is None or reason:
-        return Bound(name, 0.0, 0.0, reason or "")
+def _root(name: str, instance: Instance, upper: float, time_limit: float, seed: int) -> tuple[Bound, float]:
+    """Return the bound of a solver at the root of its tree, and the cost of the best routes known after it."""
+    solver = make_solver(name)
+    reason = solver.accepts(instance)
+    if reason:
+        return Bound(name, 0.0, 0.0, reason), upper
     solver.prepare(instance)
     result = solver.solve(instance, limits=Limits(time=time_limit, iterations=1), seed=seed)
-    return Bound(name, result.bound or 0.0, result.elapsed, "" if result.bound else "not solved in time")
+    message = "" if result.stopped_by in ("proof", "iterations") else f"stopped by {result.stopped_by}"
+    return Bound(name, result.bound or 0.0, result.elapsed, message), min(upper, result.objective or upper)
+
+
+def _columns(instance: Instance, upper: float, time_limit: float) -> Iterator[Bound]:
+    """Yield the bound of capped tours and what bisecting the cap makes of it."""
+    BranchAndPrice().prepare(instance)
+    began = time.perf_counter()
+    name, value, elapsed = "capped-tours", 0.0, 0.0
+    for value in destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() - began > time_limit):
+        elapsed = time.perf_counter() - began
+        if name == "capped-tours":
+            yield Bound(name, value, elapsed)
+            name = "destructive"
+    yield Bound(name, value, time.perf_counter() - began, "" if value else "not solved in time")
 
 
 def farthest(instance: Instance, upper: float) -> float:

@@ -8,10 +8,10 @@ Applegate, Cook, Dash & Rohe, "Solution of a min-max vehicle routing problem" (I
 Strong where tours are long (n/m ≥ about 20); where they are short, ``branch-and-price`` is.
 
 Floating point. SCIP accepts rows violated by up to feastol = 1e-6 relatively, and reduced costs of the wrong sign by up
-to dualfeastol = 1e-7. With the incumbent U at 512 to 1024 in SCIP's unit, and at most n + m arcs of θ = 1 besides
-C_max itself in any solution, SCIP's dual bound is too high by at most feastol·U + (n + m + 1)·dualfeastol units. Twice
-this margin is subtracted from every bound reported; costs of routes are recomputed from the float costs. So OPTIMAL
-means: no routes are better by more than ``tolerance``, 4e-6 of the incumbent and a little.
+to dualfeastol = 1e-7. The routes it begins with cost U, 512 to 1024 in SCIP's unit, and any solution has at most n + m
+arcs of θ = 1 besides C_max itself, so SCIP's dual bound is too high by at most feastol·U + (n + m + 1)·dualfeastol
+units. Twice this margin is subtracted from every bound reported; costs of routes are recomputed from the float costs.
+So OPTIMAL means: no routes are better by more than ``tolerance``, 4e-6·U and a little.
 """
 
 from __future__ import annotations
@@ -105,13 +105,14 @@ class BranchAndCut(Solver):
         shared = Shared(model, recorder, margin)
         self._set_up(shared, seed)
         scip = model.scip
-        if recorder.remaining > 0:
-            scip.setParam("limits/time", recorder.remaining)
-            scip.optimize()
+        if recorder.remaining == 0:  # building took it all; SCIP has no bound to ask for before it begins
+            return recorder.result("time")
+        scip.setParam("limits/time", recorder.remaining)
+        scip.optimize()
         if shared.error is not None:
             raise shared.error
         status = scip.getStatus()
-        if status == "userinterrupt":
+        if status == "userinterrupt" and not shared.stopped:
             raise KeyboardInterrupt
         report_bound(shared)
         tolerance = 2 * margin

@@ -28,12 +28,13 @@ _INTEGER = 0.5
 
 
 class Shared:
-    """What the plugins of one solve share: model, recorder, counters, and the first exception."""
+    """What the plugins of one solve share: model, recorder, counters, the first exception, whether one stopped SCIP."""
 
     def __init__(self, model: ScipModel, recorder: Recorder, margin: float) -> None:
         self.model, self.recorder, self.margin = model, recorder, margin
         self.counts: dict[str, Any] = dict.fromkeys(COUNTED, 0)
         self.error: BaseException | None = None
+        self.stopped = False
 
 
 def guarded(otherwise: dict[str, Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -208,8 +209,11 @@ class Messenger(Eventhdlr):
 
     @guarded({})
     def eventexec(self, event: Any) -> dict[str, Any]:
-        """Report the bound."""
+        """Report the bound; stop where the recorder has no time left (it may be told of a proof from outside)."""
         report_bound(self.shared)
+        if self.shared.recorder.remaining == 0:
+            self.shared.stopped = True
+            self.model.interruptSolve()
         return {}
 
 

@@ -11,6 +11,8 @@ from instances.best_known import BestKnown
 from instances.files import write_routes
 from workbench.commands import bound as bound_command
 
+NAMES = [*bounds.SIMPLE, "relaxation", "branch-and-cut", "capped-tours", "destructive"]
+
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
@@ -33,7 +35,7 @@ def test_each_bound_with_time_and_gap_to_the_routes(cli, instance, instance_file
     assert told["best"] == best
     assert told["instance"] == instance.name
     assert told["digest"] == instance.digest
-    assert [row["name"] for row in told["bounds"]] == [*bounds.SIMPLE, "relaxation", "branch-and-cut"]
+    assert [row["name"] for row in told["bounds"]] == NAMES
     for row in told["bounds"]:
         assert 0 < row["bound"] <= best
         assert row["gap"] == pytest.approx(1 - row["bound"] / best)
@@ -47,7 +49,7 @@ def test_text_names_bound_gap_and_source(cli, instance_file):
     assert code == 0
     lines = out.splitlines()
     assert "a search of 0.2 s" in lines[1]
-    assert [line.split()[0] for line in lines[2:]] == [*bounds.SIMPLE, "relaxation", "branch-and-cut"]
+    assert [line.split()[0] for line in lines[2:]] == NAMES
     assert all("gap" in line and "%" in line for line in lines[2:])
     assert "relaxation" in err  # progress
 

@@ -109,7 +109,7 @@ def test_all_bounds_in_order_and_below_the_optimum(monkeypatch: pytest.MonkeyPat
     optimum = SubsetDp().solve(instance, limits=Limits(time=600.0)).objective
     assert optimum is not None
     found = list(lower_bounds(instance, time_limit=60.0))
-    assert [bound.name for bound in found] == [*SIMPLE, "relaxation", "branch-and-cut", "destructive"]
+    assert [bound.name for bound in found] == [*SIMPLE, "relaxation", "branch-and-cut", "capped-tours", "destructive"]
     assert all(0 < bound.value <= optimum and bound.elapsed >= 0 for bound in found)
     assert max(found, key=lambda bound: bound.value).value > 0.5 * optimum
 

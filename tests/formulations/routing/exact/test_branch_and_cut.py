@@ -48,7 +48,7 @@ def solved(instance: Instance, start: Any = None, **options: bool) -> Result:
     assert result.bound is not None
     assert result.objective == makespan(instance, result.routes)
     assert result.objective - result.bound <= result.tolerance
-    assert result.tolerance <= 1e-5 * max(result.objective, 1.0) or result.objective == 0
+    assert result.tolerance <= 5e-6 * makespan(instance, greedy_routes(instance))
     return result
 
 

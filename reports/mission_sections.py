@@ -53,6 +53,7 @@ def sections(products: Products) -> tuple[dict[str, Any], list[Drawn]]:
         "placed": _placed(products),
         "routed": _routed(products),
         "checks": _checks(products),
+        "exported": _exported(products),
         "mapped": [_shown(d) for d in mapped],
         "film": film(products, flown, samples),
         "compared": [_shown(d) for d in compared],
@@ -184,6 +185,15 @@ def _routed(products: Products) -> str:
         f"Routes by {run['label']} ({run['status']}{gap}): longest tour {run['objective']:.2f} s. Costs differ by "
         f"direction by {effect.get('asymmetry', 0.0):.1%}; {matters}."
     )
+
+
+def _exported(products: Products) -> str:
+    """Return which files ground-control software can take, or how to get them."""
+    folder = products.folders["flight"]
+    files = sorted(path.name for ending in ("plan", "kml") for path in folder.glob(f"uav-*.{ending}"))
+    if not files:
+        return "Without an origin = [latitude, longitude] in the mission file there are no ground-control files."
+    return f"For ground control (QGroundControl, KML; also GeoJSON), in {folder.name}: {', '.join(files)}."
 
 
 def _checks(products: Products) -> dict[str, Any]:

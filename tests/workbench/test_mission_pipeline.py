@@ -135,7 +135,14 @@ def test_the_page_is_self_contained_and_small(made: Path) -> None:
     assert page == (made / "8-report/report.html").read_text(encoding="utf-8")
     assert len(page) < 5e6
     assert not re.findall(r'(?:src|href)="(?!data:|#)[^"]+"', page)
-    for words in ("RMSE", "NLPD", "lawnmower", "Initial and final stage", "Reference paths and flown paths"):
+    for words in (
+        "uav-0.plan",
+        "RMSE",
+        "NLPD",
+        "lawnmower",
+        "Initial and final stage",
+        "Reference paths and flown paths",
+    ):
         assert words in page
 
 

@@ -104,7 +104,7 @@ def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp
         _refuse_living(left)
         shutil.rmtree(left, ignore_errors=True)  # of a run that was killed
     aside = target.with_name(f".{target.name}.{os.getpid()}.part")
-    aside.mkdir()
+    _make_folder(aside)
     try:
         began = time.perf_counter()
         said: str = stage.module.make(mission, folders, aside, lambda words: tell(f"{stage.name}: {words}"))

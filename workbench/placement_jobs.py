@@ -33,7 +33,7 @@ from formulations.task_location.registry import make_method, method_class, optio
 from instances.environment.region import Region, single_polygon
 from instances.errors import InputError, suggestion
 from workbench.job import Job, file_safe
-from workbench.placing import criterion_of, region_of
+from workbench.placing import criterion_of, region_of, rows_of_tests
 from workbench.study import seeds_from
 
 KERNEL_KEYS = ("tests", "signal_sd", "length_scale", "noise_sd", "test_noise_sd")
@@ -91,8 +91,8 @@ def placement_study_from(data: dict[str, Any], *, name: str, base: Path) -> Plac
     Limits(time=limit)
     setting = {key: data[key] for key in KERNEL_KEYS if key in data}
     setting |= {key: str(setting[key]) for key in ("tests", "length_scale") if key in setting}
-    if str(setting.get("tests", "")).endswith(".csv"):
-        setting["tests"] = str((base / setting["tests"]).resolve())
+    if str(setting.get("tests", "")).lower().endswith(".csv"):
+        setting["tests"] = rows_of_tests(base / setting["tests"]).tolist()  # a store explains itself without the file
     tasks = tuple(_tasks(data, setting, base))
     methods = data.get("methods", [])
     if not isinstance(methods, list) or not methods or not all(isinstance(table, dict) for table in methods):

@@ -21,18 +21,27 @@ from instances.errors import InputError
 
 DEFAULT_SIDE = 20_000.0
 """Side [m] of the square that stands for a region that is not given (paper, Numerical Example)."""
+SMALLEST_SIDE = 10.0
+"""A smaller region whose coordinates could be degrees is taken to be in degrees."""
+MOST_CELLS = 1_000_000
 OUT_ENDINGS = (".geojson", ".json", ".csv")
 
 
 def region_of(path: Path | None) -> Region:
-    """Return the region in a GeoJSON file, or the paper's 20 km square."""
-    return Region.rectangle(DEFAULT_SIDE, DEFAULT_SIDE) if path is None else Region.read(path)
+    """Return the region in a GeoJSON file, or the paper's 20 km square; InputError where the file is in degrees."""
+    if path is None:
+        return Region.rectangle(DEFAULT_SIDE, DEFAULT_SIDE)
+    region = Region.read(path)
+    x0, y0, x1, y1 = region.bounds
+    if max(x1 - x0, y1 - y0) < SMALLEST_SIDE and max(abs(x0), abs(x1)) <= 180 and max(abs(y0), abs(y1)) <= 90:
+        raise InputError(f"{path}: spans {x1 - x0:.3g} × {y1 - y0:.3g}; coordinates must be metres, not degrees")
+    return region
 
 
 def criterion_of(
     region: Region,
     *,
-    tests: str = "20x20",
+    tests: str | list[list[float]] = "20x20",
     signal_sd: float = 30.0,
     length_scale: str = "4000",
     noise_sd: float = 1.0,
@@ -57,30 +66,41 @@ def length_scales_of(text: str) -> tuple[float, float]:
     return scales[0], scales[-1]
 
 
-def tests_of(text: str, region: Region) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """Return test points inside `region` and their weights: ``COLUMNSxROWS`` cell centres, or a CSV file.
+def tests_of(text: str | list[list[float]], region: Region) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Return test points inside `region` and their weights: ``COLUMNSxROWS`` cell centres, a CSV file, or its rows.
 
     The file has columns x, y [m] and, where not all points count alike, weight.
     """
+    if not isinstance(text, str):
+        return _inside(np.array(text, dtype=float), region, "tests")
     shape = re.fullmatch(r"(\d+)[x×](\d+)", text)
     if shape:
         columns, rows = int(shape[1]), int(shape[2])
         if columns < 1 or rows < 1:
             raise InputError(f"--tests: needs at least one column and one row, got '{text}'")
+        if columns * rows > MOST_CELLS:
+            raise InputError(f"--tests: {text} are too many cells; at most {MOST_CELLS} can be looked at")
         points = region.cell_centres(columns, rows)
         if not len(points):
             raise InputError(f"--tests: none of the {text} cell centres lies inside the region; ask for more")
         return points, None
     if not text.lower().endswith(".csv"):
         raise InputError(f"--tests: must be COLUMNSxROWS such as 20x20, or a .csv file with columns x, y, got '{text}'")
-    points, weights = _test_file(Path(text))
+    return _inside(rows_of_tests(Path(text)), region, text)
+
+
+def _inside(
+    rows: NDArray[np.float64], region: Region, where: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    points = rows[:, :2]
     inside = region.contains(points) if len(points) else np.zeros(0, dtype=bool)
     if not inside.any():
-        raise InputError(f"{text}: none of its {len(points)} test points lies inside the region")
-    return points[inside], None if weights is None else weights[inside]
+        raise InputError(f"{where}: none of its {len(points)} test points lies inside the region")
+    return points[inside], rows[inside, 2] if rows.shape[1] == 3 else None
 
 
-def _test_file(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+def rows_of_tests(path: Path) -> NDArray[np.float64]:
+    """Return x, y [m] and, where given, weight of a CSV file, (m, 2) or (m, 3); InputError names a line."""
     rows = csv.DictReader(io.StringIO(read_text(path)))
     columns = set(rows.fieldnames or ())
     if not {"x", "y"} <= columns:
@@ -96,8 +116,7 @@ def _test_file(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | N
             if not np.isfinite(value) or (name == "weight" and value < 0):
                 raise InputError(f"{path}: line {number}: {name} must be finite and not negative, got {row[name]}")
         table.append([float(row[name]) for name in names])
-    values = np.array(table, dtype=float).reshape(-1, len(names))
-    return values[:, :2], values[:, 2] if "weight" in columns else None
+    return np.array(table, dtype=float).reshape(-1, len(names))
 
 
 def check_target(path: Path | None, endings: tuple[str, ...]) -> None:

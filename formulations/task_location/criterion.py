@@ -52,6 +52,9 @@ class Convention(StrEnum):
 LEAST_NOISE = 1e-5
 """Of the signal sd: with less noise the covariance of some hundred readings is singular in float64."""
 
+MOST_TESTS = 5000
+"""With more test points their covariance (m × m) and its eigenvectors take minutes and gigabytes."""
+
 LITERAL_REFUSED = (
     "criterion 'literal' (the paper's eq. MI without noise) is ill-posed: its supremum is +∞ wherever a task meets a "
     "test point, and det(K_o) is 0 in float64; choose b (both noisy), a (noiseless test variables) or ig"
@@ -194,6 +197,8 @@ def _checked_tests(tests: ArrayLike) -> Array:
         raise InputError(f"test points: must have shape (m, 2), got {p.shape}")
     if len(p) == 0:
         raise InputError("test points: there is none inside the region")
+    if len(p) > MOST_TESTS:
+        raise InputError(f"test points: there are {len(p)} inside the region, at most {MOST_TESTS} can be used")
     if not np.isfinite(p).all():
         i = int(np.argwhere(~np.isfinite(p))[0][0])
         raise InputError(f"test points: point {i} is not finite ({p[i].tolist()})")

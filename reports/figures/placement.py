@@ -66,7 +66,16 @@ def uncertainty(axes: Axes, region: Region, sd: tuple[Array, Array, Array], prio
 def tasks(axes: Axes, points: Array) -> None:
     """Draw task locations as discs that stand out on light and dark."""
     size = float(np.clip(1200 / max(len(points), 1), 7, 34))
-    axes.scatter(points[:, 0] / KM, points[:, 1] / KM, s=size, color=PAPER, edgecolors=INK, linewidths=0.9, zorder=5)
+    axes.scatter(
+        points[:, 0] / KM,
+        points[:, 1] / KM,
+        s=size,
+        color=PAPER,
+        edgecolors=INK,
+        linewidths=0.9,
+        zorder=5,
+        clip_on=False,
+    )
 
 
 def _shades(count: int) -> list[str]:

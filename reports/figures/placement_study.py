@@ -77,7 +77,8 @@ def _curves(panels: Any, curves: Curves, recommended: int) -> None:
     information.plot(curves.n, curves.lawnmower, **mown)
     information.plot(curves.n, curves.mi1, color=COLOURS[0], marker="o", markersize=3, label="MI1, at the tasks")
     information.set_ylabel("information [nats]")
-    information.legend(loc="lower right")
+    information.set_ylim(bottom=0, top=1.42 * float(np.nanmax([curves.mi1, curves.mi2, curves.lawnmower])))
+    information.legend(loc="upper left", fontsize=7, borderpad=0.1)
     uncovered.plot(curves.n, 100 * curves.uncovered, color=COLOURS[2], marker="^", markersize=3)
     uncovered.set_ylabel("over the sd limit [%]")
     _marginal(marginal, curves)
@@ -91,7 +92,7 @@ def _curves(panels: Any, curves: Curves, recommended: int) -> None:
     for axes in panels[1]:
         axes.set_xlabel("number of tasks, n")
     information.annotate(
-        f"n = {recommended}", (recommended, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -9),
+        f"n = {recommended}", (recommended, 0.0), xycoords=("data", "axes fraction"), xytext=(-3, 4), ha="right",
         textcoords="offset points", fontsize=8, color=INK,
     )  # fmt: skip
 

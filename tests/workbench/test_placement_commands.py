@@ -103,6 +103,11 @@ def test_maximising_information_gain_is_reported_under_both_noisy_too(capsys):
         (["--study", "a"], "--study"),
         (["--max-sd", "40"], "max-sd"),
         (["--max-sd", "3", "--study", "n=5..6"], "one of them"),
+        (["--max-sd", "3", "--method", "greedy"], "--method: cannot be given with --max-sd"),
+        (["--study", "n=5..6", "--tasks", "3"], "--tasks: cannot be given with --study"),
+        (["--sd-limit", "2"], "with --study"),
+        (["--tests", "300x300"], "at most 5000"),
+        (["--tests", "20000x20000"], "too many cells"),
         (["absent.geojson"], "cannot be read"),
     ],
 )
@@ -119,6 +124,7 @@ def test_bad_input_is_one_sentence_and_exit_code_2(words, sentence, capsys):
     [
         ([[[0, 0], [9, 9], [9, 0], [0, 9], [0, 0]]], "not valid"),
         ([[[0, 0], [9, 9], [18, 18], [0, 0]]], "region"),
+        ([[[8.1, 47.1], [8.4, 47.1], [8.4, 47.4], [8.1, 47.1]]], "metres, not degrees"),
     ],
 )
 def test_bad_regions_are_named(rings, sentence, tmp_path, capsys):
@@ -227,6 +233,19 @@ def test_a_placement_study_is_run_stored_and_reported_once(area, tmp_path, capsy
     before = [path.stat().st_mtime_ns for path in stored]
     assert call("compare", str(file), "--out", str(folder)) == 0
     assert [path.stat().st_mtime_ns for path in stored] == before
+
+
+def test_a_study_keeps_the_rows_of_its_test_points(tmp_path):
+    """Other test points are another problem, and the stored one needs no file."""
+    file = tmp_path / "tests.csv"
+    digests = []
+    for weight in (1, 2):
+        file.write_text(f"x,y,weight\n100,100,{weight}\n5000,5000,1\n")
+        study = placement_study_from(STUDY | {"tests": "tests.csv"}, name="x", base=tmp_path)
+        digests.append(study.tasks[0].digest)
+    file.unlink()
+    assert study.tasks[0].problem().criterion.weights.tolist() == [2, 1]
+    assert len(set(digests)) == 2
 
 
 def test_jobs_of_a_placement_study(tmp_path):

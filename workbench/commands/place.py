@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from instances.errors import InputError
+
 if TYPE_CHECKING:
     from formulations.task_location.criterion import Criterion
     from instances.environment.region import Region
@@ -52,12 +54,12 @@ def command(
     """Choose task locations of most information in REGION (a GeoJSON polygon in metres), by default a 20 km square."""
     from formulations.solver import Limits
     from formulations.task_location.registry import make_method
-    from instances.errors import InputError
     from workbench.placing import OUT_ENDINGS, check_target, criterion_of, region_of
     from workbench.settings import key_values
 
     if study is not None and max_sd is not None:
         raise InputError("place: --study and --max-sd answer different questions; give one of them")
+    _refuse_unused(study is not None, max_sd is not None)
     check_target(out, (".json", ".csv") if study is not None else OUT_ENDINGS)
     check_target(plot, (".svg",))
     chosen = make_method(method, key_values(options, "--option"))
@@ -74,6 +76,20 @@ def command(
         run_fewest(region, criterion, max_sd, seed, as_json=as_json, out=out, plot=plot)
     else:
         _place(region, criterion, tasks, method, chosen, seed, limits, certificate, as_json=as_json, out=out, plot=plot)
+
+
+def _refuse_unused(study: bool, fewest: bool) -> None:
+    """InputError where a flag is typed that what is asked for would not look at."""
+    unused = {"sd_limit": "--sd-limit: only says something with --study"} if not study else {}
+    if study or fewest:
+        mode = "--study" if study else "--max-sd"
+        searching = () if study else ("method", "options", "criterion")
+        for name in ("tasks", "time_limit", "certificate", *searching):
+            flag = "--option" if name == "options" else f"--{name.replace('_', '-')}"
+            unused[name] = f"{flag}: cannot be given with {mode}, which does not use it"
+    for name, sentence in unused.items():
+        if click.get_current_context().get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            raise InputError(sentence)
 
 
 def _place(

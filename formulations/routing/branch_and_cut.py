@@ -27,10 +27,11 @@ from formulations.routing.branch_and_cut_model import ScipModel
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.search.ruin_recreate import RuinRecreate
 from formulations.routing.separation import subtours, two_cycles
+from formulations.routing.simple_bounds import SIMPLE
 from formulations.solver import Limits, Observer, Result, Solver, ignore
 from instances import Instance, Routes
 
-MOST_THETA = 150_000
+MOST_THETA = 80_000
 """Beyond this building the model and its first relaxation alone take minutes."""
 _FEASTOL, _DUALFEASTOL = 1e-6, 1e-7
 _MEMORY = 3500.0  # MB
@@ -86,6 +87,8 @@ class BranchAndCut(Solver):
         """Solve to proof or limit."""
         recorder = Recorder(instance, limits, observe, start)
         recorder.incumbent(greedy_routes(instance))
+        for simple_bound in SIMPLE.values():
+            recorder.raise_bound(simple_bound(instance, recorder.objective))
         if self.warm_start and recorder.objective > 0:
             improve(recorder, seed)
         if recorder.objective == 0:

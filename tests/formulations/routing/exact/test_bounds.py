@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from formulations.routing import bounds
-from formulations.routing.bounds import SIMPLE, arborescence, assignment, cheapest_arborescence, farthest, lower_bounds
+from formulations.routing.bounds import lower_bounds
 from formulations.routing.greedy import greedy_routes
+from formulations.routing.simple_bounds import SIMPLE, arborescence, assignment, cheapest_arborescence, farthest
 from formulations.routing.subset_dp import SubsetDp
 from formulations.routing.ways import ways_between_tasks, ways_from_depot
 from formulations.solver import Limits

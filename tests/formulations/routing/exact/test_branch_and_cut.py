@@ -8,10 +8,12 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from formulations.recorder import Recorder
 from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.routing.branch_and_cut_model import ScipModel
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.separation import subtours, two_cycles
+from formulations.routing.simple_bounds import SIMPLE
 from formulations.routing.subset_dp import SubsetDp
 from formulations.routing.subtours import find_subtours
 from formulations.solver import Event, Limits, Result, Status
@@ -123,13 +125,16 @@ def test_stopped_early_it_keeps_routes_and_a_true_bound() -> None:
         assert (result.bound or 0.0) <= optimum
 
 
-def test_an_observer_that_fails_is_heard() -> None:
+def test_an_observer_that_fails_within_a_callback_is_heard() -> None:
+    instance = random_instance(10, 2, 0)
+    simple = max(bound(instance, makespan(instance, greedy_routes(instance))) for bound in SIMPLE.values())
+
     def observe(event: Event) -> None:
-        if event.bound is not None:
+        if (event.bound or 0.0) > simple:  # SCIP's
             raise OSError("the pipe is gone")
 
     with pytest.raises(OSError, match="the pipe is gone"):
-        BranchAndCut().solve(random_instance(10, 2, 0), limits=LIMITS, observe=observe)
+        BranchAndCut().solve(instance, limits=LIMITS, observe=observe)
 
 
 def test_refuses_what_it_cannot_hold() -> None:
@@ -169,3 +174,20 @@ def test_separation_finds_violated_sets_exactly_when_there_are_some(n: int, seed
     pairs, _ = two_cycles(theta, least)
     if abs(worst[2] - least) > 1e-6:
         assert (len(pairs) > 0) == (worst[2] > least)
+
+
+def test_a_recorder_that_runs_out_of_time_stops_the_search() -> None:
+    """As when a solver beside it has proved the routes: SCIP's own clock knows nothing of that."""
+
+    class Impatient(Recorder):
+        @property
+        def remaining(self) -> float:
+            return 0.0 if self.bound > 0 else 60.0  # from SCIP's first bound on
+
+    instance = random_instance(12, 2, 5)
+    recorder = Impatient(instance, LIMITS, lambda event: None)
+    recorder.incumbent(greedy_routes(instance))
+    result = BranchAndCut()._search(recorder, 0)
+    assert result.stopped_by == "time"
+    assert result.status is Status.FEASIBLE
+    assert result.statistics["nodes"] <= 1

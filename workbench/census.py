@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from formulations.solver import Status
+from reports.placement_store import PROBLEM_FILE
 from workbench.store import Store
 
 
@@ -33,7 +34,7 @@ class Census:
 def census(folder: Path) -> Census:
     """Count the runs of the store in `folder`; InputError where it is none."""
     store = Store(folder)
-    paths = list(store.paths())
+    paths = [*store.paths(), *_placements(folder)]
     planned = store.planned()
     by_solver: dict[str, Counter[str]] = {}
     damaged = []
@@ -41,7 +42,14 @@ def census(folder: Path) -> Census:
         try:
             run = json.loads((folder / path).read_bytes())
             counts = by_solver.setdefault(run["label"], Counter())
-            counts[Status(run["status"])] += 1
+            counts[run["status"] if run.get("problem") == "placement" else Status(run["status"])] += 1
         except (OSError, ValueError, KeyError, TypeError):
             damaged.append(path)
     return Census(len(planned), len(set(planned).difference(paths)), by_solver, tuple(damaged))
+
+
+def _placements(folder: Path) -> list[str]:
+    """Return the path (relative) of every placement run's file."""
+    places = sorted(path.parent for path in folder.glob(f"*/{PROBLEM_FILE}"))
+    files = [path for place in places for path in sorted(place.glob("[!.]*.json")) if path.name != PROBLEM_FILE]
+    return [str(path.relative_to(folder)) for path in files]

@@ -77,6 +77,15 @@ def test_a_planted_lie_is_found(name, store, capsys):
     assert str(path.parent) in said
 
 
+def test_status_counts_placements(store, capsys):
+    assert call("status", store, "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["planned"], said["stored"], said["missing"]) == (2, 2, 0)
+    assert said["by_solver"] == {"greedy": {"heuristic": 1}, "grid": {"heuristic": 1}}
+    assert call("status", store) == 0
+    assert "1 stored: 1 heuristic" in capsys.readouterr().out
+
+
 def test_a_damaged_file_is_named_and_left(store, capsys):
     (path,) = store.glob(GREEDY)
     path.write_text('{"schema": 1,')

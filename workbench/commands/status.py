@@ -22,7 +22,9 @@ def command(context: click.Context, folder: Path, as_json: bool) -> None:
         counts = {"planned": found.planned, "stored": found.stored, "missing": found.missing}
         click.echo(json.dumps(counts | {"by_solver": found.by_solver, "damaged": found.damaged}))
     else:
-        seen = [status for status in Status if any(counts[status] for counts in found.by_solver.values())]
+        ended = {status for counts in found.by_solver.values() for status in counts}
+        known = [str(status) for status in Status]
+        seen = [*(name for name in known if name in ended), *sorted(ended.difference(known))]
         width = max([len(label) for label in found.by_solver], default=0)
         for label, counts in sorted(found.by_solver.items()):
             told = ", ".join(f"{counts[status]} {status}" for status in seen if counts[status])

@@ -108,7 +108,7 @@ class Master:
         lp, index = self._lp, np.arange(self._first, self._first + len(self.columns), dtype=np.int32)
         integer, continuous = (np.full(index.size, kind) for kind in (1, 0))
         lp.changeColsIntegrality(index.size, index, integer.astype(np.uint8))
-        lp.setOptionValue("time_limit", lp.getRunTime() + max(time, 0.01))
+        lp.setOptionValue("time_limit", time)
         lp.setOptionValue("mip_max_nodes", nodes)
         lp.run()
         found = lp.getInfo().primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible

@@ -59,6 +59,8 @@ def equals_oracle(instance: Instance, result: Result) -> None:
     assert optimum is not None
     assert result.objective is not None
     assert result.bound is not None
+    # every bound streamed: the result's own is cut off at the objective
+    assert max(event.bound or 0.0 for event in result.trace) <= optimum
     assert result.bound <= optimum
     assert optimum * (1 - 1e-12) <= result.objective <= optimum + result.tolerance
 

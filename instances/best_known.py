@@ -2,7 +2,8 @@
 
 The table ``data/best_known.csv`` states facts, each with its source: ``best_known`` [s, or the unit of the instance] is
 the longest tour of the best routes known, ``bound`` a lower bound or empty, ``proven`` whether the two meet within one
-part in a million. Where a source gives three decimals, so does the table: see `BestKnown.reached`.
+part in a million; ``data/tours.json`` holds the routes of values found here. Where a source gives three decimals, so
+does the table: see `BestKnown.reached`.
 """
 
 from __future__ import annotations

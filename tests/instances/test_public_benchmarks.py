@@ -2,11 +2,12 @@
 
 import csv
 import json
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
 
-from instances import check_routes, makespan
+from instances import as_routes, check_routes, makespan
 from instances.best_known import best_known
 from instances.files import read_instance
 from instances.formats.tsplib import instance_routes
@@ -67,3 +68,17 @@ def test_the_largest_ones_too(file):
 
 def test_every_stored_tour_has_its_file():
     assert set(TOURS) <= {file.stem for file in DAILY}
+
+
+OURS = json.loads(files("instances").joinpath("data/tours.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("name", OURS)
+def test_values_found_here_have_the_routes_that_show_them(name):
+    instance = next(i for f in FILES if f.stem == name and (i := read_instance(f)).digest == OURS[name]["digest"])
+    routes = as_routes(OURS[name]["routes"])
+    assert check_routes(instance, routes) == []
+    known = best_known(instance.digest)
+    assert known is not None
+    assert makespan(instance, routes) == pytest.approx(known.best_known, abs=5.1e-7, rel=0)
+    assert known.best_known < float(next(r for (_, n), r in ROWS.items() if n == name)["best_known"])

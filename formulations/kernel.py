@@ -1,6 +1,6 @@
 """The non-isotropic squared-exponential covariance (paper, eq. cov), shared by planning and mapping.
 
-    k(x_p, x_q) = σ_f² exp(−½ (x_p − x_q)ᵀ Σ_l⁻² (x_p − x_q)),   Σ_l = diag(l_x, l_y)
+k(x_p, x_q) = σ_f² exp(−½ (x_p − x_q)ᵀ Σ_l⁻² (x_p − x_q)),   Σ_l = diag(l_x, l_y)
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ class SquaredExponential:
         if len(scales) != 2 or not all(np.isfinite(scale) and scale > 0 for scale in scales):
             raise InputError(f"length_scales must be two positive lengths [m], got {self.length_scales}")
         object.__setattr__(self, "length_scales", scales)
+        object.__setattr__(self, "signal_sd", float(self.signal_sd))
 
     def __call__(self, a: ArrayLike, b: ArrayLike) -> NDArray[np.float64]:
         """Return k(a_i, b_j) for points `a` (p, 2) and `b` (q, 2) [m], shape (p, q)."""

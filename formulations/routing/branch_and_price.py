@@ -29,7 +29,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from formulations.recorder import Recorder
-from formulations.routing.columns.labelling import make_store
+from formulations.routing.columns.labelling import compile_beam, make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pricing import Column, Effort
@@ -80,6 +80,7 @@ class BranchAndPrice(Solver):
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (about a minute the first time, then cached)."""
         RuinRecreate().prepare(instance)
+        compile_beam()
         rng = np.random.default_rng(0)
         cost = rng.uniform(1, 2, (12, 12))
         np.fill_diagonal(cost, 0)

@@ -23,7 +23,7 @@ Floating point: all bounds are Lagrangian, valid at any duals, with an explicit 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -81,11 +81,11 @@ class BranchAndPrice(Solver):
         """Compile the kernels (about a minute the first time, then cached)."""
         RuinRecreate().prepare(instance)
         compile_beam()
-        rng = np.random.default_rng(0)
-        cost = rng.uniform(1, 2, (12, 12))
-        np.fill_diagonal(cost, 0)
-        small = Instance("warm-up", cost, 9, 3)
-        self.solve(small, limits=Limits(time=3600.0), start=(tuple(range(9)), (), ()))
+        # Small, and from a start poor enough that cuts, leg fixing and the pool are all needed.
+        place = np.random.default_rng(0).uniform(0, 1, (15, 2))
+        small = Instance("warm-up", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 12, 3)
+        poor = (tuple(range(4)), tuple(range(4, 8)), tuple(range(8, 12)))
+        replace(self, starts=0).solve(small, limits=Limits(time=3600.0), start=poor)
 
     def solve(
         self,

@@ -27,7 +27,7 @@ from formulations.routing.subset_dp import SubsetDp
 from formulations.solver import Limits, Observer, Result, Solver, Status, ignore
 from instances import Instance, Routes
 
-FEW = 13
+FEW = 16
 """Tasks up to which subset programming takes a fraction of a second."""
 LONG = 20
 """Tasks per UAV from which branch-and-cut is worth its time."""

@@ -150,6 +150,7 @@ def test_a_solver_that_declines_says_why(finish):
 
 def test_preparation_has_a_limit_of_its_own(finish, monkeypatch):
     monkeypatch.setattr(child, "PREPARE_LIMIT", 0.01)
+    monkeypatch.setattr(child, "TICK", 0.001)  # a start takes longer than a look at the clock, however fast the machine
     found = finish("Honest")
     assert (found.status, found.routes) == (Status.KILLED, None)
     assert "still preparing" in found.message

@@ -19,8 +19,8 @@ def random_instance(n: int, m: int, seed: int) -> Instance:
     return Instance(f"plane-{n}-{m}-{seed}", np.hypot(leg[..., 0], leg[..., 1]) + 0.3 * leg[..., 0], n, m)
 
 
-@pytest.mark.parametrize(("n", "m", "threads", "by"), [(8, 2, 1, {"subset-dp"}), (15, 3, 1, {"branch-and-price"}),
-                                                       (15, 2, 2, {"branch-and-price", "branch-and-cut"})])  # fmt: skip
+@pytest.mark.parametrize(("n", "m", "threads", "by"), [(8, 2, 1, {"subset-dp"}), (17, 3, 1, {"branch-and-price"}),
+                                                       (17, 2, 2, {"branch-and-price", "branch-and-cut"})])  # fmt: skip
 def test_proves_the_optimum_and_says_by_whom(n: int, m: int, threads: int, by: set[str]) -> None:
     instance = random_instance(n, m, 1)
     events: list[Event] = []

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from pathlib import Path
+from typing import Any
 
 from instances.errors import InputError
 
@@ -19,6 +21,15 @@ def read_bytes(path: Path | str) -> bytes:
 def read_text(path: Path | str) -> str:
     """Return the content of the UTF-8 text file; InputError names it where it is none."""
     return as_text(read_bytes(path), path)
+
+
+def read_toml(path: Path | str) -> dict[str, Any]:
+    """Return the table of the TOML file; InputError names it where it is none."""
+    text = read_text(path)
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        raise InputError(f"{path}: is not valid TOML ({error})") from None
 
 
 def as_text(content: bytes, path: Path | str) -> str:

@@ -18,7 +18,6 @@ Files are relative to the TOML file.
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from shapely.geometry import MultiPolygon, Polygon, mapping
 
-from instances.disk import read_text, write_aside
+from instances.disk import read_toml, write_aside
 from instances.environment.region import Region, polygons, read_geojson
 from instances.environment.wind import WindField, wind_from_toml
 from instances.errors import InputError, naming, suggestion
@@ -130,11 +129,7 @@ class Scenario:
 def read_scenario(path: Path | str) -> Scenario:
     """Read a scenario file; InputError names the file, the key and the value that cannot be used."""
     path = Path(path)
-    text = read_text(path)
-    try:
-        table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise InputError(f"{path}: is not valid TOML ({error})") from None
+    table = read_toml(path)
     with naming(path):
         return scenario_of(table, path.parent, path.stem)
 

@@ -1,13 +1,6 @@
 """Newton polish: from any feasible path to the locally best one of its homotopy class.
 
-v0·C(σ) = length − (1/v0) ∫ w·dσ (paper, eq. moving_cost). By Stokes' theorem, moving a path sideways changes
-∫ w·dσ by the vorticity ω of the strip between, so only ω enters. For a polyline x_0 … x_N with unit segments t_k
-and unit normals n_k (left of the path), the derivative with respect to a sideways move y_k of node k is
-
-    g_k = (t_k − t_{k+1})·n_k + (1/v0) ∫ hat_k(σ) ω(σ) (n_k·n) |dσ|,
-
-whose root is the polyline twin of the free geodesic, curvature ω/v0. The Hessian is tridiagonal: one Thomas solve a
-Newton step. Obstacles enter as in a taut string:
+The steps are those of ``newton.py``, sideways moves of the nodes. Obstacles enter as in a taut string:
 
 * a step that would sweep over a corner of an obstacle (the corner lies between old and new path: winding
   number) is cut short there and the corner becomes a *pin*, a fixed node of the path;
@@ -27,8 +20,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from formulations.moving_cost.field import Vorticity, vorticity_at
+from formulations.moving_cost.field import Vorticity
 from formulations.moving_cost.free_space import FreeSpace, clearance_at, point_free, segment_free
+from formulations.moving_cost.newton import newton_step
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -36,7 +30,6 @@ Ints = NDArray[np.int64]
 STEPS = 60
 """Newton steps at most, and one more for every corner there is to wrap around; a path that has not settled by then
 is judged by its cost as it is."""
-GAUSS_1, GAUSS_2 = 0.5 - 0.5 / math.sqrt(3.0), 0.5 + 0.5 / math.sqrt(3.0)
 
 
 @njit(cache=True)
@@ -62,65 +55,6 @@ def subdivide(p: Floats, corner: Ints, h: float) -> tuple[Floats, Ints]:
         if pieces > 0 or corner[k + 1] >= 0:
             c[at] = corner[k + 1]
     return q, c
-
-
-@njit(cache=True)
-def newton_step(p: Floats, held: NDArray[np.bool_], field: Vorticity, v0: float) -> tuple[Floats, Floats, Floats]:
-    """Gradient g [1], normals and Newton offsets y [m] of the nodes of `p`; held nodes do not move."""
-    n = len(p)
-    normal = np.zeros((n, 2))
-    for k in range(1, n - 1):
-        tx, ty = p[k + 1, 0] - p[k - 1, 0], p[k + 1, 1] - p[k - 1, 1]
-        size = math.hypot(tx, ty)
-        if size > 0.0:
-            normal[k, 0], normal[k, 1] = -ty / size, tx / size
-    g, diagonal, bend, off, off_bend = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    for k in range(n - 1):
-        dx, dy = p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1]
-        h = math.hypot(dx, dy)
-        tx, ty = dx / h, dy / h
-        a = -normal[k, 0] * ty + normal[k, 1] * tx  # n_k·n of the segment
-        b = -normal[k + 1, 0] * ty + normal[k + 1, 1] * tx
-        g[k] -= tx * normal[k, 0] + ty * normal[k, 1]
-        g[k + 1] += tx * normal[k + 1, 0] + ty * normal[k + 1, 1]
-        diagonal[k] += a * a / h
-        diagonal[k + 1] += b * b / h
-        off[k] = -a * b / h
-        for s in (GAUSS_1, GAUSS_2):
-            w, wx, wy = vorticity_at(p[k, 0] + s * dx, p[k, 1] + s * dy, field)
-            weight = 0.5 * h / v0
-            g[k] += weight * (1 - s) * w * a
-            g[k + 1] += weight * s * w * b
-            slope = weight * (wy * tx - wx * ty)
-            bend[k] += slope * (1 - s) * (1 - s) * a * a
-            bend[k + 1] += slope * s * s * b * b
-            off_bend[k] += slope * s * (1 - s) * a * b
-    y = np.zeros(n)
-    if not _thomas(diagonal + bend, off + off_bend, g, held, y):
-        # Not convex here: drop what the vorticity's slope takes away from the length's curvature.
-        _thomas(diagonal + np.maximum(bend, 0.0), off, g, held, y)
-    return g, normal, y
-
-
-@njit(cache=True)
-def _thomas(diagonal: Floats, off: Floats, g: Floats, held: NDArray[np.bool_], y: Floats) -> bool:
-    """Solve the tridiagonal H y = −g over the nodes not held; False where H is not safely positive definite."""
-    n = len(g)
-    upper, right = np.zeros(n), np.zeros(n)
-    for k in range(n):
-        if held[k]:
-            upper[k], right[k] = 0.0, 0.0
-            continue
-        below = off[k - 1] if k > 0 and not held[k - 1] else 0.0
-        pivot = diagonal[k] - (below * upper[k - 1] if k > 0 else 0.0)
-        if pivot < 0.02 * diagonal[k] or pivot <= 0.0:
-            return False
-        above = off[k] if k < n - 1 and not held[k + 1] else 0.0
-        upper[k] = above / pivot
-        right[k] = (-g[k] - (below * right[k - 1] if k > 0 else 0.0)) / pivot
-    for k in range(n - 1, -1, -1):
-        y[k] = right[k] - (upper[k] * y[k + 1] if k < n - 1 else 0.0)
-    return True
 
 
 @njit(cache=True)

@@ -11,14 +11,13 @@ Files are relative to the mission file.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from instances.disk import read_text
+from instances.disk import read_toml
 from instances.errors import InputError, naming, suggestion
 from instances.geodesy import TangentPlane
 from instances.scenario import KEYS as SCENARIO_KEYS
@@ -169,11 +168,7 @@ def shipped_mission() -> Path:
 def read_mission(path: Path | str) -> Mission:
     """Read a mission file; InputError names the file, the key and the value that cannot be used."""
     path = Path(path)
-    text = read_text(path)
-    try:
-        table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise InputError(f"{path}: is not valid TOML ({error})") from None
+    table = read_toml(path)
     with naming(path):
         return mission_of(table, path.parent, path.stem)
 

@@ -12,7 +12,8 @@ from formulations.moving_cost.costing import query_of
 from formulations.moving_cost.field import search_field
 from formulations.moving_cost.free_space import free_space, segments_free
 from formulations.moving_cost.graph import hexagonal_lattice, near_pairs, standard_radius
-from formulations.moving_cost.polish import newton_step, relax, subdivide
+from formulations.moving_cost.newton import newton_step
+from formulations.moving_cost.polish import relax, subdivide
 from instances import InputError
 from instances.environment.region import Region
 from instances.environment.wind import Rotation, Sum, Uniform

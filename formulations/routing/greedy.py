@@ -1,11 +1,16 @@
-"""Greedy construction: cheapest insertion for the min-max objective, the floor every other method must beat.
+"""Greedy construction for the min-max objective, the floor every other method must beat.
 
-Starting from empty tours, repeat: over every task not yet routed, every UAV k and every position of its tour, take the
-insertion after which that UAV's tour C_k (eq. costsum) is shortest; ties go to the lowest UAV, task and position. So
-the tours grow side by side, as in the cheapest-insertion heuristic of Rosenkrantz, Stearns and Lewis (SIAM J. Comput.
-6, 1977), with the resulting tour cost instead of its increase as the measure, because C_max counts and not the sum.
+Variants, each from empty tours, one task at a time (C_k: cost of UAV k's tour, eq. costsum):
 
-O(n²) insertions are looked at: after each step only the tour that changed is looked at again.
+* ``regret``, the default: every task has a best tour, the one that is shortest after taking it; next comes the task
+  that would lose most in its second best tour (Potvin & Rousseau, EJOR 66, 1993). The best of the four by far.
+* ``cheapest``: of all insertions, the one after which that UAV's tour C_k is shortest. So the tours grow side by side,
+  as in the cheapest-insertion heuristic of Rosenkrantz, Stearns and Lewis (SIAM J. Comput. 6, 1977), with the
+  resulting tour cost instead of its increase as the measure, because C_max counts and not the sum.
+* ``shortest``: the UAV with the shortest tour takes the task that lengthens it least.
+* ``nearest``: the UAV with the shortest tour flies on to the task nearest to its last one (nearest neighbour).
+
+Ties go to the lowest UAV, then task. When the time is up the tasks still left are routed by ``nearest``.
 """
 
 from __future__ import annotations
@@ -14,23 +19,49 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from formulations.recorder import Recorder
+from formulations.routing.search.construction import (
+    CHEAPEST,
+    REGRET,
+    SHORTEST,
+    extend_nearest,
+    first_gaps,
+    insert_many,
+)
+from formulations.routing.search.costs import both_ways
+from formulations.routing.search.tours import Tours, empty_tours, to_routes
 from formulations.solver import Limits, Observer, Result, Solver, ignore
-from instances import Instance, Routes, as_routes
+from instances import InputError, Instance, Routes
+from instances.errors import suggestion
+
+_RULES = {"regret": REGRET, "cheapest": CHEAPEST, "shortest": SHORTEST}
+VARIANTS = (*_RULES, "nearest")
+_LOOKS = 4_000_000
+"""Entries of the table of gaps looked at between two looks at the clock: about 10 ms."""
 
 
 @dataclass(frozen=True)
 class Greedy(Solver):
-    """Cheapest insertion for min-max; no options, no randomness."""
+    """Greedy construction; no randomness.
+
+    variant : regret, cheapest, shortest or nearest.
+    """
+
+    variant: str = "regret"
 
     proves: ClassVar[bool] = False
 
+    def __post_init__(self) -> None:
+        if self.variant not in VARIANTS:
+            near_miss = suggestion(str(self.variant), VARIANTS)
+            raise InputError(f"greedy: variant must be one of {', '.join(VARIANTS)}, got {self.variant!r}{near_miss}")
+
     def prepare(self, instance: Instance) -> None:
-        """Compile the kernel."""
-        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
+        """Compile the kernels (or load them from numba's cache)."""
+        small = Instance("warm-up", 1.0 - np.eye(4), 3, 1)
+        for variant in {self.variant, "nearest"}:
+            Greedy(variant).solve(small, limits=Limits(time=3600.0))
 
     def solve(
         self,
@@ -41,58 +72,29 @@ class Greedy(Solver):
         observe: Observer = ignore,
         start: Routes | None = None,
     ) -> Result:
-        """Construct routes; the limits are not needed."""
+        """Construct routes; an iteration limit has no meaning here."""
         recorder = Recorder(instance, limits, observe, start)
-        recorder.incumbent(greedy_routes(instance))
-        return recorder.result("finished")
+        tours = empty_tours(instance.n_tasks, instance.n_depots)
+        in_time = self.variant == "nearest" or _insert_all(instance, tours, _RULES[self.variant], recorder)
+        extend_nearest(instance.cost, tours)
+        recorder.incumbent(to_routes(tours))
+        return recorder.result("finished" if in_time else "time")
 
 
-def greedy_routes(instance: Instance) -> Routes:
-    """Return the routes of cheapest insertion for min-max."""
-    return as_routes(
-        tour[:length]
-        for tour, length in zip(
-            *cheapest_insertion(instance.cost, int(instance.n_tasks), int(instance.n_depots)), strict=True
-        )
-    )
+def _insert_all(instance: Instance, tours: Tours, rule: int, recorder: Recorder) -> bool:
+    """Fill `tours` by `rule` until all is routed or the time is up; return whether all is."""
+    costs = both_ways(instance.cost)
+    gaps = first_gaps(costs, instance.n_tasks)
+    chunk = max(1, _LOOKS // (instance.n_tasks * (instance.n_depots + 10)))
+    left = instance.n_tasks
+    while left and recorder.remaining > 0.0:
+        insert_many(costs, tours, gaps, rule, min(chunk, left))
+        left -= min(chunk, left)
+    return left == 0
 
 
-@njit(cache=True)
-def cheapest_insertion(
-    cost: NDArray[np.float64], n: int, m: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:  # pragma: no cover - compiled
-    """Return tours (m, n), padded with −1, and their lengths (m,)."""
-    tours = np.full((m, n), -1, dtype=np.int64)
-    lengths = np.zeros(m, dtype=np.int64)
-    totals = np.zeros(m)
-    increase = np.empty((m, n))
-    position = np.zeros((m, n), dtype=np.int64)
-    routed = np.zeros(n, dtype=np.bool_)
-    for k in range(m):
-        for i in range(n):
-            increase[k, i] = cost[n + k, i] + cost[i, n + k]
-    for _ in range(n):
-        best, best_k, best_i = np.inf, -1, -1
-        for k in range(m):
-            for i in range(n):
-                if not routed[i] and (best_k < 0 or totals[k] + increase[k, i] < best):
-                    best, best_k, best_i = totals[k] + increase[k, i], k, i
-        k, at = best_k, position[best_k, best_i]
-        tour = tours[k]
-        for p in range(lengths[k], at, -1):
-            tour[p] = tour[p - 1]
-        tour[at] = best_i
-        lengths[k] += 1
-        totals[k] = best
-        routed[best_i] = True
-        for i in range(n):
-            if routed[i]:
-                continue
-            increase[k, i] = np.inf
-            for p in range(lengths[k] + 1):
-                a = tour[p - 1] if p > 0 else n + k
-                b = tour[p] if p < lengths[k] else n + k
-                extra = cost[a, i] + cost[i, b] - cost[a, b]
-                if extra < increase[k, i]:
-                    increase[k, i], position[k, i] = extra, p
-    return tours, lengths
+def greedy_routes(instance: Instance, variant: str = "regret") -> Routes:
+    """Return the greedy routes, however long it takes."""
+    routes = Greedy(variant).solve(instance, limits=Limits(time=float("inf"))).routes
+    assert routes is not None
+    return routes

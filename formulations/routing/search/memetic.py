@@ -114,7 +114,7 @@ class Memetic(Solver):
 
     def _populations(self, instance: Instance, count: int, seed: int, start: Routes | None) -> list[Population]:
         costs = both_ways(instance.cost)
-        near = neighbours(instance.cost, instance.n_tasks, NEAR_TASKS, NEAR_DEPOTS)
+        near = neighbours(costs, instance.n_tasks, NEAR_TASKS, NEAR_DEPOTS)
         ground = Ground(costs, near, places(costs, instance.n_tasks))
         habits = Habits(self.removals, float(self.strings), float(self.cuts), self.powers)
         return [

@@ -11,6 +11,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from formulations.routing.search.costs import Costs
+
 NEAR_TASKS, NEAR_DEPOTS = 20, 128
 """Lengths of the lists, where there are as many."""
 
@@ -23,34 +25,37 @@ class Neighbours(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def _keep_nearest(cost: NDArray[np.float64], v: int, first: int, last: int, out: NDArray[np.int32]) -> None:
-    """Write the len(out) nodes of first..last−1 nearest to v (v left out) into `out`, by insertion."""
+def _keep_nearest(
+    there: NDArray[np.float64], back: NDArray[np.float64], v: int, first: int, out: NDArray[np.int32]
+) -> None:
+    """Write to `out` the nodes nearest to v, v left out; there[i] and back[i] are the costs to and from first + i."""
     room = out.size
     held = 0
     value = np.empty(room)
-    for u in range(first, last):
-        if u == v:
+    farthest = np.inf
+    for i in range(there.size):
+        d = min(there[i], back[i])
+        if (held == room and d >= farthest) or first + i == v:
             continue
-        d = min(cost[u, v], cost[v, u])
-        if held == room and d >= value[room - 1]:
-            continue
-        i = held if held < room else room - 1
-        while i > 0 and value[i - 1] > d:
-            value[i] = value[i - 1]
-            out[i] = out[i - 1]
-            i -= 1
-        value[i] = d
-        out[i] = u
+        j = held if held < room else room - 1
+        while j > 0 and value[j - 1] > d:
+            value[j] = value[j - 1]
+            out[j] = out[j - 1]
+            j -= 1
+        value[j] = d
+        out[j] = first + i
         held = min(held + 1, room)
+        farthest = value[room - 1]
 
 
 @njit(cache=True, nogil=True)
-def neighbours(cost: NDArray[np.float64], n_tasks: int, k: int, d: int) -> Neighbours:
+def neighbours(costs: Costs, n_tasks: int, k: int, d: int) -> Neighbours:
     """Return the k nearest tasks and d nearest depots of every task (fewer where there are fewer)."""
-    n_depots = cost.shape[0] - n_tasks
+    n_depots = costs.out.shape[0] - n_tasks
     tasks = np.empty((n_tasks, min(k, n_tasks - 1)), np.int32)
     depots = np.empty((n_tasks, min(d, n_depots)), np.int32)
     for v in range(n_tasks):
-        _keep_nearest(cost, v, 0, n_tasks, tasks[v])
-        _keep_nearest(cost, v, n_tasks, n_tasks + n_depots, depots[v])
+        there, back = costs.out[v], costs.into[v]
+        _keep_nearest(there[:n_tasks], back[:n_tasks], v, 0, tasks[v])
+        _keep_nearest(there[n_tasks:], back[n_tasks:], v, n_tasks, depots[v])
     return Neighbours(tasks, depots)

@@ -57,7 +57,8 @@ class RuinRecreate(Solver):
     ) -> Result:
         """Anneal until a limit; one step is one iteration."""
         recorder = Recorder(instance, limits, observe, start)
-        costs, near = both_ways(instance.cost), neighbours(instance.cost, instance.n_tasks, NEAR_TASKS, NEAR_DEPOTS)
+        costs = both_ways(instance.cost)
+        near = neighbours(costs, instance.n_tasks, NEAR_TASKS, NEAR_DEPOTS)
         habits = Habits(self.removals, strings=0.5, cuts=0.0, powers=len(POWERS))
         rng = seeded(seed)
         tours = _first_tours(instance, costs, near, rng, start)

@@ -18,31 +18,80 @@ from formulations.routing.ga_operators import (
     inter_depot_mutation,
     intra_depot_mutation,
 )
-from formulations.routing.greedy import greedy_routes
+from formulations.routing.greedy import VARIANTS, greedy_routes
 from formulations.solver import Limits
 from instances import InputError, Instance, Routes, as_routes, check_routes, makespan, tour_costs
 
 Windy = Callable[..., Instance]
 
 
-def naive_greedy(instance: Instance) -> Routes:
-    routes: Routes = ((),) * instance.n_depots
+def naive_insertions(instance: Instance, routes: Routes) -> list[tuple[float, int, int, Routes]]:
+    """Return (cost of the tour then, UAV, task, routes then) of every insertion."""
+    routed = {task for route in routes for task in route}
+    choices = []
+    for k, route in enumerate(routes):
+        for task in set(instance.tasks) - routed:
+            for at in range(len(route) + 1):
+                longer = (*routes[:k], (*route[:at], task, *route[at:]), *routes[k + 1 :])
+                choices.append((tour_costs(instance, longer)[k], k, task, longer))
+    return choices
+
+
+def naive_cheapest(instance: Instance, routes: Routes) -> Routes:
+    return min(naive_insertions(instance, routes))[-1]
+
+
+def naive_shortest(instance: Instance, routes: Routes) -> Routes:
+    shortest = int(np.argmin(tour_costs(instance, routes)))
+    return min(choice for choice in naive_insertions(instance, routes) if choice[1] == shortest)[-1]
+
+
+def naive_regret(instance: Instance, routes: Routes) -> Routes:
+    best: dict[int, dict[int, tuple[float, Routes]]] = {}
+    for cost, k, task, longer in sorted(naive_insertions(instance, routes), reverse=True):
+        best.setdefault(task, {})[k] = cost, longer
+    ranked = [sorted(tours.values()) for tours in best.values()]
+    if instance.n_depots == 1:
+        return min(tours[0] for tours in ranked)[-1]
+    return max(ranked, key=lambda tours: tours[1][0] - tours[0][0])[0][-1]
+
+
+def naive_nearest(instance: Instance, routes: Routes) -> Routes:
+    k = int(np.argmin(tour_costs(instance, routes)))
+    last = routes[k][-1] if routes[k] else instance.n_tasks + k
+    left = set(instance.tasks) - {task for route in routes for task in route}
+    nearest = min(left, key=lambda task: instance.cost[last, task])
+    return (*routes[:k], (*routes[k], nearest), *routes[k + 1 :])
+
+
+NAIVE = {"regret": naive_regret, "cheapest": naive_cheapest, "shortest": naive_shortest, "nearest": naive_nearest}
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@given(st.integers(1, 10), st.integers(1, 4), st.integers(0, 10**6))
+@settings(deadline=None, max_examples=25)
+def test_every_greedy_variant_is_its_naive_twin(windy: Windy, variant: str, n: int, m: int, seed: int) -> None:
+    instance = windy(n, m, seed)
+    routes: Routes = ((),) * m
     for _ in instance.tasks:
-        routed = {task for route in routes for task in route}
-        choices = []
-        for k, route in enumerate(routes):
-            for task in set(instance.tasks) - routed:
-                for at in range(len(route) + 1):
-                    longer = (*routes[:k], (*route[:at], task, *route[at:]), *routes[k + 1 :])
-                    choices.append((tour_costs(instance, longer)[k], longer))
-        routes = min(choices, key=lambda choice: choice[0])[1]
-    return routes
+        routes = NAIVE[variant](instance, routes)
+    assert greedy_routes(instance, variant) == routes
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_greedy_is_cheapest_insertion_for_min_max(windy: Windy, seed: int) -> None:
-    instance = windy(9, 1 + seed, seed)
-    assert greedy_routes(instance) == naive_greedy(instance)
+def test_greedy_whose_time_is_up_still_routes_every_task(windy: Windy) -> None:
+    instance = windy(60, 3, 0)
+    result = make_solver("greedy").solve(instance, limits=Limits(time=1e-9))
+    assert result.stopped_by == "time"
+    assert result.routes == greedy_routes(instance, "nearest")
+    assert check_routes(instance, result.routes) == []
+
+
+def test_greedy_keeps_a_better_start_and_names_an_unknown_variant(windy: Windy) -> None:
+    instance = windy(30, 3, 1)
+    good = make_solver("ruin-recreate").solve(instance, limits=Limits(time=60, iterations=3000)).routes
+    assert make_solver("greedy").solve(instance, limits=Limits(time=60), start=good).routes == good
+    with pytest.raises(InputError, match="did you mean 'regret'"):
+        make_solver("greedy", {"variant": "regrett"})
 
 
 def chromosome(windy: Windy, n: int, m: int, seed: int) -> tuple[Instance, np.ndarray, np.ndarray, np.ndarray]:

@@ -26,7 +26,7 @@ def ground(seed, positions):
     np.fill_diagonal(cost, 0.0)
     instance = Instance("plane", np.maximum(cost, 0.0), N, len(positions))
     costs = both_ways(instance.cost)
-    near = neighbours(instance.cost, N, 8, len(positions))
+    near = neighbours(both_ways(instance.cost), N, 8, len(positions))
     return instance, Ground(costs, near, mixing.places(costs, N))
 
 

@@ -47,7 +47,7 @@ def test_random_numbers_are_uniform_and_repeatable():
 @settings(deadline=None, max_examples=20)
 def test_neighbours_are_the_nearest_in_either_direction(seed):
     instance = random_instance(seed, 12, 4)
-    near = neighbours(instance.cost, 12, 5, 3)
+    near = neighbours(both_ways(instance.cost), 12, 5, 3)
     either = np.minimum(instance.cost, instance.cost.T)
     for v in range(12):
         others = [u for u in range(12) if u != v]
@@ -56,7 +56,7 @@ def test_neighbours_are_the_nearest_in_either_direction(seed):
 
 
 def test_neighbours_of_the_smallest_instances():
-    near = neighbours(random_instance(0, 1, 1).cost, 1, 20, 20)
+    near = neighbours(both_ways(random_instance(0, 1, 1).cost), 1, 20, 20)
     assert near.tasks.shape == (1, 0)
     assert near.depots.tolist() == [[1]]
 
@@ -107,7 +107,7 @@ def test_change_of_a_removal_and_of_an_insertion_is_the_recomputed_difference(se
 @settings(deadline=None, max_examples=40)
 def test_ruin_books_its_costs_and_undoes_without_a_trace(way, seed):
     instance, routes = random_instance(seed), random_routes(seed)
-    near = neighbours(instance.cost, instance.n_tasks, 8, 3)
+    near = neighbours(both_ways(instance.cost), instance.n_tasks, 8, 3)
     tours = rings.from_routes(both_ways(instance.cost), routes)
     gone, stood = np.empty(6, np.int32), np.empty(6, np.int32)
     if way == "adjacent":
@@ -132,7 +132,7 @@ def test_ruin_books_its_costs_and_undoes_without_a_trace(way, seed):
 def test_best_place_is_the_best_of_all_places_where_the_lists_hold_all(p, seed):
     instance, routes = random_instance(seed, 10), random_routes(seed, 10)
     costs = both_ways(instance.cost)
-    near = neighbours(instance.cost, 10, 9, 3)
+    near = neighbours(both_ways(instance.cost), 10, 9, 3)
     tours = rings.from_routes(costs, routes)
     v = seed % 10
     tours.cost[tours.tour[v]] += rings.removal_change(costs, tours, v)
@@ -155,7 +155,7 @@ def test_best_place_is_the_best_of_all_places_where_the_lists_hold_all(p, seed):
 @settings(deadline=None, max_examples=20)
 def test_construction_and_recreation_book_what_they_build(seed):
     instance = random_instance(seed)
-    near = neighbours(instance.cost, 14, 8, 3)
+    near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours = rings.empty_tours(14, 3)
     rebuilding.construct(both_ways(instance.cost), near, tours, seeded(seed))
     routes = rings.to_routes(tours)
@@ -167,7 +167,7 @@ def test_construction_where_all_costs_are_zero_or_huge():
     for scale in (0.0, 1e200):
         cost = Instance("flat", scale * (1.0 - np.eye(8)), 6, 2).cost
         tours = rings.empty_tours(6, 2)
-        rebuilding.construct(both_ways(cost), neighbours(cost, 6, 5, 2), tours, seeded(0))
+        rebuilding.construct(both_ways(cost), neighbours(both_ways(cost), 6, 5, 2), tours, seeded(0))
         assert sorted(sum(rings.to_routes(tours), ())) == list(range(6))
 
 
@@ -187,7 +187,7 @@ def test_shuffle_keeps_the_items_and_moves_them():
 
 def test_undo_returns_to_the_tours_before_the_step():
     instance, routes = random_instance(5), random_routes(5)
-    near = neighbours(instance.cost, 14, 8, 3)
+    near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours = rings.from_routes(both_ways(instance.cost), routes)
     costs = tours.cost.copy()
     gone, stood = np.empty(6, np.int32), np.empty(6, np.int32)
@@ -203,7 +203,7 @@ def test_undo_returns_to_the_tours_before_the_step():
 @settings(deadline=None, max_examples=15)
 def test_annealing_keeps_its_best_and_its_books(seed):
     instance, routes = random_instance(seed), random_routes(seed)
-    near = neighbours(instance.cost, 14, 8, 3)
+    near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours, best = (
         rings.from_routes(both_ways(instance.cost), routes),
         rings.from_routes(both_ways(instance.cost), routes),

@@ -152,7 +152,7 @@ def test_heads(seed):
 @settings(deadline=None, max_examples=40)
 def test_cut_keeps_the_books_and_the_threshold(seed):
     table = Table(seed)
-    near = neighbours(table.instance.cost, N, 8, M)
+    near = neighbours(both_ways(table.instance.cost), N, 8, M)
     rng, tours = seeded(seed), table.tours
     now = energy(tours.cost, 0.1)
     for _ in range(20):

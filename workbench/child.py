@@ -22,6 +22,7 @@ from typing import Any
 
 import psutil
 
+from workbench.threads import with_threads
 from workbench.worker import Assignment
 
 PREPARE_LIMIT = 300.0
@@ -240,5 +241,4 @@ class _Child:
 
 def _one_core_each(threads: int) -> dict[str, str]:
     """Return the environment of a child: numerical libraries keep to the solver's threads; crashes leave a trace."""
-    pools = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-    return {**os.environ, **dict.fromkeys(pools, str(threads)), "PYTHONFAULTHANDLER": "1", "PYTHONUNBUFFERED": "1"}
+    return {**with_threads(threads), "PYTHONFAULTHANDLER": "1", "PYTHONUNBUFFERED": "1"}

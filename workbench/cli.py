@@ -12,6 +12,8 @@ from typing import NoReturn
 
 import click
 
+from workbench.threads import keep_to_one
+
 COMMANDS = {
     "generate": "make instances of a family",
     "solve": "solve one instance",
@@ -68,6 +70,7 @@ def commands() -> None:
 
 def main(args: list[str] | None = None) -> NoReturn:
     """Run the command line and exit; an InputError becomes one sentence on stderr and exit code 2."""
+    keep_to_one()
     try:
         # click's own standalone mode would turn Ctrl-C into exit code 1
         code = commands.main(args=args, standalone_mode=False)

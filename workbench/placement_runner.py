@@ -22,6 +22,7 @@ from workbench.child import grace
 from workbench.job import Job
 from workbench.machine import environment, environment_digest
 from workbench.placement_jobs import Task
+from workbench.threads import with_threads
 
 PREPARE_LIMIT = 120.0
 """Seconds a child may take to start and import."""
@@ -106,7 +107,6 @@ def _listen(task: Task, job: Job) -> tuple[list[dict[str, Any]], str, str, float
     """Run the child; return its messages, its log, why it was killed (or ""), and its wall clock [s]."""
     given = {**asdict(task), "method": job.solver, "options": dict(job.options)}
     given |= {"seed": job.seed, "time_limit": job.time_limit}
-    pools = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
     began, killed = time.monotonic(), ""
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
         process = subprocess.Popen(
@@ -114,7 +114,7 @@ def _listen(task: Task, job: Job) -> tuple[list[dict[str, Any]], str, str, float
             stdin=subprocess.PIPE,
             stdout=out,
             stderr=err,
-            env={**os.environ, **dict.fromkeys(pools, "1")},
+            env=with_threads(1),
             start_new_session=True,
             text=True,
         )

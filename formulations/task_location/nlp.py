@@ -1,5 +1,9 @@
 """`nlp`: the non-linear programme of sub-problem 1 in casadi, solved by IPOPT from several starts.
 
+Most starts are hops: the best end so far, shaken (basin hopping, Wales & Doye 1997). Random
+starts reach the best known 40 tasks in the square one time in four, and from a poor first end ten starts of hops and
+random ones reached it in 60 of 60 trials; IPOPT also needs fewer iterations after a hop.
+
     max I(P)   s.t.  box of A ≤ p_i,  s(p_i) ≥ 0 for every task i,        P = (p_1, …, p_n)
 
 where s is the exact signed distance to the border of A (positive inside), only present where A is not its own
@@ -28,9 +32,11 @@ from formulations.task_location.boundary import distance_gradient, is_rectangle
 from formulations.task_location.criterion import Array, Criterion
 from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
-from formulations.task_location.starts import starts
+from formulations.task_location.starts import greedy_start
 from instances.environment.region import Region
 
+HOP = 0.65
+"""Standard deviation of a hop in mean distances between tasks, √(area / n)."""
 SNAPPED = 1.0
 """A point moved farther [m] into the region at the end is not where IPOPT solved."""
 
@@ -39,8 +45,8 @@ SNAPPED = 1.0
 class Nlp(PlacementMethod):
     """casadi and IPOPT with closed-form gradient and Hessian.
 
-    starts : number of starts: the greedy choice after exchanges, then random ones; 0 for
-        n / 5, from 2 to 8, in a rectangle and 8 elsewhere, where the landscape is less benign.
+    starts : number of starts: the greedy choice after exchanges, then hops from the best end so far, every fourth
+        time a random start instead; 0 for n / 4, from 2 to 10, in a rectangle and 8 elsewhere.
     iterations : at most so many a start.
     tolerance : IPOPT's scaled optimality error.
     """
@@ -59,9 +65,17 @@ class Nlp(PlacementMethod):
         criterion, region = problem.criterion, problem.region
         model = Model(problem, self.iterations, self.tolerance)
         status = PlacementStatus.HEURISTIC
-        enough = min(max(2, problem.n_tasks // 5), 8) if is_rectangle(region) else 8
-        for begin in starts(problem, self.starts or enough, seed):
+        enough = min(max(2, problem.n_tasks // 4), 10) if is_rectangle(region) else 8
+        rng = np.random.default_rng(seed)
+        hop = HOP * math.sqrt(region.area / problem.n_tasks)
+        for start in range(self.starts or enough):
             progress.check()
+            if progress.best is None:
+                begin = greedy_start(problem)
+            elif start % 4 == 0:
+                begin = region.sample(problem.n_tasks, rng)
+            else:
+                begin = region.snap(progress.best + rng.normal(0.0, hop, progress.best.shape))
             points, converged = model.solve(begin, progress.remaining)
             snapped = region.snap(points)
             if progress.offer(snapped, criterion.value(snapped)):

@@ -17,17 +17,22 @@ COARSE = 21
 """Points a side of the lattice for the greedy start."""
 
 
-def starts(problem: PlacementProblem, count: int, seed: int) -> Iterator[Array]:
-    """Yield `count` starts (n, 2) [m]: the greedy choice after exchanges first, then uniform random points.
+def greedy_start(problem: PlacementProblem) -> Array:
+    """Return the greedy choice after exchanges (n, 2) [m].
 
-    The greedy start is over a coarse lattice where that has room for the tasks: the local method does the rest.
+    It is over a coarse lattice where that has room for the tasks: the local method does the rest.
     """
     if len(lattice(problem.region, COARSE)) >= 2 * problem.n_tasks:
         problem = dataclasses.replace(problem, candidates_per_axis=COARSE)
     inner = Progress(Limits(time=math.inf))
-    GreedySwap().search(problem, inner, seed)
+    GreedySwap().search(problem, inner, 0)
     assert inner.best is not None
-    yield inner.best
+    return inner.best
+
+
+def starts(problem: PlacementProblem, count: int, seed: int) -> Iterator[Array]:
+    """Yield `count` starts (n, 2) [m]: the greedy choice after exchanges first, then uniform random points."""
+    yield greedy_start(problem)
     rng = np.random.default_rng(seed)
     for _ in range(count - 1):
         yield problem.region.sample(problem.n_tasks, rng)

@@ -1,6 +1,6 @@
 """Mapping: the measured figures beside their bars. Run by hand: python tests/benchmarks/mapping.py [--quick]
 
-Times are process CPU seconds, the median of many repetitions, kernels compiled before.
+Times are process CPU seconds, the median of many repetitions, kernels compiled before, one BLAS thread.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from formulations.kernel import SquaredExponential
 from formulations.mapping import dubins
@@ -150,7 +151,8 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="3 fields instead of 12")
     quick = parser.parse_args().quick
-    tick(30 if quick else 200)
+    with threadpool_limits(1, user_api="blas"):
+        tick(30 if quick else 200)
     exactness()
     dubins_speed(50_000 if quick else 500_000)
     random_fields(3 if quick else 12, 2.0 if quick else 10.0)

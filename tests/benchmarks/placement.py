@@ -1,7 +1,7 @@
 """Measure task placement against its bars, side by side in one run: python tests/benchmarks/placement.py [--quick].
 
 Setting: 20 km square, test points at cell centres, σ_f = 30, l = 4 km, σ_n = 1. Times are CPU seconds of this process
-after import; run with OMP_NUM_THREADS=1. --quick leaves out the literal Nelder–Mead and does 4 of 20 regions.
+after import, one BLAS thread. --quick leaves out the literal Nelder–Mead and does 4 of 20 regions.
 --region-seed K takes the random regions K, K + 1, ...; --regions-only measures nothing else.
 """
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -197,3 +200,13 @@ def test_extreme_costs_go_through(cli, tmp_path, size):
     write_instance(Instance("extreme", cost, 3, 2), tmp_path / "extreme.json")
     assert cli("compare", "extreme.json", "--solvers", "greedy,subset-dp", "--out", "runs", "--no-report")[0] == 0
     assert cli("check", "runs")[0] == 0
+
+
+def test_libraries_start_one_thread_unless_the_user_says_otherwise():
+    code = "import os; from workbench.cli import main\ntry: main(['solvers'])\nexcept SystemExit: pass\n"
+    code += "print(os.environ['OPENBLAS_NUM_THREADS'], os.environ['OMP_NUM_THREADS'])"
+    own = {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env={**own, "OMP_NUM_THREADS": "3"}, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split()[-2:] == ["1", "3"]

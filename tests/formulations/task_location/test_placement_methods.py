@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from shapely.geometry import Polygon
+from threadpoolctl import threadpool_info
 
 from formulations.kernel import SquaredExponential
 from formulations.solver import Limits
@@ -103,6 +104,29 @@ def test_nlp_is_at_least_as_good_as_its_start_and_as_nelder_mead(region):
     assert values["nlp"] >= max(values.values()) * 0.999
     assert values["nlp"] > values["grid"] > 0
     assert values["nlp"] >= max(values["nelder-mead"], values["random"])
+
+
+def test_nlp_leaves_a_poor_first_end_by_hops(monkeypatch):
+    poor = SQUARE.sample(40, np.random.default_rng(2))
+    monkeypatch.setattr("formulations.task_location.nlp.greedy_start", lambda _: poor)
+    given = problem(SQUARE, 40, cells=20)
+    alone = place(given, make_method("nlp", {"starts": 1}), "nlp").mutual_information
+    assert alone < 105.0 < place(given, make_method("nlp"), "nlp").mutual_information
+
+
+def test_methods_run_with_one_blas_thread():
+    class Looking(PlacementMethod):
+        status = PlacementStatus.HEURISTIC
+
+        def search(self, problem, progress, seed):
+            threads.extend(pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas")
+            progress.offer(problem.region.sample(problem.n_tasks, np.random.default_rng(0)), 0.0)
+            return self.status
+
+    threads: list[int] = []
+    place(problem(SQUARE, 3), Looking(), "looking")
+    assert threads
+    assert set(threads) == {1}
 
 
 def test_nlp_ends_where_the_gradient_vanishes():

@@ -29,6 +29,7 @@ import numpy as np
 import shapely
 
 from formulations.kernel import SquaredExponential
+from formulations.task_location.blas import one_thread
 from formulations.task_location.boundary import is_rectangle
 from formulations.task_location.criterion import Array, Criterion
 from formulations.task_location.supremum import supremum
@@ -98,6 +99,7 @@ class Theta:
         return np.asarray(coefficient @ (along * along) + kernel.signal_sd**2 * self.floor), curvature
 
 
+@one_thread()
 def certificate(criterion: Criterion, region: Region, n: int, *, updates: int = 300) -> Certificate:
     """Return an upper bound on I, under the criterion's convention, of every n points of `region`.
 

@@ -21,11 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from formulations.task_location.blas import one_thread
 from formulations.task_location.certificate import ROUNDING, Certificate, Theta
 from formulations.task_location.criterion import Array, Criterion
 from instances.errors import InputError
 
 
+@one_thread()
 def discrete_certificate(criterion: Criterion, sites: Array, n: int, *, rounds: int = 60) -> Certificate:
     """Return an upper bound on I of every n distinct `sites` (N, 2) [m], under the criterion's convention.
 

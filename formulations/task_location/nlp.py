@@ -1,8 +1,9 @@
 """`nlp`: the non-linear programme of sub-problem 1 in casadi, solved by IPOPT from several starts.
 
-Most starts are hops: the best end so far, shaken (basin hopping, Wales & Doye 1997). Random
-starts reach the best known 40 tasks in the square one time in four, and from a poor first end ten starts of hops and
-random ones reached it in 60 of 60 trials; IPOPT also needs fewer iterations after a hop.
+In a rectangle most starts are hops: the best end so far, shaken (basin hopping, Wales & Doye 1997). One random start
+in four reaches the best known 40 tasks in the square; from a poor first end, ten starts with hops reached it in 60 of
+60 trials, and IPOPT needs fewer iterations after a hop. In ragged regions hops stay in the wrong arms; random starts
+do better there.
 
     max I(P)   s.t.  box of A ≤ p_i,  s(p_i) ≥ 0 for every task i,        P = (p_1, …, p_n)
 
@@ -45,8 +46,8 @@ SNAPPED = 1.0
 class Nlp(PlacementMethod):
     """casadi and IPOPT with closed-form gradient and Hessian.
 
-    starts : number of starts: the greedy choice after exchanges, then hops from the best end so far, every fourth
-        time a random start instead; 0 for n / 4, from 2 to 10, in a rectangle and 8 elsewhere.
+    starts : number of starts: the greedy choice after exchanges, then random ones, in a rectangle three of four hops
+        from the best end so far instead; 0 for n / 4, from 2 to 10, in a rectangle and 12 elsewhere.
     iterations : at most so many a start.
     tolerance : IPOPT's scaled optimality error.
     """
@@ -65,17 +66,18 @@ class Nlp(PlacementMethod):
         criterion, region = problem.criterion, problem.region
         model = Model(problem, self.iterations, self.tolerance)
         status = PlacementStatus.HEURISTIC
-        enough = min(max(2, problem.n_tasks // 4), 10) if is_rectangle(region) else 8
+        hopping = is_rectangle(region)
+        enough = min(max(2, problem.n_tasks // 4), 10) if hopping else 12
         rng = np.random.default_rng(seed)
         hop = HOP * math.sqrt(region.area / problem.n_tasks)
         for start in range(self.starts or enough):
             progress.check()
             if progress.best is None:
                 begin = greedy_start(problem)
-            elif start % 4 == 0:
-                begin = region.sample(problem.n_tasks, rng)
-            else:
+            elif hopping and start % 4:
                 begin = region.snap(progress.best + rng.normal(0.0, hop, progress.best.shape))
+            else:
+                begin = region.sample(problem.n_tasks, rng)
             points, converged = model.solve(begin, progress.remaining)
             snapped = region.snap(points)
             if progress.offer(snapped, criterion.value(snapped)):

@@ -12,13 +12,13 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
 
 from formulations.solver import Limits
+from formulations.task_location.blas import one_thread
 from formulations.task_location.criterion import Array, Convention, Criterion
 from instances.environment.region import Region
 from instances.errors import InputError
@@ -199,6 +199,7 @@ class Placement:
         }
 
 
+@one_thread()
 def place(
     problem: PlacementProblem,
     method: PlacementMethod,
@@ -221,8 +222,7 @@ def place(
     progress = Progress(limits or Limits(time=math.inf), observe)
     stopped_by = "finished"
     try:
-        with _blas().limit(limits=1, user_api="blas"):
-            status = method.search(problem, progress, seed)
+        status = method.search(problem, progress, seed)
     except OutOfTime:
         status, stopped_by = PlacementStatus.HEURISTIC, "time"
     elapsed = progress.elapsed
@@ -243,15 +243,6 @@ def place(
         stopped_by=stopped_by,
         maximised=problem.criterion.convention,
     )
-
-
-@cache
-def _blas() -> ThreadpoolController:
-    """Return the handle on the BLAS libraries loaded by now.
-
-    One thread: on matrices this small a second one only spins, and it rounds otherwise, which breaks ties otherwise.
-    """
-    return ThreadpoolController()
 
 
 def checked_points(problem: PlacementProblem, points: Array, name: str) -> Array:

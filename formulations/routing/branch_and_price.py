@@ -31,7 +31,7 @@ import numpy as np
 from formulations.recorder import Recorder
 from formulations.routing.columns.labelling import compile_beam, make_store
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.node import Workspace
+from formulations.routing.columns.node import Efforts, Workspace
 from formulations.routing.columns.pricing import Column, Effort
 from formulations.routing.columns.tree import Incumbent, Tree
 from formulations.routing.search.ruin_recreate import RuinRecreate
@@ -60,8 +60,8 @@ class BranchAndPrice(Solver):
 
     starts: int = 6
     bins: int = 500
-    labels: int = 4_000_000
-    tours: int = 1_000_000
+    labels: int = 16_000_000
+    tours: int = 3_000_000
 
     proves: ClassVar[bool] = True
 
@@ -153,16 +153,23 @@ class BranchAndPrice(Solver):
             if recorder.objective == before:
                 return
 
-    def _efforts(self, n: int) -> tuple[tuple[Effort, ...], Effort]:
-        """Return the schedule of pricing efforts, quick ones first, and the effort for fixing and listing."""
-        near = 8 if n <= 100 else 6
-        quick = max(1, self.bins * 3 // 10)
-        return (
+    def _efforts(self, n: int) -> tuple[Efforts, Efforts]:
+        """Return how hard to work at a node without cuts, and at one with cuts."""
+        near = 6 if n <= 100 else 5
+        quick, middle, fine = (max(1, self.bins * share // 10) for share in (3, 5, 8))
+        plain = (
             Effort(3, quick, 200),
-            Effort(3, max(1, self.bins * 2 // 5), 3000),
-            Effort(min(6, near), max(1, self.bins * 4 // 5), 20_000),
-            Effort(near - 1, self.bins, 60_000),
-        ), Effort(near, self.bins, 0)
+            Effort(3, quick, 3000),
+            Effort(near - 1, middle, 20_000),
+            Effort(near, fine, 300_000),
+        )
+        cutting = (
+            Effort(3, quick, 200, 3),
+            Effort(3, quick, 3000, 4),
+            Effort(4, middle, 30_000, 4),
+            Effort(5, middle, 300_000, 4),
+        )
+        return Efforts(plain, Effort(near, fine, 0)), Efforts(cutting, Effort(5, fine, 0, 4))
 
 
 def _columns(recorder: Recorder) -> list[Column]:

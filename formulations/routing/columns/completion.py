@@ -113,10 +113,13 @@ def successors(legs, count):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def completion(between, home, legs, home_bins, order, degree, step, price, sigma, count):  # type: ignore[no-untyped-def]
-    """Return B, shape (n, count + 1, 2^g + 1); the last entry of a row is infinite, for forbidden steps."""
-    n, states = home.size, step.shape[2]
-    best = np.full((n, count + 1, states + 1), np.inf)
+def completion(between, home, legs, home_bins, order, degree, step, turn, charge, price, sigma, count):  # type: ignore[no-untyped-def]
+    """Return B, shape (n, count + 1, 2^q (2^g + 1)): for each state of the cuts watched (`watching.py`) one block.
+
+    The last entry of a block is infinite, for forbidden steps.
+    """
+    n, states, blocks = home.size, step.shape[2], turn.shape[2]
+    best = np.full((n, count + 1, blocks * (states + 1)), np.inf)
     zero_legs = False
     for i in range(n):
         zero_legs = zero_legs or (degree[i] > 0 and legs[i, order[i, 0]] == 0)
@@ -124,14 +127,16 @@ def completion(between, home, legs, home_bins, order, degree, step, price, sigma
         for i in range(n):
             row = best[i, b]
             if home_bins[i] <= b:
-                row[:states] = sigma * home[i]
+                for block in range(blocks):
+                    row[block * (states + 1) : block * (states + 1) + states] = sigma * home[i]
             for a in range(degree[i]):
                 j = order[i, a]
                 used = legs[i, j]
                 if used > b:
                     break
                 if used > 0:
-                    _relax(row, best[j, b - used], step[i, j], sigma * between[i, j] - price[j], states)
+                    weight = sigma * between[i, j] - price[j]
+                    _relax(row, best[j, b - used], step[i, j], turn[i, j], charge[i, j], weight, states)
         if zero_legs:
             for _ in range(n):
                 changed = False
@@ -141,21 +146,29 @@ def completion(between, home, legs, home_bins, order, degree, step, price, sigma
                         if legs[i, j] > 0:
                             break
                         weight = sigma * between[i, j] - price[j]
-                        changed = _relax(best[i, b], best[j, b], step[i, j], weight, states) or changed
+                        row = best[i, b]
+                        changed = (
+                            _relax(row, best[j, b], step[i, j], turn[i, j], charge[i, j], weight, states) or changed
+                        )
                 if not changed:
                     break
     return best
 
 
 @numba.njit(cache=True, inline="always")
-def _relax(row, source, step, weight, states):  # type: ignore[no-untyped-def]
-    """Lower row(M) to weight + source(step(M)). Empty memory is the least restricted, full the most."""
-    if weight + source[0] >= row[states - 1]:
-        return False
+def _relax(row, source, step, turn, charge, weight, states):  # type: ignore[no-untyped-def]
+    """Lower row(C, M) to weight + charge(C) + source(turn(C), step(M)).
+
+    In each block empty memory is the least restricted, full the most.
+    """
     changed = False
-    for memory in range(states):
-        value = weight + source[step[memory]]
-        if value < row[memory]:
-            row[memory] = value
-            changed = True
+    for block in range(turn.size):
+        to, at, paid = turn[block] * (states + 1), block * (states + 1), weight + charge[block]
+        if paid + source[to] >= row[at + states - 1]:
+            continue
+        for memory in range(states):
+            value = paid + source[to + step[memory]]
+            if value < row[at + memory]:
+                row[at + memory] = value
+                changed = True
     return changed

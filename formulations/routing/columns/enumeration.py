@@ -15,14 +15,19 @@ from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Duals, Pricer
 
 
-def enumerate_tours(pricer: Pricer, duals: Duals, bound: float, least: NDArray[np.float64], room: int) -> Pool | None:
-    """Return the pool at these duals, where `bound` is L and `least` its terms r_k; None where it does not fit."""
+def enumerate_tours(
+    pricer: Pricer, duals: Duals, bound: float, least: NDArray[np.float64], labels: int, room: int
+) -> Pool | None:
+    """Return the pool at these duals, where `bound` is L and `least` its terms r_k.
+
+    None where it would take more than `room` tours, or `labels` labels of one UAV.
+    """
     s, m = pricer.store, pricer.n_uavs
     parts, last, parent = [], [], []
     total = 0
     for k in range(m):
         threshold = pricer.cap - bound + float(least[k])
-        found = search(pricer.field(k, duals), s, threshold, s.last.size, room - total, pricer.out_of_time)
+        found = search(pricer.field(k, duals), s, threshold, pricer.out_of_time, labels=labels, tours=room - total)
         if not found.complete:
             return None
         ends = found.ends

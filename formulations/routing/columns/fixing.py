@@ -4,6 +4,7 @@ Let L be the Lagrangian bound at (σ, π) and r_k the term of UAV k in it. Route
 least L − r_k + r_k(leg), where r_k(leg) bounds the reduced cost of k's tours through it: the best way from the depot
 to the leg (completion bounds of the reversed graph), the leg, and the best way home, together within the cap. Where it
 reaches the cap, only routes without the leg can be better. L, r_k and r_k(leg) are all taken at the same duals.
+Cuts are charged in either part on their own, which is never more than the whole tour pays: ⌊a/2⌋ + ⌊b/2⌋ ≤ ⌊(a+b)/2⌋.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from formulations.routing.columns.pricing import Duals, Pricer
 
 def fix_legs(pricer: Pricer, duals: Duals, bound: float, least: NDArray[np.float64]) -> Legs:
     """Return the legs still needed; `bound` is L at `duals` (rounding margin taken off) and `least` its terms r_k."""
-    legs, cap, m = pricer.legs, pricer.cap, pricer.legs.n_uavs
+    legs, cap, m, watch = pricer.legs, pricer.cap, pricer.legs.n_uavs, pricer.watch(duals)
     out, between, home = legs.out.copy(), legs.between.copy(), legs.home.copy()
     for k in range(m):
         if pricer.out_of_time():
@@ -29,7 +30,7 @@ def fix_legs(pricer: Pricer, duals: Duals, bound: float, least: NDArray[np.float
         order, degree = successors(back_legs.legs, b.count)
         reverse = completion(
             np.ascontiguousarray(legs.between[k].T), legs.out[k], back_legs.legs, back_legs.home, order, degree,
-            pricer.memory.step, duals.price, duals.sigma[k], b.count,
+            pricer.memory.step, watch.turn, watch.charge, duals.price, duals.sigma[k], b.count,
         )  # fmt: skip
         ahead, allowed = pricer.field(k, duals).best, cap - (bound - least[k])
         _fix(

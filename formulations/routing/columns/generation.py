@@ -41,16 +41,23 @@ class Relaxation:
 
 
 def generate(
-    master: Master, pricers: Sequence[Prices], cap: float, out_of_time: Callable[[], bool], *, known: float = -np.inf
+    master: Master,
+    pricers: Sequence[Prices],
+    cap: float,
+    out_of_time: Callable[[], bool],
+    centre: Relaxation | None = None,
 ) -> Relaxation:
     """Solve the relaxation over tours of cost ≤ `cap`; stop early where the bound passes the cap or time is up.
 
-    known : a bound already known; nothing better is reported as that.
+    centre : how a relaxation with no fewer tours and no more cuts ended; what its duals prove still holds, and new
+        ones are sought near them.
     """
     m = pricers[0].n_uavs
     _, at_master, weight = master.solve()
-    best, best_bound, best_least = at_master, -np.inf, np.zeros(m)
-    level, trust, rounds = 0, 1.0, 0
+    best, best_bound, best_least, trust = at_master, -np.inf, np.zeros(m), 1.0
+    if centre is not None:
+        best, best_bound, best_least, trust = centre.duals, centre.bound, centre.least, _SMOOTHING
+    level, rounds = 0, 0
     while True:
         rounds += 1
         duals = best.towards(at_master, trust)

@@ -40,8 +40,8 @@ class Store(NamedTuple):
 class Field(NamedTuple):
     """What a search runs on: legs of one UAV [s], successors, `n_bins` of `width` [s] under the cap [s], prices.
 
-    `near` (n, g) are the tasks remembered, `partners` and `rho` the cuts of each task (see `cuts`), `best` the
-    completion bounds.
+    `near` (n, g) are the tasks remembered, `watched` (n, q, 3) the cuts watched (see `watching`), `partners` and `rho`
+    the cuts of each task (see `cuts`), `best` the completion bounds.
     """
 
     out: NDArray[np.float64]
@@ -53,6 +53,7 @@ class Field(NamedTuple):
     width: float
     n_bins: int
     near: NDArray[np.int64]
+    watched: NDArray[np.int64]
     price: NDArray[np.float64]
     sigma: float
     partners: NDArray[np.int64]
@@ -93,13 +94,24 @@ def path(last: NDArray[np.int16], parent: NDArray[np.int32], label: int) -> tupl
 
 
 def search(
-    field: Field, store: Store, threshold: float, beam: int, tours: int, out_of_time: Callable[[], bool]
+    field: Field,
+    store: Store,
+    threshold: float,
+    out_of_time: Callable[[], bool],
+    *,
+    beam: int | None = None,
+    labels: int | None = None,
+    tours: int,
 ) -> Found:
-    """Find the tours of reduced cost below `threshold`, the cheapest for each set of tasks; at most `tours` ends."""
+    """Find the tours of reduced cost below `threshold`, the cheapest for each set of tasks.
+
+    Not all of them where a layer is cut off at `beam` labels, or `labels` in all or `tours` are too few.
+    """
+    room = min(labels or store.last.size, store.last.size)
     ends, values, listed, complete = [], [], 0, True
     begin, end = 0, depart(field, store, threshold)
     while end > begin:
-        if end - begin > beam:
+        if beam is not None and end - begin > beam:
             complete = False
             end = _keep_best(store, beam, begin, end)
         layer_ends, layer_values = _tours(field, store, threshold, begin, end)
@@ -111,7 +123,7 @@ def search(
             if stopped or out_of_time():
                 stopped = True
                 break
-            stopped, free = expand(field, store, threshold, low, min(low + _CHUNK, end), free)
+            stopped, free = expand(field, store, threshold, low, min(low + _CHUNK, end), free, room)
         _clear(store, end, free)
         if stopped:
             complete = False
@@ -133,6 +145,35 @@ def compile_beam() -> None:
 def has(words, task):  # type: ignore[no-untyped-def]
     """Say whether a set contains a task."""
     return (words[task >> 6] >> np.uint64(task & 63)) & np.uint64(1) != np.uint64(0)
+
+
+@numba.njit(cache=True)
+def alone(field, task):  # type: ignore[no-untyped-def]
+    """Return the state of the completion bounds at `task` where nothing else was visited."""
+    bits = 0
+    for r in range(field.watched.shape[1]):
+        for a in range(3):
+            if field.watched[task, r, a] == task:
+                bits |= 1 << r
+    return bits * ((1 << field.near.shape[1]) + 1)
+
+
+@numba.njit(cache=True, inline="always")
+def _state(field, seen, task):  # type: ignore[no-untyped-def]
+    """Return the state of the completion bounds at `task` after the tasks `seen`, which are other ones."""
+    memory, bits = 0, 0
+    for q in range(field.near.shape[1]):
+        if has(seen, field.near[task, q]):
+            memory |= 1 << q
+    for r in range(field.watched.shape[1]):
+        if field.watched[task, r, 0] >= 0:
+            held = 0
+            for a in range(3):
+                member = field.watched[task, r, a]
+                held += member == task or has(seen, member)
+            if held == 1:
+                bits |= 1 << r
+    return bits * ((1 << field.near.shape[1]) + 1) + memory
 
 
 @numba.njit(cache=True, inline="always")
@@ -161,7 +202,7 @@ def depart(field, store, threshold):  # type: ignore[no-untyped-def]
         if not spent <= field.cap:
             continue
         left = bins_left(field.cap - spent, field.width, field.n_bins)
-        least = field.sigma * spent - earned + field.best[j, left, 0]
+        least = field.sigma * spent - earned + field.best[j, left, alone(field, j)]
         if least < threshold and free < store.last.size:
             store.visited[free] = np.uint64(0)
             store.visited[free, j >> 6] = np.uint64(1) << np.uint64(j & 63)
@@ -172,8 +213,8 @@ def depart(field, store, threshold):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def expand(field, store, threshold, low, high, free):  # type: ignore[no-untyped-def]
-    """Extend the labels low..high−1 by every task; return whether the store is full, and the next free label."""
+def expand(field, store, threshold, low, high, free, room):  # type: ignore[no-untyped-def]
+    """Extend the labels low..high−1 by every task; return whether `room` labels are too few, and the next free one."""
     mask = store.slots.size - 1
     for label in range(low, high):
         here, seen = store.last[label], store.visited[label]
@@ -187,12 +228,8 @@ def expand(field, store, threshold, low, high, free):  # type: ignore[no-untyped
             for q in range(field.rho.shape[1]):
                 if field.rho[j, q] > 0 and has(seen, field.partners[j, q, 0]) != has(seen, field.partners[j, q, 1]):
                     earned -= field.rho[j, q]
-            memory = 0
-            for q in range(field.near.shape[1]):
-                if has(seen, field.near[j, q]):
-                    memory |= 1 << q
             left = bins_left(field.cap - spent, field.width, field.n_bins)
-            least = field.sigma * spent - earned + field.best[j, left, memory]
+            least = field.sigma * spent - earned + field.best[j, left, _state(field, seen, j)]
             if least >= threshold:
                 continue
             bit = np.uint64(1) << np.uint64(j & 63)
@@ -203,7 +240,7 @@ def expand(field, store, threshold, low, high, free):  # type: ignore[no-untyped
                 slot = (slot + 1) & mask
                 at = store.slots[slot]
             if at < 0:
-                if free == store.last.size:
+                if free >= room:
                     return True, free
                 at = free
                 free += 1

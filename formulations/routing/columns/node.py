@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +25,18 @@ from formulations.routing.columns.pool import Pool, PoolPricer
 from formulations.routing.columns.pricing import Column, Effort, Pricer, Prices
 
 _WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not listed
-_RETRY = 0.8  # of the gap at the last list that did not fit
-_CUTS_A_ROUND = 30
+_FIRST_ROOM = 1_000_000  # labels of the first attempt to list the tours; four times as many after each failure
+_CUTS_A_ROUND = 50
 _STALLED = 5e-4  # of the cap
 _ROUNDS_STALLED = 3
 _DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
+
+
+class Efforts(NamedTuple):
+    """How hard to work: `pricing` in the order to try, quick ones first; `thorough` to fix and list."""
+
+    pricing: tuple[Effort, ...]
+    thorough: Effort
 
 
 @dataclass
@@ -39,13 +46,17 @@ class Workspace:
     out_of_time: Callable[[], bool]
     store: Store
     tours_room: int
-    efforts: tuple[Effort, ...]
-    thorough: Effort
+    plain: Efforts
+    cutting: Efforts
     counts: dict[str, Any] = field(default_factory=dict)
 
     def count(self, what: str, by: int = 1) -> None:
         """Add to a counter of the statistics."""
         self.counts[what] = self.counts.get(what, 0) + by
+
+    def efforts(self, node: Node) -> Efforts:
+        """Return how hard to work at a node."""
+        return self.cutting if node.cuts else self.plain
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""
@@ -58,15 +69,17 @@ class Node:
 
     share : y_ki, how much of task i UAV k takes in the relaxation, shape (m, n); None unless ready to branch.
     routes : better routes found, tours by UAV, or None; without `share` they solve the relaxation itself.
-    listing_failed : gap [s] at which the tours did not fit a list.
+    centre : the last relaxation solved here or above.
+    room : labels to list the tours with next time.
     """
 
     legs: Legs
     bound: float
     columns: list[Column]
     cuts: tuple[Cut, ...] = ()
+    centre: Relaxation | None = None
     pool: Pool | None = None
-    listing_failed: float = np.inf
+    room: int = _FIRST_ROOM
     share: NDArray[np.float64] | None = None
     routes: dict[int, Column] | None = None
 
@@ -85,6 +98,7 @@ def relax(node: Node, cap: float, work: Workspace) -> None:
     master = _master(node, cap)
     relaxation = generate(master, _pricers(node, cap, work), cap, work.out_of_time)
     work.count("rounds", relaxation.rounds)
+    node.centre = relaxation
     node.bound, node.columns = max(node.bound, relaxation.bound), list(master.columns)
 
 
@@ -96,13 +110,13 @@ def tighten(node: Node, cap: float, work: Workspace) -> None:
     master = _master(node, cap)
     stalled = 0
     while True:
-        relaxation = generate(master, _pricers(node, cap, work), cap, work.out_of_time)
+        relaxation = generate(master, _pricers(node, cap, work), cap, work.out_of_time, node.centre)
         stalled = stalled + 1 if relaxation.bound < node.bound + _STALLED * cap else 0
         node.bound = max(node.bound, relaxation.bound)
         work.count("rounds", relaxation.rounds)
         if node.bound > cap or work.out_of_time():
             return
-        node.columns, node.cuts = list(master.columns), tuple(master.cuts)
+        node.columns, node.centre = list(master.columns), relaxation
         if relaxation.solved:
             node.routes = _whole_tours(master, relaxation.weight)
             if node.routes is not None:
@@ -114,6 +128,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> None:
             node.routes = _routes(master.whole(_DIVE) or [], master.n)
             return
         master.cut_off(cuts)
+        node.cuts = tuple(master.cuts)
         work.count("cuts", len(cuts))
 
 
@@ -127,7 +142,7 @@ def _master(node: Node, cap: float) -> Master:
 def _pricers(node: Node, cap: float, work: Workspace) -> list[Prices]:
     if node.pool is not None:
         return [PoolPricer(node.pool)]
-    return [work.pricer(node.legs, cap, effort) for effort in work.efforts]
+    return [work.pricer(node.legs, cap, effort) for effort in work.efforts(node).pricing]
 
 
 def _reduce(node: Node, relaxation: Relaxation, cap: float, work: Workspace) -> None:
@@ -137,13 +152,14 @@ def _reduce(node: Node, relaxation: Relaxation, cap: float, work: Workspace) -> 
         node.pool = node.pool.needed(*found, cap)
         return
     gap = cap - relaxation.bound
-    node.legs = fix_legs(work.pricer(node.legs, cap, work.thorough), *found)
-    if gap > min(_WORTH_LISTING * cap, _RETRY * node.listing_failed):
+    thorough = work.efforts(node).thorough
+    node.legs = fix_legs(work.pricer(node.legs, cap, thorough), *found)
+    if gap > _WORTH_LISTING * cap:
         return
-    node.pool = enumerate_tours(work.pricer(node.legs, cap, work.thorough), *found, work.tours_room)
+    node.pool = enumerate_tours(work.pricer(node.legs, cap, thorough), *found, node.room, work.tours_room)
     work.count("pools" if node.pool is not None else "pools that did not fit")
     if node.pool is None:
-        node.listing_failed = gap
+        node.room *= 4
 
 
 def _shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:

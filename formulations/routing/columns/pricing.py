@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 
 from formulations.routing.columns.completion import Bins, Memory, bins_left, completion, successors
 from formulations.routing.columns.cuts import Cut, by_task
-from formulations.routing.columns.labelling import Field, Store, path, search
+from formulations.routing.columns.labelling import Field, Store, alone, path, search
 from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.watching import Watch
 
 _MOST_ENDS = 50_000
 
@@ -72,11 +73,14 @@ class Duals:
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard to price: `near` tasks remembered at each task, `bins` of time, `beam` labels a layer."""
+    """How hard to price: `near` tasks remembered and `watch` cuts watched at each task, `bins` of time, `beam` labels
+    a layer.
+    """
 
     near: int
     bins: int
     beam: int
+    watch: int = 0
 
 
 @dataclass(frozen=True)
@@ -109,16 +113,26 @@ class Pricer:
         self.memory = Memory.nearest(np.minimum.reduce(legs.between), effort.near)
         self.bins = [Bins.of(legs.between[k], legs.home[k], cap, effort.bins) for k in range(legs.n_uavs)]
         self.successors = [successors(b.legs, b.count) for b in self.bins]
+        self._watch: tuple[Duals | None, Watch] = (None, Watch.of(self.memory.near, (), np.zeros(0), 0))
+
+    def watch(self, duals: Duals) -> Watch:
+        """Return the cuts watched at these duals."""
+        if self._watch[0] is not duals:
+            self._watch = (duals, Watch.of(self.memory.near, duals.cuts, duals.rho, self.effort.watch))
+        return self._watch[1]
 
     def field(self, k: int, duals: Duals) -> Field:
         """Return what a search for tours of UAV k runs on, completion bounds included."""
         legs, b, (order, degree) = self.legs, self.bins[k], self.successors[k]
-        between, home, sigma = legs.between[k], legs.home[k], float(duals.sigma[k])
-        best = completion(between, home, b.legs, b.home, order, degree, self.memory.step, duals.price, sigma, b.count)
+        between, home, sigma, watch = legs.between[k], legs.home[k], float(duals.sigma[k]), self.watch(duals)
+        best = completion(
+            between, home, b.legs, b.home, order, degree, self.memory.step, watch.turn, watch.charge, duals.price,
+            sigma, b.count,
+        )  # fmt: skip
         partners, rho = by_task(duals.cuts, duals.rho, legs.n_tasks)
         return Field(
-            legs.out[k], between, home, order, degree, self.cap, b.width, b.count, self.memory.near, duals.price,
-            sigma, partners, rho, best,
+            legs.out[k], between, home, order, degree, self.cap, b.width, b.count, self.memory.near,
+            watch.members, duals.price, sigma, partners, rho, best,
         )  # fmt: skip
 
     def price(self, k: int, duals: Duals, threshold: float, want: int) -> Priced:
@@ -127,7 +141,7 @@ class Pricer:
         least = first_completion(field)
         if least >= threshold:
             return Priced(least, [], True)
-        found = search(field, self.store, threshold, self.effort.beam, _MOST_ENDS, self.out_of_time)
+        found = search(field, self.store, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
         if found.complete:
             least = max(least, float(found.values.min(initial=threshold)))
         chosen = np.argsort(found.values, kind="stable")[:want]
@@ -146,7 +160,7 @@ def first_completion(field: Field) -> float:
             float(
                 field.sigma * leg
                 - field.price[j]
-                + field.best[j, bins_left(field.cap - leg, field.width, field.n_bins), 0]
+                + field.best[j, bins_left(field.cap - leg, field.width, field.n_bins), alone(field, j)]
             )
             for j, leg in enumerate(field.out)
             if leg <= field.cap

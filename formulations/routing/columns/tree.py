@@ -97,4 +97,4 @@ def _child(node: Node, task: int, uavs: list[int]) -> Node:
     """Return the node with `task` forbidden to `uavs`."""
     columns = [c for c in node.columns if c.uav not in uavs or task not in c.tasks]
     pool = None if node.pool is None else node.pool.without(task, uavs)
-    return Node(node.legs.without(task, uavs), node.bound, columns, node.cuts, pool, node.listing_failed)
+    return Node(node.legs.without(task, uavs), node.bound, columns, node.cuts, node.centre, pool, node.room)

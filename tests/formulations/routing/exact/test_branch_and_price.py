@@ -1,12 +1,14 @@
 """branch-and-price against subset-dp, made hard on purpose: loose starts, permutations, tiny bins, no room."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.completion import Bins, Memory, completion, successors
 from formulations.routing.columns.generation import generate
-from formulations.routing.columns.labelling import make_store
+from formulations.routing.columns.labelling import make_store, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer, first_completion
@@ -79,21 +81,21 @@ def small_tours(instance: Instance, k: int, cap: float) -> list[tuple[int, ...]]
     paths: list[tuple[int, ...]] = [()]
     while paths:
         paths = [(*p, i) for p in paths for i in instance.tasks if i not in p]
-        for path in paths:
-            routes = [()] * k + [path] + [()] * (instance.n_depots - k - 1)
+        for tasks in paths:
+            routes = [()] * k + [tasks] + [()] * (instance.n_depots - k - 1)
             if tour_costs(instance, routes)[k] <= cap:
-                tours.append(path)
+                tours.append(tasks)
     return tours
 
 
 @pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize(("near", "bins"), [(0, 1), (2, 3), (4, 50)])
-def test_pricing_bounds_every_tour_at_any_duals(seed: int, near: int, bins: int) -> None:
+@pytest.mark.parametrize(("near", "bins", "watch"), [(0, 1, 0), (2, 3, 1), (4, 50, 2), (1, 20, 3)])
+def test_pricing_bounds_every_tour_at_any_duals(seed: int, near: int, bins: int, watch: int) -> None:
     instance = random_instance(5, 2, seed)
     rng = np.random.default_rng(seed)
     cap = float(instance.cost.mean() * 5)
     duals = Duals(rng.normal(30, 40, 5), np.array([0.7, 0.3]), np.zeros(2), np.array([8.0]), ((0, 2, 3),))
-    pricer = Pricer(Legs.of(instance), cap, Effort(near, bins, 10**6), make_store(5, 10_000))
+    pricer = Pricer(Legs.of(instance), cap, Effort(near, bins, 10**6, watch), make_store(5, 10_000))
     for k in range(2):
         tours = small_tours(instance, k, cap)
         costs = [tour_costs(instance, [()] * k + [t] + [()] * (1 - k))[k] for t in tours]
@@ -110,6 +112,32 @@ def test_pricing_bounds_every_tour_at_any_duals(seed: int, near: int, bins: int)
             assert sorted(priced.columns[0].tasks) in [sorted(t) for t, v in zip(tours, values, strict=True) if v < 0]
 
 
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(("near", "bins", "watch"), [(0, 40, 0), (1, 3, 2), (2, 40, 1), (3, 40, 6)])
+def test_no_label_promises_less_than_the_best_tour_that_begins_so(seed: int, near: int, bins: int, watch: int) -> None:
+    """The completion bounds at every state reached, with many dear cuts that overlap."""
+    instance = random_instance(6, 1, seed)
+    rng = np.random.default_rng(seed)
+    cap = float(instance.cost.mean() * 6)
+    cuts = tuple(c for c in itertools.combinations(range(6), 3) if rng.random() < 0.5)
+    duals = Duals(rng.normal(40, 40, 6), np.ones(1), np.zeros(1), rng.uniform(0, 40, len(cuts)), cuts)
+    store = make_store(6, 10_000)
+    pricer = Pricer(Legs.of(instance), cap, Effort(near, bins, 10**6, watch), store)
+    found = search(pricer.field(0, duals), store, np.inf, lambda: False, tours=10_000)
+    values = {
+        tour: tour_costs(instance, [tour])[0]
+        - duals.price[list(tour)].sum()
+        + sum(rho for cut, rho in zip(cuts, duals.rho, strict=True) if len(set(cut) & set(tour)) >= 2)
+        for tour in small_tours(instance, 0, cap)
+    }
+    assert found.complete
+    for label in range(found.labels):
+        begin = path(store.last, store.parent, label)
+        best = min((v for tour, v in values.items() if tour[: len(begin)] == begin), default=np.inf)
+        assert store.bound[label] <= best + 1e-9
+    assert found.values.min(initial=np.inf) == pytest.approx(min(values.values(), default=np.inf))
+
+
 def test_zero_legs_do_not_break_the_completion_bound() -> None:
     """All tasks in one place: every leg between them has zero bins, and their prices could be collected in a circle."""
     n, home = 6, np.full(6, 10.0)
@@ -119,7 +147,11 @@ def test_zero_legs_do_not_break_the_completion_bound() -> None:
     order, degree = successors(bins.legs, bins.count)
     memory = Memory.nearest(between, 2)
     price = np.full(n, 3.0)
-    best = completion(between, home, bins.legs, bins.home, order, degree, memory.step, price, 1.0, bins.count)
+    clear = np.zeros((n, n, 1))
+    best = completion(
+        between, home, bins.legs, bins.home, order, degree, memory.step, clear.astype(np.int16), clear, price, 1.0,
+        bins.count,
+    )  # fmt: skip
     assert best[0, bins.count, 0] <= 10.0 - 3.0 * (n - 1)
 
 

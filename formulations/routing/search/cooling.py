@@ -6,8 +6,8 @@ import math
 
 from formulations.routing.search.tours import Tours
 
-HOT, WARM, COLD = 0.7, 0.15, 0.007
-"""Temperatures in mean legs of the tours: where a fresh annealing begins, where a child's begins, the end."""
+HOT, WARM, MILD, COLD = 0.7, 0.15, 0.1, 0.007
+"""Temperatures in mean legs of the tours: where a fresh annealing begins, a child's, a relieved member's; the end."""
 EVEN, PEAKED = 0.5, 0.02
 """First and last share ε of the mean tour in the energy."""
 _STEEPNESS = math.log(EVEN / PEAKED) / math.log(HOT / COLD)

@@ -1,10 +1,11 @@
 """`memetic`: annealed ruin-and-recreate with long cuts, inside a population with route crossover.
 
 How it was chosen: several annealings and their children beat one long annealing, the more so the smaller the instance,
-as long as each is deep enough. So the size of the population follows from the limit: depth · n² steps go into one
-annealing, and where the limit allows fewer than three, all of it goes into one.
+as long as each is deep enough; long tours need more depth. So the size of the population follows from the limit:
+depth · n² / m steps go into one annealing, and where the limit allows fewer than three, all of it goes into one.
 Parts: ruin.py, recreate.py (p-norm insertion), cuts.py (2-opt, Or-opt, 2-opt* and segments priced by prefix sums),
-annealing.py (max C_k + ε · mean C_k), crossover.py, population.py.
+annealing.py (max C_k + ε · mean C_k), crossover.py,
+relief.py, population.py.
 """
 
 from __future__ import annotations
@@ -42,14 +43,16 @@ class Memetic(Solver):
     strings : share of ruins that take strings of consecutive tasks; the others take nearest neighbours.
     cuts : share of steps that cut and rejoin long pieces of one or two tours.
     powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, the recreation draws from (1 is the total alone).
-    depth : one annealing of the population takes depth · n² steps.
+    reliefs : share of the population's later stages that send a UAV elsewhere; the others are crossovers.
+    depth : one annealing of the population takes depth · n² / m steps.
     """
 
     removals: int = 12
     strings: float = 0.5
     cuts: float = 0.1
     powers: int = 4
-    depth: float = 10.0
+    reliefs: float = 0.7
+    depth: float = 20.0
 
     proves: ClassVar[bool] = False
 
@@ -59,6 +62,7 @@ class Memetic(Solver):
             ("strings", 0, 1),
             ("cuts", 0, 1),
             ("powers", 1, len(POWERS)),
+            ("reliefs", 0, 1),
             ("depth", 0.01, float("inf")),
         ):
             value = getattr(self, name)
@@ -72,6 +76,7 @@ class Memetic(Solver):
         population = self._populations(small, 1, 0, None)[0]
         population.members = [population.best, population.best]
         population.child()
+        population.relieved()
 
     def solve(
         self,
@@ -87,7 +92,7 @@ class Memetic(Solver):
         populations = self._populations(instance, limits.threads, seed, start)
         pace = Pace(recorder)
         planned = False
-        annealing = self.depth * instance.n_tasks**2
+        annealing = self.depth * instance.n_tasks**2 / instance.n_depots
         most = max(_SHORTEST, int(annealing / _LEVELS))
         with ThreadPoolExecutor(limits.threads) as pool:
             while True:
@@ -117,9 +122,9 @@ class Memetic(Solver):
         near = neighbours(costs, instance.n_tasks, NEAR_TASKS, NEAR_DEPOTS)
         ground = Ground(costs, near, places(costs, instance.n_tasks))
         habits = Habits(self.removals, float(self.strings), float(self.cuts), self.powers)
+        first = [from_routes(costs, start) if start is not None else None for _ in range(count)]
         return [
-            Population(ground, habits, seeded(seed, i), from_routes(costs, start) if start is not None else None)
-            for i in range(count)
+            Population(ground, habits, float(self.reliefs), seeded(seed, i), tours) for i, tours in enumerate(first)
         ]
 
 

@@ -1,6 +1,7 @@
 """Population: a few good tours, renewed by annealed founders and annealed children of crossover.
 
-A stage anneals one newcomer. The first stages make founders from scratch; later ones make children of two members.
+A stage anneals one newcomer. The first stages make founders from scratch; later ones take a member and send a UAV of
+it elsewhere (relief), or make a child of two members.
 A newcomer that is no copy of a member replaces the worst member where it is better; a population that brings forth
 nothing new for a while keeps its best member and starts over with fresh founders.
 """
@@ -17,12 +18,17 @@ from formulations.routing.search.annealing import Habits, anneal
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.neighbours import Neighbours
-from formulations.routing.search.randomness import below
+from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import construct
+from formulations.routing.search.relief import relieve
 from formulations.routing.search.tours import Tours, copy_tours, empty_tours
 
 MEMBERS = 8
 """Members at most."""
+CHILD, RELIEF = 0.5, 0.15
+"""Lengths of the stages of a child and of a relief, in those of a founder."""
+BARREN = 8
+"""Stages in a row without a new member, for each founder, after which the population starts over."""
 SAME = 1e-9
 """Tours whose longest differ by less than this share count as copies."""
 
@@ -38,11 +44,14 @@ class Ground(NamedTuple):
 class Population:
     """Members, the newcomer being annealed, and the best tours so far.
 
-    Times are fractions of the limit; `founder` is the length of a founder's stage, a child's is half of it.
+    Times are fractions of the limit; `founder` is the length of a founder's stage; reliefs: share of the later stages
+    that are reliefs.
     """
 
-    def __init__(self, ground: Ground, habits: Habits, rng: NDArray[np.uint64], start: Tours | None) -> None:
-        self.ground, self.habits, self.rng = ground, habits, rng
+    def __init__(
+        self, ground: Ground, habits: Habits, reliefs: float, rng: NDArray[np.uint64], start: Tours | None
+    ) -> None:
+        self.ground, self.habits, self.reliefs, self.rng = ground, habits, reliefs, rng
         self.members: list[Tours] = []
         self.founder, self.founders = 1.0, 1
         self.stages = 0
@@ -78,13 +87,13 @@ class Population:
         self._barren = 0 if self._welcome(self._best_of_stage) else self._barren + 1
         if guest is not None:
             self._welcome(guest)
-        if self._fresh >= self.founders and self._barren > 2 * self.founders:
+        if self._fresh >= self.founders and self._barren > BARREN * self.founders:
             self.members = [self._copy(self.best)]
             self._fresh, self._barren = 1, 0
         if self._fresh < self.founders or len(self.members) < 2:
             self._newcomer, self._first, length = self._constructed(), cooling.HOT, self.founder
         else:
-            self._newcomer, self._first, length = self.child(), cooling.WARM, 0.5 * self.founder
+            self._newcomer, self._first, length = self._renewed()
         self._best_of_stage = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
 
@@ -106,6 +115,18 @@ class Population:
             del self.members[worst]
         self.members.append(self._copy(newcomer))
         return True
+
+    def _renewed(self) -> tuple[Tours, float, float]:
+        """Return a newcomer made from members, its first temperature and the length of its stage."""
+        if uniform(self.rng) < self.reliefs:
+            return self.relieved(), cooling.MILD, RELIEF * self.founder
+        return self.child(), cooling.WARM, CHILD * self.founder
+
+    def relieved(self) -> Tours:
+        """Return a copy of a random member, one of its UAVs sent elsewhere."""
+        tours = self._copy(self.members[below(self.rng, len(self.members))])
+        relieve(self.ground.costs, self.ground.near, tours, self.rng)
+        return tours
 
     def child(self) -> Tours:
         """Return the child of two random members."""

@@ -88,7 +88,7 @@ def test_a_child_visits_every_task_once_and_books_its_costs(positions, seed):
 
 def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
     instance, field = ground(5, SPREAD)
-    population = Population(field, Habits(6, 0.5, 0.1, 4), seeded(5), None)
+    population = Population(field, Habits(6, 0.5, 0.1, 4), 0.0, seeded(5), None)
     population.plan(0.1)
     ends = []
     now = 0.0
@@ -110,6 +110,6 @@ def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
 
 
 def test_a_population_that_may_run_once_only_does_not_split_its_time():
-    population = Population(ground(6, SPREAD)[1], Habits(6, 0.5, 0.1, 4), seeded(6), None)
+    population = Population(ground(6, SPREAD)[1], Habits(6, 0.5, 0.1, 4), 0.5, seeded(6), None)
     population.plan(0.6)
     assert population.end == 1.0

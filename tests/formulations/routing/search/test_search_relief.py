@@ -1,0 +1,86 @@
+"""Relief: a UAV leaves its tasks and takes over a piece of a long tour; against naive twins on asymmetric costs."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from formulations.routing.search import relief
+from formulations.routing.search import tours as rings
+from formulations.routing.search.costs import both_ways
+from formulations.routing.search.neighbours import neighbours
+from formulations.routing.search.randomness import seeded
+from instances import Instance, check_routes, tour_costs
+
+N, M = 14, 4
+seeds = st.integers(0, 10**6)
+
+
+def random_case(seed, m=M):
+    rng = np.random.default_rng(seed)
+    cost = rng.uniform(1.0, 100.0, (N + m, N + m))
+    np.fill_diagonal(cost, 0.0)
+    routes = [[] for _ in range(m)]
+    for v in rng.permutation(N):
+        routes[rng.integers(m)].append(int(v))
+    instance = Instance("random", cost, N, m)
+    return instance, tuple(map(tuple, routes)), both_ways(instance.cost)
+
+
+@given(seeds)
+@settings(deadline=None, max_examples=40)
+def test_the_reliever_can_get_there_and_the_task_is_not_its_own(seed):
+    instance, routes, costs = random_case(seed)
+    tours = rings.from_routes(costs, routes)
+    h, v = relief.reliever(costs, tours, seeded(seed))
+    if h >= 0:
+        assert v not in routes[h]
+        assert instance.cost[N + h, v] + instance.cost[v, N + h] < tour_costs(instance, routes).max()
+
+
+def test_nobody_relieves_the_only_uav():
+    _, routes, costs = random_case(3, 1)
+    assert relief.reliever(costs, rings.from_routes(costs, routes), seeded(1)) == (-1, -1)
+
+
+@given(seeds)
+@settings(deadline=None, max_examples=40)
+def test_clearing_and_taking_over_a_piece(seed):
+    instance, routes, costs = random_case(seed)
+    rng = np.random.default_rng(seed + 1)
+    tours = rings.from_routes(costs, routes)
+    h = int(rng.integers(M))
+    homeless = np.empty(N, np.int32)
+    count = relief.clear(costs, tours, h, homeless)
+    assert tuple(homeless[:count].tolist()) == routes[h]
+    others = [v for k in range(M) if k != h for v in routes[k]]
+    if not others:
+        return
+    v, limit = int(rng.choice(others)), float(rng.uniform(50, 400))
+    relief.take_over(costs, tours, h, v, limit)
+    k = next(k for k in range(M) if v in routes[k])
+    at = routes[k].index(v)
+    length = 1
+    while at + length < len(routes[k]):
+        longer = [
+            (),
+        ] * M
+        longer[h] = routes[k][at : at + length + 1]
+        if tour_costs(instance, longer)[h] > limit:
+            break
+        length += 1
+    found = rings.to_routes(tours)
+    assert found[h] == routes[k][at : at + length]
+    assert found[k] == routes[k][:at] + routes[k][at + length :]
+
+
+@given(seeds)
+@settings(deadline=None, max_examples=30)
+def test_relief_keeps_every_task_and_its_books(seed):
+    instance, routes, costs = random_case(seed)
+    tours = rings.from_routes(costs, routes)
+    relief.relieve(costs, neighbours(costs, N, 8, M), tours, seeded(seed))
+    found = rings.to_routes(tours)
+    assert check_routes(instance, found) == []
+    assert tours.cost == pytest.approx(tour_costs(instance, found))
+    assert tours.size.tolist() == [len(route) for route in found]

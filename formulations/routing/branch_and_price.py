@@ -8,10 +8,10 @@ Let P_k be the tours of UAV k (over any set of tasks, from and to its depot) and
 λ binary: the paper's problem (eqs. c_max, const1–const6) after Dantzig–Wolfe decomposition. Its relaxation is far
 stronger than that of θ_ijk, most of all because P_k holds only tours that cost less than the best routes known.
 
-1. Incumbent: a few short annealed ruin-and-recreate runs.            `search/ruin_recreate.py`
+1. Incumbent: the memetic search, for a while, and again while a gap is left.            `search/memetic.py`
 2. Relaxation by column generation; Lagrangian bounds.                `columns/generation.py`, `pricing.py`, `master.py`
 3. Legs fixed away by reduced cost; tours listed when they fit.       `columns/fixing.py`, `enumeration.py`, `pool.py`
-4. Subset-row cuts, then branching on who takes which task.           `columns/cuts.py`, `node.py`, `tree.py`
+4. Subset-row cuts, then branching on who takes which task. `columns/cuts.py`, `watching.py`, `branching.py`, `tree.py`
 
 Strong where tours are short (n/m up to about 20). Sources: Baldacci, Mingozzi, Roberti (Oper. Res. 59, 2011) for
 ng-routes and enumeration; Contardo & Martinelli (Discrete Optim. 12, 2014) for cutting over a listed pool.
@@ -34,7 +34,7 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Efforts, Workspace
 from formulations.routing.columns.pricing import Column, Effort
 from formulations.routing.columns.tree import Incumbent, Tree
-from formulations.routing.search.ruin_recreate import RuinRecreate
+from formulations.routing.search.memetic import Memetic
 from formulations.solver import Limits, Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes, tour_costs
 
@@ -43,22 +43,23 @@ TOLERANCE = 1e-7
 
 MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
-_STEPS_A_TASK = 2000
-_MOST_BATCHES = 5
+_DEPTHS = (0.5, 3.0, 1.0, 10.0)  # of one search after the other: which is best differs from instance to instance
+_STEPS = 5000  # of a search, for each task
+_STEPS_A_ROUND = 50  # of the search while a gap is left, for each task and round of column generation
+_STEPS_A_LABEL = 0.05  # and for each label made in vain
 
 
 @dataclass(frozen=True)
 class BranchAndPrice(Solver):
     """Branch and price over tours.
 
-    starts : ruin-and-recreate runs before the first relaxation, and in each batch after it while a gap is left and
-        they help; 0 uses only the start given.
+    starts : memetic searches before the first relaxation; 0 uses only the start given, to the end.
     bins : divisions of the longest tour allowed in the completion bounds; fewer are faster and weaker.
-    labels : room for labels of one search, about 50 bytes each.
+    labels : room for labels of one search, about 40 bytes each, used only where needed.
     tours : room for listed tours.
     """
 
-    starts: int = 6
+    starts: int = 1
     bins: int = 500
     labels: int = 16_000_000
     tours: int = 3_000_000
@@ -79,7 +80,7 @@ class BranchAndPrice(Solver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (about a minute the first time, then cached)."""
-        RuinRecreate().prepare(instance)
+        Memetic().prepare(instance)
         compile_beam()
         # Small, and from a start poor enough that cuts, leg fixing and the pool are all needed.
         place = np.random.default_rng(0).uniform(0, 1, (15, 2))
@@ -111,15 +112,13 @@ class BranchAndPrice(Solver):
         if recorder.objective == 0:
             return "proof", {}
         n, limits = recorder.instance.n_tasks, recorder.limits
-        work = Workspace(
-            lambda: recorder.remaining <= 0 or stop(), make_store(n, self.labels), self.tours, *self._efforts(n)
-        )
+        store = make_store(n, min(self.labels, max(1000, n << min(n, 40))))  # no more than all sets and last tasks
+        work = Workspace(lambda: recorder.remaining <= 0 or stop(), store, self.tours, *self._efforts(n))
+        if self.starts > 0:
+            work.better = _Search(recorder, work.counts, 1000 * seed, self.starts).better
         tree = Tree(Legs.of(recorder.instance), _columns(recorder), work)
         incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
         nodes = np.inf if limits.iterations is None else limits.iterations
-        if nodes > 0:
-            tree.relax(incumbent)
-            self._improve_again(recorder, seed, lambda: tree.bound(incumbent.cap()) >= incumbent.cap())
         proved = tree.grow(incumbent, nodes)
         recorder.raise_bound(tree.bound(incumbent.cap()) * (1 - 1e-12))
         if proved:
@@ -133,25 +132,9 @@ class BranchAndPrice(Solver):
         everything_to_one: list[tuple[int, ...]] = [() for _ in recorder.instance.depots]
         everything_to_one[0] = tuple(recorder.instance.tasks)
         recorder.incumbent(tuple(everything_to_one))
-        steps = _STEPS_A_TASK * min(max(recorder.instance.n_tasks, 10), 200)
-        share = recorder.remaining / (3 * max(runs, 1))
         for run in range(runs):
-            if share <= 0:
-                return
-            limits = Limits(time=share, iterations=steps)
-            found = RuinRecreate().solve(recorder.instance, limits=limits, seed=seed + run)
-            if found.routes is not None:
-                recorder.incumbent(found.routes)
-
-    def _improve_again(self, recorder: Recorder, seed: int, enough: Callable[[], bool]) -> None:
-        """Search in batches until one finds nothing better: a gap costs far more to close than this."""
-        for batch in range(1, _MOST_BATCHES + 1):
-            before = recorder.objective
-            if enough() or recorder.remaining <= 0:
-                return
-            self.improve(recorder, 1000 * seed + batch * self.starts, self.starts)
-            if recorder.objective == before:
-                return
+            share = recorder.remaining / (3 * (runs - run))
+            _search(recorder, _STEPS * recorder.instance.n_tasks, seed, run, share)
 
     def _efforts(self, n: int) -> tuple[Efforts, Efforts]:
         """Return how hard to work at a node without cuts, and at one with cuts."""
@@ -170,6 +153,35 @@ class BranchAndPrice(Solver):
             Effort(5, middle, 300_000, 4),
         )
         return Efforts(plain, Effort(near, fine, 0)), Efforts(cutting, Effort(5, fine, 0, 4))
+
+
+class _Search:
+    """The search that goes on beside the tree, as many steps as the work done there deserves (about a fifth of it)."""
+
+    def __init__(self, recorder: Recorder, counts: dict[str, Any], seed: int, run: int) -> None:
+        self.recorder, self.counts, self.seed, self.run = recorder, counts, seed, run
+        self.steps = 0
+
+    def better(self) -> bool:
+        """Search on where that is due; return whether there are better routes. Counts work, not time: repeatable."""
+        n, before = self.recorder.instance.n_tasks, self.recorder.objective
+        due = _STEPS_A_ROUND * n * self.counts.get("rounds", 0) + _STEPS_A_LABEL * self.counts.get("labels in vain", 0)
+        steps = int(due) - self.steps
+        if steps < _STEPS * n / 2:
+            return False
+        self.steps += steps
+        _search(self.recorder, steps, self.seed, self.run, self.recorder.remaining / 3)
+        self.run += 1
+        return self.recorder.objective < before * (1 - TOLERANCE)
+
+
+def _search(recorder: Recorder, steps: int, seed: int, run: int, time: float) -> None:
+    """Run the memetic search for the `run`-th time."""
+    if time > 0:
+        memetic = Memetic(depth=_DEPTHS[run % len(_DEPTHS)])
+        found = memetic.solve(recorder.instance, limits=Limits(time=time, iterations=steps), seed=seed + run)
+        if found.routes is not None:
+            recorder.incumbent(found.routes)
 
 
 def _columns(recorder: Recorder) -> list[Column]:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import Duals, Prices
 
-COLUMNS_WANTED = 40
 _SMOOTHING = 0.5
+_CLOSE = 0.02  # of the gap to the cap: how near the master's value and the bound must come
 _EXACT = 1e-7  # of the cap: columns that gain less are not worth adding
 
 
@@ -28,7 +28,7 @@ class Relaxation:
     """How column generation ended.
 
     bound [s] : the best Lagrangian bound; `duals` and `least` (r_k ≤ 0 of each UAV) are those of that bound.
-    solved : whether no column is missing.
+    solved : whether no column is missing that could lower the master's value by more than a fraction of the gap.
     weight : λ of the master's columns.
     """
 
@@ -65,7 +65,7 @@ def generate(
         for k in range(m):
             if out_of_time():
                 return Relaxation(best_bound, best, best_least, False, weight, rounds)
-            priced.append(pricers[level].price(k, duals, -duals.rent[k] - _EXACT * cap, COLUMNS_WANTED))
+            priced.append(pricers[level].price(k, duals, -duals.rent[k] - _EXACT * cap, pricers[level].wanted))
         least = np.array([min(0.0, p.least) for p in priced])
         bound = duals.offset + float(least.sum()) - duals.margin(cap, m)
         if bound > best_bound:
@@ -75,6 +75,8 @@ def generate(
             return Relaxation(best_bound, best, best_least, complete, weight, rounds)
         if master.add([c for p in priced for c in p.columns]):
             value, at_master, weight = master.solve()
+            if value - best_bound <= _CLOSE * (cap - best_bound) and not master.penalised:
+                return Relaxation(best_bound, best, best_least, True, weight, rounds)
             trust = _SMOOTHING if value - best_bound > _EXACT * cap else 1.0
         elif trust < 1.0:
             trust = 1.0

@@ -100,6 +100,16 @@ class Master:
         weight = np.asarray(solution.col_value)[self._first :].copy()
         return float(self._lp.getInfo().objective_function_value), duals, weight
 
+    def without(self, dropped: NDArray[np.bool_]) -> float:
+        """Return the value [s] of the master without some columns; they are back afterwards."""
+        index = (self._first + np.flatnonzero(dropped)).astype(np.int32)
+        zeros = np.zeros(index.size)
+        self._lp.changeColsBounds(index.size, index, zeros, zeros)
+        self._lp.run()
+        value = float(self._lp.getInfo().objective_function_value)
+        self._lp.changeColsBounds(index.size, index, zeros, np.full(index.size, highspy.kHighsInf))
+        return value
+
     def whole(self, time: float, nodes: int = 100) -> list[Column] | None:
         """Return the best whole tours among the columns known, by a short branch and bound in HiGHS, or None.
 
@@ -116,6 +126,11 @@ class Master:
         lp.changeColsIntegrality(index.size, index, continuous.astype(np.uint8))
         lp.setOptionValue("time_limit", highspy.kHighsInf)
         return [self.columns[int(p)] for p in np.flatnonzero(weight > 0.5)] if found else None
+
+    @property
+    def penalised(self) -> bool:
+        """Whether the box of the duals binds: then the value says nothing about the relaxation."""
+        return bool((np.asarray(self._lp.getSolution().col_value)[1 : self._first] > 1e-9).any())
 
     def widen(self, largest: float) -> bool:
         """Open the box of the duals where it binds, up to ±`largest`; return whether it did anywhere."""

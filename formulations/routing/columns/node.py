@@ -7,13 +7,14 @@ the relaxation solved by whole tours, or the node ready to be branched.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.columns.branching import choose, shares
 from formulations.routing.columns.cuts import Cut, separate
 from formulations.routing.columns.enumeration import enumerate_tours
 from formulations.routing.columns.fixing import fix_legs
@@ -27,8 +28,9 @@ from formulations.routing.columns.pricing import Column, Effort, Pricer, Prices
 _WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not listed
 _FIRST_ROOM = 1_000_000  # labels of the first attempt to list the tours; four times as many after each failure
 _CUTS_A_ROUND = 50
-_STALLED = 5e-4  # of the cap
-_ROUNDS_STALLED = 3
+_STALLED = 0.05  # of the gap
+_ROUNDS_STALLED = 2
+_RETRY = 0.8  # of the gap at the last list that did not fit
 _DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
 
 
@@ -41,22 +43,26 @@ class Efforts(NamedTuple):
 
 @dataclass
 class Workspace:
-    """What all nodes share: clock, label store, limits, efforts and counters."""
+    """What all nodes share: clock, label store, limits, efforts and counters.
+
+    better : asked after every relaxation: searches on for better routes, and says whether there are any.
+    """
 
     out_of_time: Callable[[], bool]
     store: Store
     tours_room: int
     plain: Efforts
     cutting: Efforts
+    better: Callable[[], bool] = lambda: False
     counts: dict[str, Any] = field(default_factory=dict)
 
     def count(self, what: str, by: int = 1) -> None:
         """Add to a counter of the statistics."""
         self.counts[what] = self.counts.get(what, 0) + by
 
-    def efforts(self, node: Node) -> Efforts:
-        """Return how hard to work at a node."""
-        return self.cutting if node.cuts else self.plain
+    def efforts(self, cuts: Sequence[Cut]) -> Efforts:
+        """Return how hard to work at a node with these cuts."""
+        return self.cutting if cuts else self.plain
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""
@@ -67,8 +73,9 @@ class Workspace:
 class Node:
     """Tours allowed (`pool`, or `legs` where it is None), a valid `bound` [s], columns and cuts to start from.
 
-    share : y_ki, how much of task i UAV k takes in the relaxation, shape (m, n); None unless ready to branch.
-    routes : better routes found, tours by UAV, or None; without `share` they solve the relaxation itself.
+    ready : whether to branch next, on UAV and task `branch`; None where all tasks are decided.
+    routes : better routes found, tours by UAV, or None; unless `ready` they solve the relaxation itself.
+    listing_failed : gap [s] at which the tours did not fit a list.
     centre : the last relaxation solved here or above.
     room : labels to list the tours with next time.
     """
@@ -80,7 +87,9 @@ class Node:
     centre: Relaxation | None = None
     pool: Pool | None = None
     room: int = _FIRST_ROOM
-    share: NDArray[np.float64] | None = None
+    listing_failed: float = np.inf
+    ready: bool = False
+    branch: tuple[int, int] | None = None
     routes: dict[int, Column] | None = None
 
     def may_visit(self) -> NDArray[np.bool_]:
@@ -92,44 +101,50 @@ class Node:
         return np.array([[bool((of_uav & holds).any()) for holds in columns] for of_uav in uavs])
 
 
-def relax(node: Node, cap: float, work: Workspace) -> None:
-    """Solve the node's relaxation once, for its bound and columns."""
-    node.legs = node.legs.under(cap)
-    master = _master(node, cap)
-    relaxation = generate(master, _pricers(node, cap, work), cap, work.out_of_time)
-    work.count("rounds", relaxation.rounds)
-    node.centre = relaxation
-    node.bound, node.columns = max(node.bound, relaxation.bound), list(master.columns)
+def tighten(node: Node, cap: float, work: Workspace) -> bool:
+    """Raise the node's bound until it exceeds `cap`, it is `ready` to branch, `routes` are found, or time is up.
 
-
-def tighten(node: Node, cap: float, work: Workspace) -> None:
-    """Raise the node's bound until it exceeds `cap`, `share` (ready to branch) or `routes` is set, or time is up."""
-    node.share = node.routes = None
+    Return False where it ended before that, because better routes were found elsewhere.
+    """
+    node.ready, node.routes = False, None
     node.legs = node.legs.under(cap)
     node.pool = None if node.pool is None else node.pool.under(cap)
     master = _master(node, cap)
-    stalled = 0
+    stalled, dived = 0, node.centre is not None
     while True:
-        relaxation = generate(master, _pricers(node, cap, work), cap, work.out_of_time, node.centre)
-        stalled = stalled + 1 if relaxation.bound < node.bound + _STALLED * cap else 0
+        gap = cap - node.bound
+        relaxation = generate(master, _pricers(node, master, cap, work), cap, work.out_of_time, node.centre)
+        stalled = stalled + 1 if relaxation.bound < node.bound + _STALLED * gap else 0
         node.bound = max(node.bound, relaxation.bound)
         work.count("rounds", relaxation.rounds)
         if node.bound > cap or work.out_of_time():
-            return
-        node.columns, node.centre = list(master.columns), relaxation
+            return True
+        if not relaxation.solved and len(master.cuts) > len(node.cuts):  # so many cuts that pricing is lost
+            return _prepare_branching(node, master, relaxation)
+        node.columns, node.cuts, node.centre = list(master.columns), tuple(master.cuts), relaxation
         if relaxation.solved:
             node.routes = _whole_tours(master, relaxation.weight)
             if node.routes is not None:
-                return
+                return True
+        if work.better():
+            return False
+        if not dived:
+            dived, node.routes = True, _routes(master.whole(_DIVE) or [], master.n)
+            if node.routes is not None and max(c.cost for c in node.routes.values()) <= cap:
+                return True
         _reduce(node, relaxation, cap, work)
         cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
         if not cuts or stalled >= _ROUNDS_STALLED:
-            node.share = _shares(master, relaxation.weight)
-            node.routes = _routes(master.whole(_DIVE) or [], master.n)
-            return
+            return _prepare_branching(node, master, relaxation)
         master.cut_off(cuts)
-        node.cuts = tuple(master.cuts)
         work.count("cuts", len(cuts))
+
+
+def _prepare_branching(node: Node, master: Master, relaxation: Relaxation) -> bool:
+    """Choose the branch, and look for routes among the columns."""
+    node.ready, node.branch = True, choose(master, relaxation.weight, node.may_visit())
+    node.routes = _routes(master.whole(_DIVE) or [], master.n)
+    return True
 
 
 def _master(node: Node, cap: float) -> Master:
@@ -139,10 +154,10 @@ def _master(node: Node, cap: float) -> Master:
     return master
 
 
-def _pricers(node: Node, cap: float, work: Workspace) -> list[Prices]:
+def _pricers(node: Node, master: Master, cap: float, work: Workspace) -> list[Prices]:
     if node.pool is not None:
         return [PoolPricer(node.pool)]
-    return [work.pricer(node.legs, cap, effort) for effort in work.efforts(node).pricing]
+    return [work.pricer(node.legs, cap, effort) for effort in work.efforts(master.cuts).pricing]
 
 
 def _reduce(node: Node, relaxation: Relaxation, cap: float, work: Workspace) -> None:
@@ -152,22 +167,15 @@ def _reduce(node: Node, relaxation: Relaxation, cap: float, work: Workspace) -> 
         node.pool = node.pool.needed(*found, cap)
         return
     gap = cap - relaxation.bound
-    thorough = work.efforts(node).thorough
+    thorough = work.efforts(node.cuts).thorough
     node.legs = fix_legs(work.pricer(node.legs, cap, thorough), *found)
-    if gap > _WORTH_LISTING * cap:
+    if gap > min(_WORTH_LISTING * cap, _RETRY * node.listing_failed):
         return
     node.pool = enumerate_tours(work.pricer(node.legs, cap, thorough), *found, node.room, work.tours_room)
     work.count("pools" if node.pool is not None else "pools that did not fit")
     if node.pool is None:
-        node.room *= 4
-
-
-def _shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:
-    share = np.zeros((master.m, master.n))
-    for p in np.flatnonzero(weight > 1e-9):
-        column = master.columns[p]
-        share[column.uav, list(column.tasks)] += weight[p]
-    return share
+        work.count("labels in vain", node.room)
+        node.room, node.listing_failed = 4 * node.room, gap
 
 
 def _routes(tours: list[Column], n: int) -> dict[int, Column] | None:
@@ -182,7 +190,7 @@ def _whole_tours(master: Master, weight: NDArray[np.float64]) -> dict[int, Colum
 
     Then the tours in use of one UAV visit the same tasks; only the cheapest of them counts.
     """
-    share = _shares(master, weight)
+    share = shares(master, weight)
     if np.abs(share - share.round()).max() > 1e-6 or not np.array_equal(share.round().sum(axis=0), np.ones(master.n)):
         return None
     routes: dict[int, Column] = {}

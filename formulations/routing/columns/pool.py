@@ -88,6 +88,8 @@ def _values(uav, visited, cost, price, sigma, partners, rho):  # type: ignore[no
 class PoolPricer:
     """Prices by scanning a pool: the same questions as `Pricer`, always answered completely."""
 
+    wanted = 150
+
     def __init__(self, pool: Pool) -> None:
         self.pool = pool
         self.n_uavs = pool.n_uavs

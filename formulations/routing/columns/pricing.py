@@ -96,6 +96,8 @@ class Prices(Protocol):
     """Anything that can price: the label search over legs, or a scan of a pool."""
 
     n_uavs: int
+    wanted: int
+    """Columns of a UAV worth adding at once."""
 
     def price(self, k: int, duals: Duals, threshold: float, want: int) -> Priced:
         """Return UAV k's best `want` columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
@@ -104,6 +106,8 @@ class Prices(Protocol):
 
 class Pricer:
     """Prices tours of cost ≤ `cap` over the legs left, with one effort, by label search."""
+
+    wanted = 40
 
     def __init__(
         self, legs: Legs, cap: float, effort: Effort, store: Store, out_of_time: Callable[[], bool] = lambda: False

@@ -11,11 +11,8 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.node import Node, Workspace, relax, tighten
+from formulations.routing.columns.node import Node, Workspace, tighten
 from formulations.routing.columns.pricing import Column
 from instances import Routes
 
@@ -37,8 +34,7 @@ class Tree:
         self.m, self.n = legs.n_uavs, legs.n_tasks
         self._open: list[tuple[float, int, Node]] = []
         self._count = 0
-        self.stuck = False
-        """Whether a node was left whose tasks are all decided but whose tours are too many for the label store."""
+        self._stuck = math.inf
         self._push(Node(legs, 0.0, list(columns)))
 
     def _push(self, node: Node) -> None:
@@ -47,54 +43,41 @@ class Tree:
 
     def bound(self, cap: float) -> float:
         """Return a lower bound on all routes, no higher than `cap` [s]."""
-        return min(cap, self._open[0][0]) if self._open else cap
+        return min(cap, self._stuck, self._open[0][0] if self._open else cap)
 
-    def relax(self, incumbent: Incumbent) -> None:
-        """Solve the relaxation of the root once, before any work that depends on how good the incumbent is."""
-        _, _, root = heapq.heappop(self._open)
-        relax(root, incumbent.cap(), self.work)
-        self._push(root)
-        incumbent.report(self.bound(incumbent.cap()))
+    @property
+    def stuck(self) -> bool:
+        """Whether nodes were left whose tasks are all decided, but whose tours are too many for the label store."""
+        return self._stuck < math.inf
 
     def grow(self, incumbent: Incumbent, nodes: float = math.inf) -> bool:
-        """Work until no routes of cost ≤ cap are left (True), or time is up or `nodes` are done (False)."""
+        """Work until no routes of cost ≤ cap are left (True), or time is up, `nodes` are done or some stuck (False)."""
         while self._open and self._open[0][0] <= incumbent.cap():
             if nodes <= 0 or self.work.out_of_time():
                 return False
-            nodes -= 1
             node = heapq.heappop(self._open)[-1]
             cap = incumbent.cap()
-            tighten(node, cap, self.work)
-            self.work.count("nodes")
+            if tighten(node, cap, self.work):
+                self.work.count("nodes")
+                nodes -= 1
             if node.routes is not None:
                 incumbent.offer(tuple(node.routes[k].tasks if k in node.routes else () for k in range(self.m)))
-            if node.share is not None:
-                children = self._children(node, node.share)
-                for child in children:
-                    self._push(child)
-                if not children:
-                    self._push(node)
-                    self.stuck = True
-                    return False
+            if node.ready and node.branch is None:
+                self._stuck = min(self._stuck, node.bound)
+            elif node.ready and node.branch is not None:
+                k, i = node.branch
+                self._push(_child(node, i, [other for other in range(self.m) if other != k]))
+                self._push(_child(node, i, [k]))
             elif node.bound <= cap:
                 self._push(node)
             incumbent.report(self.bound(incumbent.cap()))
-        return True
-
-    def _children(self, node: Node, share: NDArray[np.float64]) -> list[Node]:
-        """Branch on the most shared task, else on any undecided one; none where all are decided."""
-        allowed = node.may_visit()
-        undecided = allowed & (allowed.sum(axis=0) > 1)
-        if not undecided.any():
-            return []
-        fractional = np.where(undecided, np.minimum(share, 1 - share).round(6), -1.0)
-        k, i = np.unravel_index(int(np.argmax(fractional)), share.shape)
-        others = [o for o in range(self.m) if o != k]
-        return [_child(node, int(i), others), _child(node, int(i), [int(k)])]
+        return self._stuck > incumbent.cap()
 
 
 def _child(node: Node, task: int, uavs: list[int]) -> Node:
     """Return the node with `task` forbidden to `uavs`."""
     columns = [c for c in node.columns if c.uav not in uavs or task not in c.tasks]
     pool = None if node.pool is None else node.pool.without(task, uavs)
-    return Node(node.legs.without(task, uavs), node.bound, columns, node.cuts, node.centre, pool, node.room)
+    return Node(
+        node.legs.without(task, uavs), node.bound, columns, node.cuts, node.centre, pool, node.room, node.listing_failed
+    )

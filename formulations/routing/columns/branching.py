@@ -1,0 +1,55 @@
+"""Strong branching: which UAV and task to branch on.
+
+A branch either gives task i to UAV k or forbids it to it. Candidates are the y_ki = Σ_p a_ip λ_p nearest to ½; the
+columns known say how far the master rises on either side, and the largest product of the two wins (Achterberg, Koch,
+Martin, "Branching rules revisited", Oper. Res. Lett. 33, 2005).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.routing.columns.master import Master
+
+_CANDIDATES = 12
+_LEAST = 1e-4
+"""Share of the master's value below which a rise counts as this much: neither side may count as nothing."""
+
+
+def shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return y_ki, how much of task i UAV k takes, shape (m, n)."""
+    share = np.zeros((master.m, master.n))
+    for p in np.flatnonzero(weight > 1e-9):
+        column = master.columns[p]
+        share[column.uav, list(column.tasks)] += weight[p]
+    return share
+
+
+def choose(master: Master, weight: NDArray[np.float64], allowed: NDArray[np.bool_]) -> tuple[int, int] | None:
+    """Return UAV and task to branch on, None where all are decided; `allowed` (m, n) says who may still take what."""
+    undecided = allowed & (allowed.sum(axis=0) > 1)
+    if not undecided.any():
+        return None
+    share = shares(master, weight)
+    distance = np.where(undecided, np.abs(share - 0.5).round(6), np.inf).ravel()
+    candidates = np.argsort(distance, kind="stable")[:_CANDIDATES]
+    candidates = candidates[distance[candidates] < 0.49]
+    if candidates.size < 2:
+        return _pair(int(np.argmin(distance)), master.n)
+    value, _, _ = master.solve()
+    uav = np.array([c.uav for c in master.columns])
+    best, best_score = int(candidates[0]), -np.inf
+    for candidate in candidates:
+        k, i = _pair(int(candidate), master.n)
+        holds = np.array([i in c.tasks for c in master.columns])
+        given, forbidden = (
+            max(master.without(drop) - value, _LEAST * value) for drop in (holds & (uav != k), holds & (uav == k))
+        )
+        if given * forbidden > best_score * (1 + 1e-9):
+            best, best_score = int(candidate), given * forbidden
+    return _pair(best, master.n)
+
+
+def _pair(flat: int, n: int) -> tuple[int, int]:
+    return flat // n, flat % n

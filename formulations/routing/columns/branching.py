@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.columns.master import Master
 
-_CANDIDATES = 12
+_CANDIDATES = 8
 _LEAST = 1e-4
 """Share of the master's value below which a rise counts as this much: neither side may count as nothing."""
 

@@ -8,7 +8,7 @@ the relaxation solved by whole tours, or the node ready to be branched.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,7 +120,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
         if node.bound > cap or work.out_of_time():
             return True
         if not relaxation.solved and len(master.cuts) > len(node.cuts):  # so many cuts that pricing is lost
-            return _prepare_branching(node, master, relaxation)
+            return _prepare_branching(node, cap)
         node.columns, node.cuts, node.centre = list(master.columns), tuple(master.cuts), relaxation
         if relaxation.solved:
             node.routes = _whole_tours(master, relaxation.weight)
@@ -135,16 +135,31 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
         _reduce(node, relaxation, cap, work)
         cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
         if not cuts or stalled >= _ROUNDS_STALLED:
-            return _prepare_branching(node, master, relaxation)
+            return _prepare_branching(node, cap)
         master.cut_off(cuts)
         work.count("cuts", len(cuts))
 
 
-def _prepare_branching(node: Node, master: Master, relaxation: Relaxation) -> bool:
+def _prepare_branching(node: Node, cap: float) -> bool:
     """Choose the branch, and look for routes among the columns."""
-    node.ready, node.branch = True, choose(master, relaxation.weight, node.may_visit())
+    _lighten(node, cap)
+    master = _master(node, cap)
+    _, _, weight = master.solve()
+    node.ready, node.branch = True, choose(master, weight, node.may_visit())
     node.routes = _routes(master.whole(_DIVE) or [], master.n)
     return True
+
+
+def _lighten(node: Node, cap: float) -> None:
+    """Drop cuts that nothing pays for, and columns that better routes cannot use."""
+    centre = node.centre
+    if centre is None:
+        return
+    duals = centre.duals.paid()
+    node.cuts, node.centre = duals.cuts, replace(centre, duals=duals)
+    values, uav = duals.values(node.columns), np.array([c.uav for c in node.columns], dtype=np.int64)
+    needed = values <= cap - centre.bound + centre.least[uav]
+    node.columns = [node.columns[p] for p in np.flatnonzero(needed)]
 
 
 def _master(node: Node, cap: float) -> Master:

@@ -13,7 +13,7 @@ each partial sum is at most U + Σ|π| in size, so a computed reduced cost is of
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -64,6 +64,21 @@ class Duals:
         pairs = ((self.price, other.price), (self.sigma, other.sigma), (self.rent, other.rent), (mine, other.rho))
         price, sigma, rent, rho = ((1 - step) * a + step * b for a, b in pairs)
         return Duals(price, sigma, rent, rho, other.cuts)
+
+    def paid(self) -> Duals:
+        """Return the same duals without the cuts of price zero."""
+        paid = np.flatnonzero(self.rho > 0)
+        return Duals(self.price, self.sigma, self.rent, self.rho[paid], tuple(self.cuts[s] for s in paid))
+
+    def values(self, columns: Sequence[Column]) -> NDArray[np.float64]:
+        """Return the reduced costs of columns [s]."""
+        holds = np.zeros((len(columns), self.price.size), np.bool_)
+        for p, column in enumerate(columns):
+            holds[p, list(column.tasks)] = True
+        sets = np.array(self.cuts, np.int64).reshape(-1, 3)
+        held_twice = holds[:, sets].sum(axis=2) >= 2
+        cost = np.array([self.sigma[c.uav] * c.cost for c in columns])
+        return np.asarray(cost - holds @ self.price + held_twice @ self.rho)
 
     def margin(self, cap: float, m: int) -> float:
         """Return more than all rounding errors in a Lagrangian bound at these duals can add up to [s]."""

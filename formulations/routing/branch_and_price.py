@@ -12,6 +12,7 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 2. Relaxation by column generation; Lagrangian bounds.                `columns/generation.py`, `pricing.py`, `master.py`
 3. Legs fixed away by reduced cost; tours listed when they fit.       `columns/fixing.py`, `enumeration.py`, `pool.py`
 4. Subset-row cuts, then branching on who takes which task. `columns/cuts.py`, `watching.py`, `branching.py`, `tree.py`
+5. Where the gap stays wide: destructive bisection of the cap.        `columns/destructive.py`
 
 Strong where tours are short (n/m up to about 20). Sources: Baldacci, Mingozzi, Roberti (Oper. Res. 59, 2011) for
 ng-routes and enumeration; Contardo & Martinelli (Discrete Optim. 12, 2014) for cutting over a listed pool.
@@ -29,6 +30,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from formulations.recorder import Recorder
+from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.columns.labelling import compile_beam, make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Efforts, Workspace
@@ -44,6 +46,7 @@ TOLERANCE = 1e-7
 MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
 _DEPTHS = (0.5, 3.0, 1.0, 10.0)  # of one search after the other: which is best differs from instance to instance
+_WIDE = 0.05  # gap left by the first node above which bisection gets half of the time left
 _STEPS = 5000  # of a search, for each task
 _STEPS_A_ROUND = 50  # of the search while a gap is left, for each task and round of column generation
 _STEPS_A_LABEL = 0.05  # and for each label made in vain
@@ -119,13 +122,23 @@ class BranchAndPrice(Solver):
         tree = Tree(Legs.of(recorder.instance), _columns(recorder), work)
         incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
         nodes = np.inf if limits.iterations is None else limits.iterations
-        proved = tree.grow(incumbent, nodes)
+        proved = tree.grow(incumbent, min(nodes, 1))
+        if not proved and nodes > 1 and recorder.bound < (1 - _WIDE) * recorder.objective:
+            until = recorder.remaining / 2
+            self._destruct(recorder, lambda: recorder.remaining <= until or stop())
+        proved = proved or tree.grow(incumbent, nodes - work.counts.get("nodes", 0))
         recorder.raise_bound(tree.bound(incumbent.cap()) * (1 - 1e-12))
         if proved:
             return "proof", work.counts
         if tree.stuck:
             return "memory", work.counts
         return "time" if work.out_of_time() else "iterations", work.counts
+
+    def _destruct(self, recorder: Recorder, enough: Callable[[], bool]) -> None:
+        """Raise the bound by bisection: the tree has far to go from a gap as wide as this."""
+        lower, upper = recorder.bound, recorder.objective
+        for bound in destructive_bounds(recorder.instance, lower, upper, enough, from_top=False):
+            recorder.raise_bound(bound)
 
     def improve(self, recorder: Recorder, seed: int, runs: int) -> None:
         """Make sure that there are routes; search `runs` times, from different seeds, for a third of the time left."""

@@ -132,7 +132,7 @@ def gaps(quick: bool, tasks: int | None) -> None:
     for n, m, bar in ((60, 3, "5 %"), (100, 3, "as small as possible"), (200, 10, "as small as possible")):
         if tasks not in (None, n):
             continue
-        result, _, lasted = run(solver, wind_instance(n, m, 0), 60.0 if quick else 280.0)
+        result, _, lasted = run(solver, wind_instance(n, m, 0), 60.0 if quick else 600.0)
         gap = "none" if result.gap is None else f"{result.gap:.2%}"
         print(f"{n:4d} {m:3d} | {gap} (bar {bar}) | {result.bound} | {result.objective:.3f} | {lasted:.1f}", flush=True)
 

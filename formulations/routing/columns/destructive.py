@@ -22,14 +22,22 @@ _LABELS = 1_000_000
 
 
 def destructive_bounds(
-    instance: Instance, lower: float, upper: float, out_of_time: Callable[[], bool], precision: float = 1e-3
+    instance: Instance,
+    lower: float,
+    upper: float,
+    out_of_time: Callable[[], bool],
+    *,
+    precision: float = 1e-3,
+    from_top: bool = True,
 ) -> Iterator[float]:
-    """Yield ever higher lower bounds on the longest tour [s]; the first comes from the cap `upper` itself.
+    """Yield ever higher lower bounds on the longest tour [s].
 
-    lower, upper : a bound and the cost of routes known [s]; precision : share of `upper` at which bisection ends.
+    lower, upper : a bound and the cost of routes known [s]; precision : share of `upper` at which bisection ends;
+    from_top : whether the first cap is `upper` itself, whose bound may be known already.
     """
     legs, store, columns = Legs.of(instance), make_store(instance.n_tasks, _LABELS), list[Column]()
-    cap = high = upper
+    high = upper
+    cap = upper if from_top else (lower + upper) / 2
     while high - lower > precision * upper and not out_of_time():
         master = Master(instance.n_tasks, instance.n_depots, 3 * cap / instance.n_tasks)
         master.add([column for column in columns if column.cost <= cap])

@@ -97,10 +97,10 @@ class BranchAndCut(Solver):
             return recorder.result("time")
         if limits.iterations == 0:
             return recorder.result("iterations")
-        return self._search(recorder, seed)
+        return self.search(recorder, seed)
 
-    def _search(self, recorder: Recorder, seed: int) -> Result:
-        """Build the model, run SCIP below the incumbent and say how that ended."""
+    def search(self, recorder: Recorder, seed: int) -> Result:
+        """Build the model, run SCIP below the recorder's incumbent and say how that ended."""
         instance = recorder.instance
         model = ScipModel(instance, recorder.objective, reach=self.reach)
         units = _FEASTOL * model.upper + (instance.n_nodes + 1) * _DUALFEASTOL

@@ -1,10 +1,10 @@
 """`exact`: the portfolio to try first. It chooses, combines, and says who proved it.
 
-* n ≤ 13: `subset-dp`, which is then done at once.
+* n ≤ 16: `subset-dp`, which is then done at once.
 * otherwise `branch-and-price`, which closes tours of up to about twenty tasks each in seconds;
 * with two threads `branch-and-cut` beside it in a process of its own, for longer tours: both pass on every better
   incumbent and bound the moment they have it, and the first proof ends both;
-* with one thread and n/m ≥ 20, `branch-and-price` for a quarter of the time and `branch-and-cut` with what it found.
+* with one thread, one or two UAVs and n/m ≥ 18, `branch-and-cut` for half of the time and `branch-and-price` with what it found.
 
 Where the change-over points come from: README.md in this folder. ``Result.statistics["proved_by"]`` names the method
 whose bound met the incumbent.
@@ -29,9 +29,9 @@ from instances import Instance, Routes
 
 FEW = 16
 """Tasks up to which subset programming takes a fraction of a second."""
-LONG = 20
-"""Tasks per UAV from which branch-and-cut is worth its time."""
-_SHARE = 0.25
+LONG, FEW_UAVS = 18, 2
+"""Tasks per UAV from which, and UAVs up to which, branch-and-cut is the quicker of the two."""
+_SHARE = 0.5
 _TELLING = 0.2  # seconds a peer is given to end by itself
 
 
@@ -72,7 +72,7 @@ class Exact(Solver):
         may_cut = BranchAndCut().accepts(instance) is None
         if limits.threads >= 2 and may_cut:
             return _side_by_side(recorder, columns, seed)
-        if instance.n_tasks >= LONG * instance.n_depots and may_cut:
+        if instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots and may_cut:
             return _one_after_the_other(recorder, columns, seed)
         return _columns_alone(recorder, columns, seed)
 
@@ -83,22 +83,15 @@ def _columns_alone(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Re
 
 
 def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
-    """Columns until a quarter of the time has passed, then cuts."""
-    until = (1 - _SHARE) * recorder.remaining
-    ended, counts = columns.prove(recorder, seed, lambda: recorder.remaining <= until)
-    if ended == "proof" or recorder.remaining <= 0:
-        return _result(recorder, ended, "branch-and-price", 2 * TOLERANCE * recorder.objective, counts)
-    limits = Limits(time=recorder.remaining, iterations=recorder.limits.iterations)
-    cut = BranchAndCut().solve(
-        recorder.instance, limits=limits, seed=seed, observe=_into(recorder), start=recorder.routes
-    )
-    return _result(
-        recorder,
-        cut.stopped_by,
-        "branch-and-cut",
-        cut.tolerance,
-        {**counts, **{f"cut_{name}": value for name, value in cut.statistics.items()}},
-    )
+    """Cuts for half of the time, then columns with what they found."""
+    limits = Limits(time=max(_SHARE * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
+    cuts = BranchAndCut(warm_start=False)
+    cut = cuts.solve(recorder.instance, limits=limits, seed=seed, observe=_into(recorder), start=recorder.routes)
+    counts = {f"cut_{name}": value for name, value in cut.statistics.items()}
+    if cut.status is Status.OPTIMAL or recorder.remaining <= 0:
+        return _result(recorder, cut.stopped_by, "branch-and-cut", cut.tolerance, counts)
+    ended, own = columns.prove(recorder, seed, lambda: False)
+    return _result(recorder, ended, "branch-and-price", 2 * TOLERANCE * recorder.objective, {**own, **counts})
 
 
 def _into(recorder: Recorder) -> Observer:
@@ -149,7 +142,7 @@ def _cut(
     others.close()
     recorder = LinkedRecorder(instance, limits, ignore, start, link)
     with contextlib.suppress(KeyboardInterrupt):  # how branch-and-cut says that it was interrupted: the peer was first
-        result = BranchAndCut()._search(recorder, seed)
+        result = BranchAndCut().search(recorder, seed)
         if result.status is Status.OPTIMAL:
             recorder.tell_proof(result.tolerance)
     link.close()

@@ -95,7 +95,7 @@ class _Relaxation:
             problem = cp.Problem(cp.Minimize(self.C_max), constraints + self.no_loops)
             limit = {"time_limit": remaining} if math.isfinite(remaining) else {}
             try:
-                with warnings.catch_warnings(action="ignore", category=UserWarning):  # a limit hit: seen in the status
+                with warnings.catch_warnings(action="ignore"):  # of a limit hit, NaN and all: seen in the status
                     problem.solve(solver=cp.HIGHS, **limit)
             except cp.SolverError:
                 break

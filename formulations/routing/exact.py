@@ -4,7 +4,8 @@
 * otherwise `branch-and-price`, which closes tours of up to about twenty tasks each in seconds;
 * with two threads `branch-and-cut` beside it in a process of its own, for longer tours: both pass on every better
   incumbent and bound the moment they have it, and the first proof ends both;
-* with one thread, one or two UAVs and n/m ≥ 18, `branch-and-cut` for half of the time and `branch-and-price` with what it found.
+* with one thread, at most two UAVs and n/m ≥ 18, `branch-and-cut` for half of the time, then `branch-and-price` with
+  what it found.
 
 Where the change-over points come from: README.md in this folder. ``Result.statistics["proved_by"]`` names the method
 whose bound met the incumbent.

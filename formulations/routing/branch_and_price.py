@@ -24,18 +24,19 @@ Floating point: all bounds are Lagrangian, valid at any duals, with an explicit 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from formulations.recorder import Recorder
 from formulations.routing.columns.destructive import destructive_bounds
-from formulations.routing.columns.labelling import compile_beam, make_store
+from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Efforts, Workspace
 from formulations.routing.columns.pricing import Column, Effort
 from formulations.routing.columns.tree import Incumbent, Tree
+from formulations.routing.columns.warming import warm_up
 from formulations.routing.search.memetic import Memetic
 from formulations.solver import Limits, Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes, tour_costs
@@ -84,12 +85,7 @@ class BranchAndPrice(Solver):
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (about a minute the first time, then cached)."""
         Memetic().prepare(instance)
-        compile_beam()
-        # Small, and from a start poor enough that cuts, leg fixing and the pool are all needed.
-        place = np.random.default_rng(0).uniform(0, 1, (15, 2))
-        small = Instance("warm-up", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 12, 3)
-        poor = (tuple(range(4)), tuple(range(4, 8)), tuple(range(8, 12)))
-        replace(self, starts=0).solve(small, limits=Limits(time=3600.0), start=poor)
+        warm_up()
 
     def solve(
         self,

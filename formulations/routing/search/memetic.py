@@ -31,6 +31,8 @@ from instances import InputError, Instance, Routes
 
 _PROBE = 0.01
 """Share of the limit after which the speed is known well enough to plan."""
+_SHALLOWEST = 10_000
+"""Steps of a founder's annealing, at least."""
 _LEVELS, _SHORTEST = 40, 100
 """Temperature levels of one annealing, at least; steps at one level, at least."""
 
@@ -44,15 +46,15 @@ class Memetic(Solver):
     cuts : share of steps that cut and rejoin long pieces of one or two tours.
     powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, the recreation draws from (1 is the total alone).
     reliefs : share of the population's later stages that send a UAV elsewhere; the others are crossovers.
-    depth : one annealing of the population takes depth · n² / m steps.
+    depth : a founder's annealing takes depth · n² / m steps, at least 10 000, doubled at each new start.
     """
 
     removals: int = 12
     strings: float = 0.5
     cuts: float = 0.1
     powers: int = 4
-    reliefs: float = 0.7
-    depth: float = 20.0
+    reliefs: float = 0.5
+    depth: float = 5.0
 
     proves: ClassVar[bool] = False
 
@@ -92,7 +94,7 @@ class Memetic(Solver):
         populations = self._populations(instance, limits.threads, seed, start)
         pace = Pace(recorder)
         planned = False
-        annealing = self.depth * instance.n_tasks**2 / instance.n_depots
+        annealing = max(_SHALLOWEST, self.depth * instance.n_tasks**2 / instance.n_depots)
         most = max(_SHORTEST, int(annealing / _LEVELS))
         with ThreadPoolExecutor(limits.threads) as pool:
             while True:
@@ -107,8 +109,7 @@ class Memetic(Solver):
                     planned = True
                     for population in populations:
                         population.plan(annealing / pace.total_steps)
-                if now >= populations[0].end:
-                    _next_stages(populations, now)
+                _next_stages(populations, now)
                 steps = pace.next_steps(most)
                 if len(populations) == 1:
                     populations[0].advance(now, steps)
@@ -129,7 +130,7 @@ class Memetic(Solver):
 
 
 def _next_stages(populations: list[Population], now: float) -> None:
-    """End the stage of every population (they keep step); each takes in the best tours of the one before it."""
-    guests = [population.best for population in populations]
+    """End the stage of each population whose stage is over; it takes in the best tours of the one before it."""
     for i, population in enumerate(populations):
-        population.next_stage(now, guests[i - 1] if len(populations) > 1 else None)
+        if now >= population.end:
+            population.next_stage(now, populations[i - 1].best if len(populations) > 1 else None)

@@ -155,13 +155,21 @@ class BranchAndPrice(Solver):
             Effort(near - 1, middle, 20_000),
             Effort(near, fine, 300_000),
         )
+        if n <= 100:
+            cutting = (
+                Effort(3, quick, 200, 3),
+                Effort(3, quick, 3000, 4),
+                Effort(4, middle, 30_000, 4),
+                Effort(5, middle, 300_000, 4),
+            )
+            return Efforts(plain, Effort(near, fine, 0)), Efforts(cutting, Effort(5, fine, 0, 4))
         cutting = (
-            Effort(3, quick, 200, 3),
-            Effort(3, quick, 3000, 4),
-            Effort(4, middle, 30_000, 4),
-            Effort(5, middle, 300_000, 4),
+            Effort(3, quick, 200, 1),
+            Effort(3, quick, 3000, 2),
+            Effort(3, middle, 30_000, 2),
+            Effort(4, middle, 300_000, 2),
         )
-        return Efforts(plain, Effort(near, fine, 0)), Efforts(cutting, Effort(5, fine, 0, 4))
+        return Efforts(plain, Effort(near, fine, 0)), Efforts(cutting, Effort(4, middle, 0, 2))
 
 
 class _Search:

@@ -7,6 +7,8 @@ Martin, "Branching rules revisited", Oper. Res. Lett. 33, 2005).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,7 +28,9 @@ def shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:
     return share
 
 
-def choose(master: Master, weight: NDArray[np.float64], allowed: NDArray[np.bool_]) -> tuple[int, int] | None:
+def choose(
+    master: Master, weight: NDArray[np.float64], allowed: NDArray[np.bool_], out_of_time: Callable[[], bool]
+) -> tuple[int, int] | None:
     """Return UAV and task to branch on, None where all are decided; `allowed` (m, n) says who may still take what."""
     undecided = allowed & (allowed.sum(axis=0) > 1)
     if not undecided.any():
@@ -41,6 +45,8 @@ def choose(master: Master, weight: NDArray[np.float64], allowed: NDArray[np.bool
     uav = np.array([c.uav for c in master.columns])
     best, best_score = int(candidates[0]), -np.inf
     for candidate in candidates:
+        if out_of_time():
+            break
         k, i = _pair(int(candidate), master.n)
         holds = np.array([i in c.tasks for c in master.columns])
         given, forbidden = (

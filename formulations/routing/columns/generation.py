@@ -49,6 +49,9 @@ def generate(
 ) -> Relaxation:
     """Solve the relaxation over tours of cost ≤ `cap`; stop early where the bound passes the cap or time is up.
 
+    With a `centre` to fall back to, stop also where even the strongest pricer loses labels.
+
+
     centre : how a relaxation with no fewer tours and no more cuts ended; what its duals prove still holds, and new
         ones are sought near them.
     """
@@ -71,7 +74,7 @@ def generate(
         if bound > best_bound:
             best, best_bound, best_least = duals, bound, least
         complete = all(p.complete for p in priced)
-        if best_bound > cap:
+        if best_bound > cap or (centre is not None and level + 1 == len(pricers) and not complete):
             return Relaxation(best_bound, best, best_least, complete, weight, rounds)
         if master.add([c for p in priced for c in p.columns]):
             value, at_master, weight = master.solve()

@@ -120,7 +120,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
         if node.bound > cap or work.out_of_time():
             return True
         if not relaxation.solved and len(master.cuts) > len(node.cuts):  # so many cuts that pricing is lost
-            return _prepare_branching(node, cap)
+            return _prepare_branching(node, cap, work)
         node.columns, node.cuts, node.centre = list(master.columns), tuple(master.cuts), relaxation
         if relaxation.solved:
             node.routes = _whole_tours(master, relaxation.weight)
@@ -135,17 +135,17 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
         _reduce(node, relaxation, cap, work)
         cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
         if not cuts or stalled >= _ROUNDS_STALLED:
-            return _prepare_branching(node, cap)
+            return _prepare_branching(node, cap, work)
         master.cut_off(cuts)
         work.count("cuts", len(cuts))
 
 
-def _prepare_branching(node: Node, cap: float) -> bool:
+def _prepare_branching(node: Node, cap: float, work: Workspace) -> bool:
     """Choose the branch, and look for routes among the columns."""
     _lighten(node, cap)
     master = _master(node, cap)
     _, _, weight = master.solve()
-    node.ready, node.branch = True, choose(master, weight, node.may_visit())
+    node.ready, node.branch = True, choose(master, weight, node.may_visit(), work.out_of_time)
     node.routes = _routes(master.whole(_DIVE) or [], master.n)
     return True
 

@@ -178,6 +178,38 @@ def test_out_of_time_and_out_of_nodes_still_give_routes_and_a_valid_bound() -> N
         assert result.bound is None or result.bound <= optimum * (1 + 1e-12)
 
 
+@pytest.mark.parametrize("seed", [0, 3, 7])
+def test_nodes_too_large_for_memory_are_left_and_said_so(seed: int) -> None:
+    """One UAV has nothing to branch on: where its tours do not fit the label store, the bound is still valid."""
+    instance = random_instance(12, 1, seed)
+    optimum = SubsetDp().solve(instance, limits=LIMITS).objective
+    assert optimum is not None
+    result = BranchAndPrice(labels=1000, bins=5).solve(instance, limits=LIMITS)
+    assert result.stopped_by in ("proof", "memory")
+    assert result.status is (Status.OPTIMAL if result.stopped_by == "proof" else Status.FEASIBLE)
+    assert result.bound is not None
+    assert result.bound <= optimum * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_lightening_changes_no_bound(seed: int) -> None:
+    """Cuts of price zero and their columns' shares in them cost nothing; the rest keep their reduced costs."""
+    rng = np.random.default_rng(seed)
+    cuts = tuple(itertools.combinations(range(6), 3))
+    rho = np.where(rng.random(len(cuts)) < 0.5, 0.0, rng.uniform(0, 5, len(cuts)))
+    duals = Duals(rng.normal(10, 5, 6), np.array([0.5, 0.5]), np.zeros(2), rho, cuts)
+    columns = [Column(int(rng.integers(2)), tuple(rng.permutation(6)[:4].tolist()), float(c)) for c in range(1, 20)]
+    values = [
+        0.5 * c.cost - duals.price[list(c.tasks)].sum()
+        + sum(r for cut, r in zip(cuts, rho, strict=True) if len(set(cut) & set(c.tasks)) >= 2)
+        for c in columns
+    ]  # fmt: skip
+    assert duals.values(columns) == pytest.approx(values)
+    assert duals.paid().values(columns) == pytest.approx(values)
+    assert duals.paid().offset == pytest.approx(duals.offset)
+    assert (duals.paid().rho > 0).all()
+
+
 def test_more_than_64_tasks() -> None:
     """Seventy tasks on a line beside seven depots, ten to each: the farthest of each ten sets the optimum."""
     x = np.concatenate([np.concatenate([k * 1000.0 + np.arange(1, 11) for k in range(7)]), np.arange(7) * 1000.0])

@@ -38,6 +38,7 @@ from formulations.routing.columns.pricing import Column, Effort
 from formulations.routing.columns.tree import Incumbent, Tree
 from formulations.routing.columns.warming import warm_up
 from formulations.routing.search.memetic import Memetic
+from formulations.routing.simple_bounds import SIMPLE
 from formulations.solver import Limits, Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes, tour_costs
 
@@ -108,14 +109,16 @@ class BranchAndPrice(Solver):
 
         The incumbent may also be improved from outside meanwhile, in `stop`, which is asked often and ends the work.
         """
-        if recorder.objective == 0:
+        for simple_bound in SIMPLE.values():
+            recorder.raise_bound(simple_bound(recorder.instance, recorder.objective))
+        if recorder.bound >= recorder.objective * (1 - TOLERANCE):
             return "proof", {}
         n, limits = recorder.instance.n_tasks, recorder.limits
         store = make_store(n, min(self.labels, max(1000, n << min(n, 40))))  # no more than all sets and last tasks
         work = Workspace(lambda: recorder.remaining <= 0 or stop(), store, self.tours, *self._efforts(n))
         if self.starts > 0:
             work.better = _Search(recorder, work.counts, 1000 * seed, self.starts).better
-        tree = Tree(Legs.of(recorder.instance), _columns(recorder), work)
+        tree = Tree(Legs.of(recorder.instance), _columns(recorder), work, recorder.bound)
         incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
         nodes = np.inf if limits.iterations is None else limits.iterations
         proved = tree.grow(incumbent, min(nodes, 1))

@@ -25,7 +25,7 @@ def fix_legs(pricer: Pricer, duals: Duals, bound: float, least: NDArray[np.float
     for k in range(m):
         if pricer.out_of_time():
             break
-        b = pricer.bins[k]
+        b, _, _ = pricer.grid(k)
         back_legs = Bins.of(np.ascontiguousarray(legs.between[k].T), legs.out[k], cap, b.count)
         order, degree = successors(back_legs.legs, b.count)
         reverse = completion(

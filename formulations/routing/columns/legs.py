@@ -49,8 +49,10 @@ class Legs:
         """Forbid every leg that no tour of cost ≤ `cap` can use: the shortest walk through it costs more."""
         out, between, home = self.out.copy(), self.between.copy(), self.home.copy()
         limit = cap * (1 + 1e-12)
+        walk = np.empty((0, 0))
         for k in range(self.n_uavs):
-            walk = _shortest_walks(between[k])
+            if k == 0 or not np.array_equal(self.between[k], self.between[k - 1]):
+                walk = _shortest_walks(self.between[k])
             there = (out[k][:, None] + walk).min(axis=0)
             back = (walk + home[k][None, :]).min(axis=1)
             between[k][there[:, None] + between[k] + back[None, :] > limit] = np.inf

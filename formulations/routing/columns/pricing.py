@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -129,20 +130,32 @@ class Pricer:
     ) -> None:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
         self.n_uavs = legs.n_uavs
-        self.memory = Memory.nearest(np.minimum.reduce(legs.between), effort.near)
-        self.bins = [Bins.of(legs.between[k], legs.home[k], cap, effort.bins) for k in range(legs.n_uavs)]
-        self.successors = [successors(b.legs, b.count) for b in self.bins]
-        self._watch: tuple[Duals | None, Watch] = (None, Watch.of(self.memory.near, (), np.zeros(0), 0))
+        self._grids: dict[int, tuple[Bins, NDArray[np.int64], NDArray[np.int64]]] = {}
+        self._watch: tuple[Duals | None, Watch | None] = (None, None)
+
+    @cached_property
+    def memory(self) -> Memory:
+        """The ng-neighbourhoods, the same for every UAV."""
+        return Memory.nearest(np.minimum.reduce(self.legs.between), self.effort.near)
+
+    def grid(self, k: int) -> tuple[Bins, NDArray[np.int64], NDArray[np.int64]]:
+        """Return UAV k's bins, and its successors and their number (made when first asked for: some never are)."""
+        if k not in self._grids:
+            bins = Bins.of(self.legs.between[k], self.legs.home[k], self.cap, self.effort.bins)
+            self._grids[k] = (bins, *successors(bins.legs, bins.count))
+        return self._grids[k]
 
     def watch(self, duals: Duals) -> Watch:
         """Return the cuts watched at these duals."""
-        if self._watch[0] is not duals:
-            self._watch = (duals, Watch.of(self.memory.near, duals.cuts, duals.rho, self.effort.watch))
-        return self._watch[1]
+        at, watch = self._watch
+        if at is not duals or watch is None:
+            watch = Watch.of(self.memory.near, duals.cuts, duals.rho, self.effort.watch)
+            self._watch = (duals, watch)
+        return watch
 
     def field(self, k: int, duals: Duals) -> Field:
         """Return what a search for tours of UAV k runs on, completion bounds included."""
-        legs, b, (order, degree) = self.legs, self.bins[k], self.successors[k]
+        legs, (b, order, degree) = self.legs, self.grid(k)
         between, home, sigma, watch = legs.between[k], legs.home[k], float(duals.sigma[k]), self.watch(duals)
         best = completion(
             between, home, b.legs, b.home, order, degree, self.memory.step, watch.turn, watch.charge, duals.price,

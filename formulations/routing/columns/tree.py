@@ -27,15 +27,15 @@ class Incumbent:
 
 
 class Tree:
-    """Best-first branch and price below an incumbent."""
+    """Best-first branch and price below an incumbent; `bound` [s] is what is known before."""
 
-    def __init__(self, legs: Legs, columns: Sequence[Column], work: Workspace) -> None:
+    def __init__(self, legs: Legs, columns: Sequence[Column], work: Workspace, bound: float = 0.0) -> None:
         self.work = work
         self.m, self.n = legs.n_uavs, legs.n_tasks
         self._open: list[tuple[float, int, Node]] = []
         self._count = 0
         self._stuck = math.inf
-        self._push(Node(legs, 0.0, list(columns)))
+        self._push(Node(legs, bound, list(columns)))
 
     def _push(self, node: Node) -> None:
         self._count += 1

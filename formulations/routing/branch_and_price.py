@@ -48,7 +48,7 @@ TOLERANCE = 1e-7
 MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
 _DEPTHS = (0.5, 3.0, 1.0, 10.0)  # of one search after the other: which is best differs from instance to instance
-_WIDE = 0.05  # gap left by the first node above which bisection gets half of the time left
+_WIDE = 0.05  # gap left after a third of the time above which bisection gets the next third
 _STEPS = 5000  # of a search, for each task
 _STEPS_A_ROUND = 50  # of the search while a gap is left, for each task and round of column generation
 _STEPS_A_LABEL = 0.05  # and for each label made in vain
@@ -115,16 +115,20 @@ class BranchAndPrice(Solver):
             return "proof", {}
         n, limits = recorder.instance.n_tasks, recorder.limits
         store = make_store(n, min(self.labels, max(1000, n << min(n, 40))))  # no more than all sets and last tasks
-        work = Workspace(lambda: recorder.remaining <= 0 or stop(), store, self.tours, *self._efforts(n))
+        legs = Legs.of(recorder.instance)
+        patience = _Patience(recorder, stop)
+        work = Workspace(patience.over, store, self.tours, *self._efforts(n), (legs.out + legs.home).min(axis=0))
         if self.starts > 0:
             work.better = _Search(recorder, work.counts, 1000 * seed, self.starts).better
-        tree = Tree(Legs.of(recorder.instance), _columns(recorder), work, recorder.bound)
+        tree = Tree(legs, _columns(recorder), work, recorder.bound)
         incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
         nodes = np.inf if limits.iterations is None else limits.iterations
-        proved = tree.grow(incumbent, min(nodes, 1))
-        if not proved and nodes > 1 and recorder.bound < (1 - _WIDE) * recorder.objective:
-            until = recorder.remaining / 2
-            self._destruct(recorder, lambda: recorder.remaining <= until or stop())
+        patience.share(1 / 3)
+        proved = tree.grow(incumbent, nodes)
+        if not proved and recorder.limits.iterations is None and recorder.bound < (1 - _WIDE) * recorder.objective:
+            patience.share(1 / 2)
+            self._destruct(recorder, patience.over)
+        patience.share(1)
         proved = proved or tree.grow(incumbent, nodes - work.counts.get("nodes", 0))
         recorder.raise_bound(tree.bound(incumbent.cap()) * (1 - 1e-12))
         if proved:
@@ -173,6 +177,21 @@ class BranchAndPrice(Solver):
             Effort(4, middle, 300_000, 2),
         )
         return Efforts(plain, Effort(near, fine, 0)), Efforts(cutting, Effort(4, middle, 0, 2))
+
+
+class _Patience:
+    """How long to go on with what is being done."""
+
+    def __init__(self, recorder: Recorder, stop: Callable[[], bool]) -> None:
+        self._recorder, self._stop, self._until = recorder, stop, 0.0
+
+    def share(self, part: float) -> None:
+        """Allow a share of the time that remains."""
+        self._until = (1 - part) * self._recorder.remaining
+
+    def over(self) -> bool:
+        """Say whether the time allowed is over."""
+        return self._recorder.remaining <= self._until or self._stop()
 
 
 class _Search:

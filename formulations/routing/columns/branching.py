@@ -1,8 +1,9 @@
 """Strong branching: which UAV and task to branch on.
 
-A branch either gives task i to UAV k or forbids it to it. Candidates are the y_ki = Σ_p a_ip λ_p nearest to ½; the
-columns known say how far the master rises on either side, and the largest product of the two wins (Achterberg, Koch,
-Martin, "Branching rules revisited", Oper. Res. Lett. 33, 2005).
+A branch either gives task i to UAV k or forbids it to it. Candidates are the y_ki = Σ_p a_ip λ_p near ½, far tasks
+first: as long as several UAVs share a task far out, none of them pays the way, and once one is given it, that one does.
+The columns known say how far the master rises on either side, and the largest product of the two wins (Achterberg,
+Koch, Martin, "Branching rules revisited", Oper. Res. Lett. 33, 2005).
 """
 
 from __future__ import annotations
@@ -29,18 +30,25 @@ def shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def choose(
-    master: Master, weight: NDArray[np.float64], allowed: NDArray[np.bool_], out_of_time: Callable[[], bool]
+    master: Master,
+    weight: NDArray[np.float64],
+    allowed: NDArray[np.bool_],
+    far: NDArray[np.float64],
+    out_of_time: Callable[[], bool],
 ) -> tuple[int, int] | None:
-    """Return UAV and task to branch on, None where all are decided; `allowed` (m, n) says who may still take what."""
+    """Return UAV and task to branch on, None where all are decided.
+
+    allowed (m, n) : who may still take what; far (n,) [s] : the cheapest way to each task and back.
+    """
     undecided = allowed & (allowed.sum(axis=0) > 1)
     if not undecided.any():
         return None
     share = shares(master, weight)
-    distance = np.where(undecided, np.abs(share - 0.5).round(6), np.inf).ravel()
-    candidates = np.argsort(distance, kind="stable")[:_CANDIDATES]
-    candidates = candidates[distance[candidates] < 0.49]
+    promise = np.where(undecided, np.minimum(share, 1 - share).round(6) * far**2, -1.0).ravel()
+    candidates = np.argsort(-promise, kind="stable")[:_CANDIDATES]
+    candidates = candidates[promise[candidates] > 0.0]
     if candidates.size < 2:
-        return _pair(int(np.argmin(distance)), master.n)
+        return _pair(int(np.argmax(promise)), master.n)
     value, _, _ = master.solve()
     uav = np.array([c.uav for c in master.columns])
     best, best_score = int(candidates[0]), -np.inf

@@ -25,7 +25,7 @@ from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool, PoolPricer
 from formulations.routing.columns.pricing import Column, Effort, Pricer, Prices
 
-_WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not listed
+_WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not listed, nor cuts sought
 _FIRST_ROOM = 1_000_000  # labels of the first attempt to list the tours; four times as many after each failure
 _CUTS_A_ROUND = 50
 _STALLED = 0.05  # of the gap
@@ -45,6 +45,7 @@ class Efforts(NamedTuple):
 class Workspace:
     """What all nodes share: clock, label store, limits, efforts and counters.
 
+    far : the cheapest way to each task and back [s].
     better : asked after every relaxation: searches on for better routes, and says whether there are any.
     """
 
@@ -53,6 +54,7 @@ class Workspace:
     tours_room: int
     plain: Efforts
     cutting: Efforts
+    far: NDArray[np.float64]
     better: Callable[[], bool] = lambda: False
     counts: dict[str, Any] = field(default_factory=dict)
 
@@ -117,11 +119,12 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
         stalled = stalled + 1 if relaxation.bound < node.bound + _STALLED * gap else 0
         node.bound = max(node.bound, relaxation.bound)
         work.count("rounds", relaxation.rounds)
+        node.columns = list(master.columns)
         if node.bound > cap or work.out_of_time():
             return True
         if not relaxation.solved and len(master.cuts) > len(node.cuts):  # so many cuts that pricing is lost
             return _prepare_branching(node, cap, work)
-        node.columns, node.cuts, node.centre = list(master.columns), tuple(master.cuts), relaxation
+        node.cuts, node.centre = tuple(master.cuts), relaxation
         if relaxation.solved:
             node.routes = _whole_tours(master, relaxation.weight)
             if node.routes is not None:
@@ -134,7 +137,8 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
                 return True
         _reduce(node, relaxation, cap, work)
         cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
-        if not cuts or stalled >= _ROUNDS_STALLED:
+        wide = cap - relaxation.bound > _WORTH_LISTING * cap  # then a branch does more than cuts, and sooner
+        if not cuts or wide or stalled >= _ROUNDS_STALLED:
             return _prepare_branching(node, cap, work)
         master.cut_off(cuts)
         work.count("cuts", len(cuts))
@@ -145,7 +149,7 @@ def _prepare_branching(node: Node, cap: float, work: Workspace) -> bool:
     _lighten(node, cap)
     master = _master(node, cap)
     _, _, weight = master.solve()
-    node.ready, node.branch = True, choose(master, weight, node.may_visit(), work.out_of_time)
+    node.ready, node.branch = True, choose(master, weight, node.may_visit(), work.far, work.out_of_time)
     node.routes = _routes(master.whole(_DIVE) or [], master.n)
     return True
 

@@ -52,7 +52,7 @@ class Tree:
 
     def grow(self, incumbent: Incumbent, nodes: float = math.inf) -> bool:
         """Work until no routes of cost ≤ cap are left (True), or time is up, `nodes` are done or some stuck (False)."""
-        while self._open and self._open[0][0] <= incumbent.cap():
+        while self._open and self._open[0][0] <= incumbent.cap() > 0:
             if nodes <= 0 or self.work.out_of_time():
                 return False
             node = heapq.heappop(self._open)[-1]
@@ -71,7 +71,7 @@ class Tree:
             elif node.bound <= cap:
                 self._push(node)
             incumbent.report(self.bound(incumbent.cap()))
-        return self._stuck > incumbent.cap()
+        return self._stuck > incumbent.cap() or incumbent.cap() <= 0
 
 
 def _child(node: Node, task: int, uavs: list[int]) -> Node:

@@ -191,6 +191,16 @@ def test_nodes_too_large_for_memory_are_left_and_said_so(seed: int) -> None:
     assert result.bound <= optimum * (1 + 1e-12)
 
 
+def test_routes_that_cost_nothing_end_the_search() -> None:
+    """A circle of free legs, found only on the way."""
+    cost = np.full((6, 6), 5.0)
+    cost[np.arange(6), np.roll(np.arange(6), -1)] = 0.0
+    np.fill_diagonal(cost, 0.0)
+    result = BranchAndPrice(starts=0).solve(Instance("free", cost, 5, 1), limits=LIMITS, start=((4, 2, 3, 1, 0),))
+    assert result.status is Status.OPTIMAL
+    assert result.objective == 0.0
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_lightening_changes_no_bound(seed: int) -> None:
     """Cuts of price zero and their columns' shares in them cost nothing; the rest keep their reduced costs."""

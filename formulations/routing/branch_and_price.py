@@ -154,13 +154,13 @@ class BranchAndPrice(Solver):
 
     def _efforts(self, n: int) -> tuple[Efforts, Efforts]:
         """Return how hard to work at a node without cuts, and at one with cuts."""
-        near = 6 if n <= 100 else 5
+        near = 7 if n <= 100 else 5
         quick, middle, fine = (max(1, self.bins * share // 10) for share in (3, 5, 8))
         plain = (
             Effort(3, quick, 200),
             Effort(3, quick, 3000),
-            Effort(near - 1, middle, 20_000),
-            Effort(near, fine, 300_000),
+            Effort(near - 1, fine, 20_000),
+            Effort(near, self.bins, 300_000),
         )
         if n <= 100:
             cutting = (
@@ -169,7 +169,7 @@ class BranchAndPrice(Solver):
                 Effort(4, middle, 30_000, 4),
                 Effort(5, middle, 300_000, 4),
             )
-            return Efforts(plain, Effort(near, fine, 0)), Efforts(cutting, Effort(5, fine, 0, 4))
+            return Efforts(plain, Effort(near, self.bins, 0)), Efforts(cutting, Effort(5, fine, 0, 4))
         cutting = (
             Effort(3, quick, 200, 1),
             Effort(3, quick, 3000, 2),

@@ -38,6 +38,11 @@ KNOWN = {  # proved optima [s] of seeds 0, 1, 2
     (40, 4): (1433.316, 1485.499, 1456.734),
     (50, 3): (2058.511, 2052.582, 2211.421),
     (50, 4): (1709.777, 1608.736, 1541.500),
+    (60, 4): (1708.692, 1650.808, 1627.962),
+    (60, 5): (1467.725, 1425.594, 1324.873),
+    (60, 6): (1314.149, 1125.559, 1314.846),
+    (80, 8): (1069.405, 1166.750, 1261.873),
+    (100, 10): (958.748, 1020.009, 1034.000),
 }
 PROOFS = (  # n, m, CPU seconds, how many of ten
     (40, 3, 15.0, 10),
@@ -89,7 +94,7 @@ def run(solver: Solver, instance: Instance, limit: float, threads: int = 1) -> t
 
 def proofs(quick: bool, tasks: int | None) -> None:
     """Every size: how many seeds are proved within the bar."""
-    print("proofs by branch-and-price: n m | proved within the bar | median and greatest CPU s | worst gap")
+    print("proofs by branch-and-price: n m | proved within the bar | median and greatest CPU s | worst gap | each")
     solver = BranchAndPrice()
     solver.prepare(wind_instance(10, 2, 0))
     for n, m, bar, of_ten in PROOFS:
@@ -100,11 +105,12 @@ def proofs(quick: bool, tasks: int | None) -> None:
         runs = [run(solver, wind_instance(n, m, seed), 3 * bar) for seed in seeds]
         good = [spent for result, spent, _ in runs if result.status is Status.OPTIMAL and spent <= bar]
         gaps = [result.gap or 0.0 for result, _, _ in runs]
+        each = " ".join(f"{spent:.1f}" if result.status is Status.OPTIMAL else "–" for result, spent, _ in runs)
         middle = f"median {median(good):6.2f}, greatest {max(good):6.2f} CPU s" if good else "none"
         late = max(lasted for _, _, lasted in runs) - 3 * bar
         print(
             f"{n:4d} {m:3d} | {len(good)} of {len(runs)} (bar {of_ten} of 10 in {bar:.0f} s) | {middle} | "
-            f"worst gap {max(gaps):.2%}" + (f" | {late:.1f} s over the limit" if late > 2 else ""),
+            f"worst gap {max(gaps):.2%} | {each}" + (f" | {late:.1f} s over the limit" if late > 2 else ""),
             flush=True,
         )
 

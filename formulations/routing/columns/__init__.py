@@ -1,4 +1,5 @@
 """Columns: the MMMDMTSP as a choice of one tour per UAV. The parts of `branch-and-price`, in the order they run.
 
-legs → completion → labelling → pricing → master → generation → enumeration → pool, and tree over them.
+legs → watching, completion → labelling → pricing → master → generation → fixing → enumeration → pool → cuts →
+branching, all in node, and tree over the nodes; destructive where a gap stays wide.
 """

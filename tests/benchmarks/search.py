@@ -60,7 +60,10 @@ ABLATIONS: dict[str, dict[str, float]] = {
     "one long annealing, no population": {"depth": 1e9},
     "removals of at most 6": {"removals": 6},
 }
-TUNED_ON = ("md8", "md10", "md14", "md22", "md25", "md28", "md40", "lin318_5", "att532_5")
+TUNED_ON = (
+    *("md4", "md8", "md10", "md14", "md17", "md22", "md25", "md28", "md31", "md34", "md37", "md40"),
+    *("lin318_5", "att532_5"),
+)
 PEERS = ("md8", "md14", "md25", "md40")
 
 Search = Callable[[Instance, float, int], Routes]

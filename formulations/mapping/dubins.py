@@ -67,13 +67,13 @@ def _word_segments(word: int, d: float, a: float, b: float) -> tuple[float, floa
         c = (6.0 - d * d + 2.0 * cab + 2.0 * d * (sa - sb)) / 8.0
         if abs(c) > 1.0:
             return none
-        p = _angle(_TURN - math.acos(c))
+        p = _TURN - math.acos(c)  # the middle arc exceeds π: a full circle here is one, not nothing
         t = _angle(a - math.atan2(ca - cb, d - sa + sb) + p / 2.0)
         return t, p, _angle(a - b - t + p)
     c = (6.0 - d * d + 2.0 * cab + 2.0 * d * (sb - sa)) / 8.0  # LRL
     if abs(c) > 1.0:
         return none
-    p = _angle(_TURN - math.acos(c))
+    p = _TURN - math.acos(c)
     t = _angle(-a + math.atan2(cb - ca, d + sa - sb) + p / 2.0)
     return t, p, _angle(b - a - t + p)
 

@@ -135,6 +135,7 @@ def gaps(quick: bool, tasks: int | None) -> None:
     """Where proofs are out of reach: the certified gap."""
     print("certified gaps of branch-and-price: n m | gap | bound | routes | wall s")
     solver = BranchAndPrice()
+    solver.prepare(wind_instance(10, 2, 0))
     for n, m, bar in ((60, 3, "5 %"), (100, 3, "as small as possible"), (200, 10, "as small as possible")):
         if tasks not in (None, n):
             continue
@@ -154,6 +155,7 @@ def public(quick: bool, tasks: int | None) -> None:
     solver = make_solver("exact")
     for name in ("eil51_2", "eil51_3", "eil51_5", "berlin52_2", "berlin52_3", "berlin52_5", "eil76_5", "eil76_7"):
         instance = read_instance(BENCHMARKS / "single_mtsplib" / f"{name}.mdm")
+        solver.prepare(instance)
         result, _, lasted = run(solver, instance, 20.0 if quick else 120.0, 2)
         bound = "none" if result.bound is None else f"{result.bound:.3f}"
         print(

@@ -45,7 +45,7 @@ def test_integer_tours_bound_float_tours_from_below(case: tuple[Instance, tuple[
 def test_numbers_stay_small_and_the_tolerance_relative(case: tuple[Instance, tuple[int, ...]]) -> None:
     instance, tour = case
     value = makespan(instance, (tour,))
-    if value == 0:
+    if value < 2.0**-976:  # the scale ends at 2^1000: see the extreme incumbents below
         return
     scaled = scale_costs(instance, value)
     assert 2 ** (BITS - 1) <= scaled.upper <= 2**BITS

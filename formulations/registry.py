@@ -39,7 +39,7 @@ SOLVERS: dict[str, tuple[str, str]] = {
         "formulations.routing.search.ruin_recreate:RuinRecreate",
         "annealed ruin-and-recreate with p-norm insertion, one trajectory",
     ),
-    "greedy": ("formulations.routing.greedy:Greedy", "greedy insertion (four variants), the floor"),
+    "greedy": ("formulations.routing.greedy:Greedy", "greedy construction in four variants, the floor"),
 }
 """Built-in solvers: name → (``"module:Class"``, one line on what it is)."""
 

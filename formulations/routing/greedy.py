@@ -93,8 +93,8 @@ def _insert_all(instance: Instance, tours: Tours, rule: int, recorder: Recorder)
     return left == 0
 
 
-def greedy_routes(instance: Instance, variant: str = "regret") -> Routes:
+def greedy_routes(instance: Instance) -> Routes:
     """Return the greedy routes, however long it takes."""
-    routes = Greedy(variant).solve(instance, limits=Limits(time=float("inf"))).routes
+    routes = Greedy().solve(instance, limits=Limits(time=float("inf"))).routes
     assert routes is not None
     return routes

@@ -1,10 +1,5 @@
 """`nlp`: the non-linear programme of sub-problem 1 in casadi, solved by IPOPT from several starts.
 
-In a rectangle most starts are hops: the best end so far, shaken (basin hopping, Wales & Doye 1997). One random start
-in four reaches the best known 40 tasks in the square; from a poor first end, ten starts with hops reached it in 60 of
-60 trials, and IPOPT needs fewer iterations after a hop. In ragged regions hops stay in the wrong arms; random starts
-do better there.
-
     max I(P)   s.t.  box of A ≤ p_i,  s(p_i) ≥ 0 for every task i,        P = (p_1, …, p_n)
 
 where s is the exact signed distance to the border of A (positive inside), only present where A is not its own
@@ -15,6 +10,9 @@ corners and loses narrow parts of A: up to 0.6 % of I on spiky regions.)
 
 Objective, gradient and Hessian enter as casadi Callbacks with the closed forms of derivatives.py, the Hessian of the
 Lagrangian as λ_f ∇²I. Unknowns are in length scales, z = x / l.
+
+In a rectangle most starts are hops: the best end so far, shaken (basin hopping, Wales & Doye 1997). They reach the best
+end known more often than random starts do, in fewer iterations. In ragged regions they stay in the wrong arms.
 
 Wächter & Biegler (2006), IPOPT; Andersson et al. (2019), CasADi.
 """

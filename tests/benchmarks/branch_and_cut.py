@@ -12,11 +12,10 @@ import sys
 import time
 from dataclasses import fields
 
-import numpy as np
-
 from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.solver import Limits, Result, Status
 from instances import Instance
+from instances.families import generate
 
 OPTIMA = {
     (20, 2): (2295.084, 2048.518, 1979.242),
@@ -29,13 +28,7 @@ LIMIT = {20: 60.0, 40: 120.0, 50: 120.0}
 
 def windy(n: int, m: int, seed: int) -> Instance:
     """Return the random instance of this size and seed."""
-    points = np.random.default_rng(1000 * n + 100 * m + seed).uniform(0, 20000, (n + m, 2)) - 10000
-    d = points[None] - points[:, None]
-    x, y = points.T
-    drift = 4 * d[..., 0] - 2 * d[..., 1] + 5e-4 * (np.outer(x, y) - np.outer(y, x))
-    cost = np.hypot(d[..., 0], d[..., 1]) / 20 - drift / 400
-    np.fill_diagonal(cost, 0.0)
-    return Instance(f"windy-{n}-{m}-{seed}", cost, n, m)
+    return generate("square-wind", n, m, seed)
 
 
 def timed(solver: BranchAndCut, instance: Instance, limit: float) -> tuple[Result, float]:

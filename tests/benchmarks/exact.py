@@ -2,12 +2,13 @@
 
     python tests/benchmarks/exact.py [--quick] [--tasks 40] [SECTION...]
 
-Sections: proofs (branch-and-price, n = 40 to 100), long (exact, m = 2), gaps (certified where no proof is in reach),
-public (eil51, berlin52, eil76), agreement (300 random instances against subset-dp), ratio (exact against circuit and
-branch-and-cut). Times are CPU seconds of the process (children included) unless called wall.
+Sections: subset (subset-dp, n = 20 and 22), proofs (branch-and-price, n = 40 to 100), long (exact, m = 2), gaps
+(certified where no proof is in reach), public (eil51, berlin52, eil76), agreement (300 random instances against
+subset-dp), ratio (exact against circuit and branch-and-cut).
+Times are CPU seconds of the process (children included) unless called wall.
 
-Instances: tasks and depots uniform in a 20 km square, airspeed 20 m/s, wind (4, −2) m/s plus a rotation of 5 m/s at
-the edge, legs by first-order expansion of Randers' closed form; seeds count from 0.
+Instances: the family square-wind (a 20 km square, airspeed 20 m/s, wind (4, −2) m/s plus a rotation of 5 m/s at the
+edge); seeds count from 0.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.subset_dp import SubsetDp
 from formulations.solver import Limits, Result, Solver, Status
 from instances import Instance, Routes, check_routes
+from instances.families import generate
 
 KNOWN = {  # proved optima [s] of seeds 0, 1, 2
     (20, 2): (2295.084, 2048.518, 1979.242),
@@ -61,13 +63,7 @@ BENCHMARKS = Path(__file__).parents[3] / "shared" / "benchmarks"
 
 def wind_instance(n: int, m: int, seed: int) -> Instance:
     """The random instance described at the top."""
-    place = np.random.default_rng(1000 * n + 100 * m + seed).uniform(0, 20_000, (n + m, 2))
-    q = place - 10_000
-    leg = q[None, :, :] - q[:, None, :]
-    turn = q[:, None, 0] * q[None, :, 1] - q[:, None, 1] * q[None, :, 0]
-    cost = np.hypot(leg[..., 0], leg[..., 1]) / 20 - (4 * leg[..., 0] - 2 * leg[..., 1]) / 400 - 5e-4 * turn / 400
-    np.fill_diagonal(cost, 0.0)
-    return Instance(f"wind-{n}-{m}-{seed}", cost, n, m, coordinates=place)
+    return generate("square-wind", n, m, seed)
 
 
 def cpu() -> float:
@@ -84,12 +80,23 @@ def run(solver: Solver, instance: Instance, limit: float, threads: int = 1) -> t
     assert result.routes is not None, instance.name
     assert not check_routes(instance, result.routes), instance.name
     known = KNOWN.get((instance.n_tasks, instance.n_depots), ())
-    seed = int(instance.name.rpartition("-")[2]) if instance.name.startswith("wind") else 99
+    seed = int(instance.name.rpartition("-s")[2]) if instance.name.startswith("square-wind") else 99
     if seed < len(known):
         assert result.bound is None or result.bound <= known[seed] + 2e-3, instance.name
         if result.status is Status.OPTIMAL:
             assert abs(result.objective - known[seed]) < 2e-3 + result.tolerance, instance.name
     return result, spent, lasted
+
+
+def subset(quick: bool, tasks: int | None) -> None:
+    """How long subset programming takes: it depends on the size alone."""
+    print("subset-dp: n m | status | CPU s")
+    solver = SubsetDp()
+    for n, m in ((20, 2), (20, 3), (20, 4), (22, 3), (22, 4)):
+        if tasks in (None, n):
+            solver.prepare(wind_instance(n, m, 0))
+            result, spent, _ = run(solver, wind_instance(n, m, 0), 600.0)
+            print(f"{n:4d} {m:3d} | {result.status} | {spent:.2f}", flush=True)
 
 
 def proofs(quick: bool, tasks: int | None) -> None:
@@ -236,6 +243,7 @@ def ratio(quick: bool, tasks: int | None) -> None:
 
 
 SECTIONS = {
+    "subset": subset,
     "proofs": proofs,
     "long": long_tours,
     "gaps": gaps,

@@ -32,6 +32,7 @@ import formulations.routing.search.pace
 from formulations.registry import make_solver
 from formulations.solver import Limits
 from instances import Instance, Routes, check_routes, makespan
+from instances.families import generate
 from instances.files import read_instance, write_routes
 
 BENCHMARKS = Path(__file__).parents[3] / "shared" / "benchmarks"
@@ -61,8 +62,24 @@ ABLATIONS: dict[str, dict[str, float]] = {
     "removals of at most 6": {"removals": 6},
 }
 TUNED_ON = (
-    *("md4", "md8", "md10", "md14", "md17", "md22", "md25", "md28", "md31", "md34", "md37", "md40"),
-    *("lin318_5", "att532_5"),
+    *(
+        "md4",
+        "md5",
+        "md8",
+        "md10",
+        "md14",
+        "md16",
+        "md17",
+        "md20",
+        "md22",
+        "md25",
+        "md28",
+        "md31",
+        "md34",
+        "md37",
+        "md40",
+    ),
+    *("lin318_5", "att532_5", "rat99_5", "rat99_7", "eil76_7"),
 )
 PEERS = ("md8", "md14", "md25", "md40")
 
@@ -138,13 +155,8 @@ def has_pyvrp() -> bool:
 
 
 def wind_instance(n: int, m: int, seed: int) -> Instance:
-    """Tasks and depots uniform in a 20 km square, 20 m/s, wind (4, −2) m/s plus a rotation; first-order leg costs."""
-    q = np.random.default_rng(1000 * n + 100 * m + seed).uniform(0, 20_000, (n + m, 2)) - 10_000
-    leg = q[None] - q[:, None]
-    turn = q[:, None, 0] * q[None, :, 1] - q[:, None, 1] * q[None, :, 0]
-    cost = np.hypot(leg[..., 0], leg[..., 1]) / 20 - (4 * leg[..., 0] - 2 * leg[..., 1]) / 400 - 5e-4 * turn / 400
-    np.fill_diagonal(cost, 0.0)
-    return Instance(f"wind{n}_{m}_{seed}", np.maximum(cost, 0.0), n, m)
+    """Tasks and depots uniform in a 20 km square, 20 m/s, wind (4, −2) m/s plus a rotation."""
+    return generate("square-wind", n, m, seed)
 
 
 def public(*sets: str, most: int = 10**9, only: tuple[str, ...] = ()) -> list[tuple[Instance, float]]:

@@ -49,11 +49,8 @@ def generate(
 ) -> Relaxation:
     """Solve the relaxation over tours of cost ≤ `cap`; stop early where the bound passes the cap or time is up.
 
-    With a `centre` to fall back to, stop also where even the strongest pricer loses labels.
-
-
     centre : how a relaxation with no fewer tours and no more cuts ended; what its duals prove still holds, and new
-        ones are sought near them.
+        ones are sought near them. With it to fall back to, stop also where even the strongest pricer loses labels.
     """
     m = pricers[0].n_uavs
     _, at_master, weight = master.solve()

@@ -4,8 +4,7 @@ How it was chosen: several annealings and their children beat one long annealing
 as long as each is deep enough; long tours need more depth. So the size of the population follows from the limit:
 depth · n² / m steps go into one annealing, and where the limit allows fewer than three, all of it goes into one.
 Parts: ruin.py, recreate.py (p-norm insertion), cuts.py (2-opt, Or-opt, 2-opt* and segments priced by prefix sums),
-annealing.py (max C_k + ε · mean C_k), crossover.py,
-relief.py, population.py.
+annealing.py (max C_k + ε · mean C_k), crossover.py, relief.py, population.py.
 """
 
 from __future__ import annotations

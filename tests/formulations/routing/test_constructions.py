@@ -18,7 +18,7 @@ from formulations.routing.ga_operators import (
     inter_depot_mutation,
     intra_depot_mutation,
 )
-from formulations.routing.greedy import VARIANTS, greedy_routes
+from formulations.routing.greedy import VARIANTS
 from formulations.solver import Limits
 from instances import InputError, Instance, Routes, as_routes, check_routes, makespan, tour_costs
 
@@ -75,14 +75,16 @@ def test_every_greedy_variant_is_its_naive_twin(windy: Windy, variant: str, n: i
     routes: Routes = ((),) * m
     for _ in instance.tasks:
         routes = NAIVE[variant](instance, routes)
-    assert greedy_routes(instance, variant) == routes
+    result = make_solver("greedy", {"variant": variant}).solve(instance, limits=Limits(time=60))
+    assert result.routes == routes
 
 
 def test_greedy_whose_time_is_up_still_routes_every_task(windy: Windy) -> None:
     instance = windy(60, 3, 0)
     result = make_solver("greedy").solve(instance, limits=Limits(time=1e-9))
     assert result.stopped_by == "time"
-    assert result.routes == greedy_routes(instance, "nearest")
+    nearest = make_solver("greedy", {"variant": "nearest"}).solve(instance, limits=Limits(time=60))
+    assert result.routes == nearest.routes
     assert check_routes(instance, result.routes) == []
 
 

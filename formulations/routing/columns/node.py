@@ -111,7 +111,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
     node.ready, node.routes = False, None
     node.legs = node.legs.under(cap)
     node.pool = None if node.pool is None else node.pool.under(cap)
-    master = _master(node, cap)
+    master = restricted_master(node, cap)
     stalled, dived = 0, node.centre is not None
     while True:
         gap = cap - node.bound
@@ -147,9 +147,10 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
 def _prepare_branching(node: Node, cap: float, work: Workspace) -> bool:
     """Choose the branch, and look for routes among the columns."""
     _lighten(node, cap)
-    master = _master(node, cap)
+    master = restricted_master(node, cap)
     _, _, weight = master.solve()
-    node.ready, node.branch = True, choose(master, weight, node.may_visit(), work.far, work.out_of_time)
+    gap, allowed = cap - node.bound, node.may_visit()
+    node.ready, node.branch = True, choose(master, weight, allowed, work.far, gap, work.out_of_time)
     node.routes = _routes(master.whole(_DIVE) or [], master.n)
     return True
 
@@ -166,9 +167,15 @@ def _lighten(node: Node, cap: float) -> None:
     node.columns = [node.columns[p] for p in np.flatnonzero(needed)]
 
 
-def _master(node: Node, cap: float) -> Master:
-    """Return the restricted master of the node's columns; duals begin in a box of thrice a fair share."""
-    master = Master(node.legs.n_tasks, node.legs.n_uavs, 3 * cap / node.legs.n_tasks, node.cuts)
+def restricted_master(node: Node, cap: float) -> Master:
+    """Return the restricted master of the node's columns.
+
+    Duals begin in a box of thrice a fair share, or twice what they were above.
+    """
+    box = np.full(node.legs.n_tasks, 3 * cap / node.legs.n_tasks)
+    if node.centre is not None:
+        box = np.maximum(box, 2 * np.abs(node.centre.duals.price))
+    master = Master(node.legs.n_tasks, node.legs.n_uavs, box, node.cuts)
     master.add([c for c in node.columns if c.cost <= cap])
     return master
 

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from formulations.routing.branch_and_price import BranchAndPrice
+from formulations.routing.columns.branching import choose
 from formulations.routing.columns.completion import Bins, Memory, completion, successors
-from formulations.routing.columns.generation import generate
+from formulations.routing.columns.generation import Relaxation, generate
 from formulations.routing.columns.labelling import make_store, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
+from formulations.routing.columns.node import Node, restricted_master
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer, first_completion
 from formulations.routing.subset_dp import SubsetDp
 from formulations.solver import Limits, Status
@@ -242,3 +244,43 @@ def test_a_cheaper_tour_over_known_tasks_replaces_the_known_one() -> None:
     assert master.add([Column(0, (1, 0), 8.0)]) == 1
     assert master.add([Column(0, (0, 1), 9.0)]) == 0
     assert master.solve()[0] == pytest.approx(8.0)
+
+
+def shared_tasks() -> tuple[Master, float]:
+    """Task 0 (far) costs the same on either UAV; task 1 (near) nearly closes the gap wherever it goes."""
+    master = Master(2, 2, 1000.0)
+    costs = {(0, 0): 50.0, (1, 0): 50.0, (0, 1): 20.0, (1, 1): 20.0}
+    master.add([Column(k, (i,), cost) for (k, i), cost in costs.items()])
+    master.add([Column(k, (0, 1), 60.0) for k in range(2)])
+    return master, master.solve()[0]
+
+
+def test_a_trial_leaves_the_master_as_it_was() -> None:
+    master, value = shared_tasks()
+    trials = [master.without(np.array([c.uav == k for c in master.columns])) for k in range(2)]
+    assert trials == pytest.approx([60.0, 60.0])
+    assert master.solve()[0] == pytest.approx(value)
+
+
+@pytest.mark.parametrize("gap", [1.0, 1e6])
+def test_a_branch_is_on_a_task_that_several_may_take(gap: float) -> None:
+    master, _ = shared_tasks()
+    _, _, weight = master.solve()
+    far, only_far = np.array([90.0, 30.0]), np.array([[True, False], [True, True]])
+    branch = choose(master, weight, only_far, far, gap, lambda: False)
+    assert branch is not None
+    assert branch[1] == 0
+    assert choose(master, weight, np.eye(2, dtype=bool), far, gap, lambda: False) is None
+
+
+def test_a_node_goes_on_with_its_prices_inside_the_box() -> None:
+    """A task far dearer than a fair share: with the box of the root, the master of a child would rather pay for it."""
+    cost = np.abs(np.subtract.outer(x := np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 0.0]), x))
+    node = Node(Legs.of(Instance("one far out", cost, 6, 1)), 0.0, [Column(0, (5, 0, 4, 3, 2, 1), 200.0)])
+    price = np.array([200.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    duals = Duals(price, np.ones(1), np.zeros(1), np.zeros(0))
+    node.centre = Relaxation(200.0, duals, np.zeros(1), True, np.ones(1), 1)
+    master = restricted_master(node, 201.0)
+    assert master.solve()[0] == pytest.approx(200.0)
+    assert not master.penalised
+    assert master.penalty.max() == 400.0

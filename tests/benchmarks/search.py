@@ -36,7 +36,7 @@ from instances.families import generate
 from instances.files import read_instance, write_routes
 
 BENCHMARKS = Path(__file__).parents[3] / "shared" / "benchmarks"
-PROVED = {  # optima [s] of seeds 0, 1, 2, proved by column generation
+PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`
     (20, 2): (2295.084, 2048.518, 1979.242),
     (20, 3): (1578.891, 1603.418, 1697.514),
     (20, 4): (1173.440, 1288.910, 1235.960),
@@ -44,10 +44,13 @@ PROVED = {  # optima [s] of seeds 0, 1, 2, proved by column generation
     (30, 3): (1820.611, 1678.482, 1868.150),
     (30, 4): (1315.000, 1639.341, 1723.179),
     (40, 2): (2616.011, 2509.269, 2621.851),
-    (40, 3): (1868.924, 1795.758, 1773.941),
+    (40, 3): (1868.924, 1795.758, 1773.941, 1817.407, 1990.927, 1915.119, 1916.060, 1991.556, 1887.770),
     (40, 4): (1433.316, 1485.499, 1456.734),
+    (50, 2): (2738.314, 2795.454, 2619.348, 2719.760, 2822.339, 2916.622),
     (50, 3): (2058.511, 2052.582, 2211.421),
     (50, 4): (1709.777, 1608.736, 1541.500),
+    (60, 2): (3056.716, 3045.643, 3006.693, 3003.286, 2802.143, 2831.332, 3119.675, 3103.277, 2948.174, 2855.437),
+    (60, 4): (1708.692, 1650.808, 1627.962, 1629.712),
 }
 ABLATIONS: dict[str, dict[str, float]] = {
     "all": {},
@@ -56,8 +59,9 @@ ABLATIONS: dict[str, dict[str, float]] = {
     "no adjacent removal": {"strings": 1.0},
     "insertion by total cost only (p = 1)": {"powers": 1},
     "p of 1 and 2 only": {"powers": 2},
-    "no relief, crossovers only": {"reliefs": 0.0},
-    "no crossover, reliefs only": {"reliefs": 1.0},
+    "no focus": {"focuses": 0.0},
+    "no relief of the whole": {"reliefs": 0.0},
+    "no crossover": {"reliefs": 1.0},
     "one long annealing, no population": {"depth": 1e9},
     "removals of at most 6": {"removals": 6},
 }

@@ -1,8 +1,4 @@
-"""Annealed ruin-and-recreate (Schrimpf et al. 2000), the loop inside `ruin-recreate` and `memetic`.
-
-The energy of tours is max_k C_k + ε · mean_k C_k: the longest tour alone is flat, and a share ε of the mean lets the
-search shorten the others too, which makes room for the longest one to give tasks away.
-"""
+"""Annealed ruin-and-recreate (Schrimpf et al. 2000), the loop inside `ruin-recreate` and `memetic`."""
 
 from __future__ import annotations
 
@@ -15,6 +11,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.cuts import blank_bench, cut
+from formulations.routing.search.energy import energy, exponent, fitness
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import recreate, shuffle
@@ -39,12 +36,6 @@ class Habits(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def energy(lengths: NDArray[np.float64], evenness: float) -> float:
-    """Return max_k C_k + evenness · mean_k C_k [s]."""
-    return lengths.max() + evenness * lengths.mean()
-
-
-@njit(cache=True, nogil=True)
 def undo(
     costs: Costs,
     tours: Tours,
@@ -61,12 +52,19 @@ def undo(
 
 
 @njit(cache=True, nogil=True)
-def _keep_best(tours: Tours, best: Tours, lowest: float) -> float:
-    """Copy `tours` to `best` where their longest is below `lowest` [s]; return the lowest of both."""
+def _keep(tours: Tours, best: Tours, fittest: Tours, lowest: float) -> float:
+    """Copy `tours` to `best` where their longest is shorter, to `fittest` where their fitness is below `lowest` [s].
+
+    Return the lowest fitness then.
+    """
     longest = tours.cost.max()
-    if longest < lowest:
+    if longest < best.cost.max():
         copy_tours(tours, best)
-        return longest
+    if longest < lowest:
+        value = fitness(tours.cost)
+        if value < lowest:
+            copy_tours(tours, fittest)
+            return value
     return lowest
 
 
@@ -76,28 +74,31 @@ def anneal(
     near: Neighbours,
     tours: Tours,
     best: Tours,
+    fittest: Tours,
     rng: NDArray[np.uint64],
     steps: int,
     temperature: float,
     evenness: float,
     habits: Habits,
 ) -> None:
-    """Take `steps` steps of ruin and recreate from `tours`, in place; `best` follows the smallest max_k C_k.
+    """Take `steps` steps of ruin and recreate from `tours`, in place.
 
-    A step that raises the energy by x [s] is kept with probability exp(−x / temperature).
+    `best` follows the smallest max_k C_k, `fittest` the lowest fitness. A step that raises the energy by x [s] is kept
+    with probability exp(−x / temperature).
     """
     removals = habits.removals
     gone, stood, queue = (np.empty(removals, np.int32), np.empty(removals, np.int32), np.empty(removals, np.int32))
     ruined = np.zeros(tours.cost.size, np.uint8)
     costs_before = np.empty(tours.cost.size)
     sum_costs(tours)
-    now = energy(tours.cost, evenness)
-    lowest = best.cost.max()
+    p = exponent(tours.cost.max(), temperature)
+    now = energy(tours.cost, evenness, p)
+    lowest = fitness(fittest.cost)
     bench = blank_bench(near.tasks.shape[0])
     for _ in range(steps):
         if uniform(rng) < habits.cuts:
-            now = cut(costs, near.tasks, tours, bench, rng, now, QUENCH * temperature, evenness)
-            lowest = _keep_best(tours, best, lowest)
+            now = cut(costs, near.tasks, tours, bench, rng, now, QUENCH * temperature, evenness, p)
+            lowest = _keep(tours, best, fittest, lowest)
             continue
         costs_before[:] = tours.cost
         if uniform(rng) < habits.strings:
@@ -107,9 +108,9 @@ def anneal(
         queue[:count] = gone[:count]
         shuffle(queue, count, rng)
         recreate(costs, near, tours, queue, count, POWERS[below(rng, habits.powers)], rng)
-        then = energy(tours.cost, evenness)
+        then = energy(tours.cost, evenness, p)
         if then < now - temperature * math.log(1.0 - uniform(rng)):
             now = then
-            lowest = _keep_best(tours, best, lowest)
+            lowest = _keep(tours, best, fittest, lowest)
         else:
             undo(costs, tours, count, gone, stood, costs_before)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.search import strips
 from formulations.routing.search.costs import Costs
+from formulations.routing.search.energy import Stakes, energy_with, stakes_without
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.strips import Strip
 from formulations.routing.search.tours import Tours
@@ -33,36 +34,10 @@ class Bench(NamedTuple):
     position: NDArray[np.int64]
 
 
-class Stakes(NamedTuple):
-    """What the other tours leave to beat: their longest [s], the sum [s], the number of tours m, the share ε."""
-
-    longest: float
-    total: float
-    m: int
-    evenness: float
-
-
 @njit(cache=True, nogil=True)
 def blank_bench(n_tasks: int) -> Bench:
     """Return room for tours of up to n_tasks tasks."""
     return Bench(strips.blank_strip(n_tasks), strips.blank_strip(n_tasks), np.zeros(n_tasks, np.int64))
-
-
-@njit(cache=True, nogil=True)
-def stakes_without(tours: Tours, k_a: int, k_b: int, evenness: float) -> Stakes:
-    """Return the Stakes left by all tours but k_a and k_b."""
-    longest, total = 0.0, 0.0
-    for k in range(tours.cost.size):
-        if k != k_a and k != k_b:
-            longest = max(longest, tours.cost[k])
-            total += tours.cost[k]
-    return Stakes(longest, total, tours.cost.size, evenness)
-
-
-@njit(cache=True, nogil=True)
-def energy_with(stakes: Stakes, cost_a: float, cost_b: float) -> float:
-    """Return max C + ε · mean C [s] where the two tours at work cost cost_a and cost_b."""
-    return max(stakes.longest, cost_a, cost_b) + stakes.evenness * (stakes.total + cost_a + cost_b) / stakes.m
 
 
 @njit(cache=True, nogil=True)
@@ -75,6 +50,7 @@ def cut(
     now: float,
     temperature: float,
     evenness: float,
+    p: int,
 ) -> float:
     """Try candidates on the tours of a random task and a near one until one is kept; return the energy then [s]."""
     n = near.shape[0]
@@ -86,7 +62,7 @@ def cut(
     strips.lay_out(tours, k_a, a, position)
     if k_b != k_a:
         strips.lay_out(tours, k_b, b, position)
-    stakes = stakes_without(tours, k_a, k_b, evenness)
+    stakes = stakes_without(tours, k_a, k_b, evenness, p)
     n_a = a.shape[1]
     pool = n_a if k_a == k_b else n_a + b.shape[1]
     for _ in range(10 + pool // 4):

@@ -4,7 +4,7 @@ How it was chosen: several annealings and their children beat one long annealing
 as long as each is deep enough; long tours need more depth. So the size of the population follows from the limit:
 depth · n² / m steps go into one annealing, and where the limit allows fewer than three, all of it goes into one.
 Parts: ruin.py, recreate.py (p-norm insertion), cuts.py (2-opt, Or-opt, 2-opt* and segments priced by prefix sums),
-annealing.py (max C_k + ε · mean C_k), crossover.py, relief.py, population.py.
+energy.py, annealing.py, focus.py, relief.py, crossover.py, population.py.
 """
 
 from __future__ import annotations
@@ -18,11 +18,10 @@ import numpy as np
 
 from formulations.recorder import Recorder
 from formulations.routing.search.annealing import POWERS, Habits
-from formulations.routing.search.costs import both_ways
-from formulations.routing.search.crossover import places
-from formulations.routing.search.neighbours import NEAR_DEPOTS, NEAR_TASKS, neighbours
+from formulations.routing.search.ground import survey
+from formulations.routing.search.neighbours import NEAR_TASKS
 from formulations.routing.search.pace import Pace
-from formulations.routing.search.population import Ground, Population
+from formulations.routing.search.population import Population, Shares
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.tours import from_routes, to_routes
 from formulations.solver import Limits, Observer, Result, Solver, ignore
@@ -30,10 +29,8 @@ from instances import InputError, Instance, Routes
 
 _PROBE = 0.01
 """Share of the limit after which the speed is known well enough to plan."""
-_SHALLOWEST = 10_000
-"""Steps of a founder's annealing, at least."""
-_LEVELS, _SHORTEST = 40, 100
-"""Temperature levels of one annealing, at least; steps at one level, at least."""
+_STEPS_A_LEVEL = 250
+"""Steps at one temperature, at most: the shortest annealing has forty levels."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,8 @@ class Memetic(Solver):
     strings : share of ruins that take strings of consecutive tasks; the others take nearest neighbours.
     cuts : share of steps that cut and rejoin long pieces of one or two tours.
     powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, the recreation draws from (1 is the total alone).
-    reliefs : share of the population's later stages that send a UAV elsewhere; the others are crossovers.
+    focuses : share of the population's later stages that search the longest tour and a few others alone.
+    reliefs : share of the remaining ones that send a UAV elsewhere; the others are crossovers.
     depth : a founder's annealing takes depth · n² / m steps, at least 10 000, doubled at each new start.
     """
 
@@ -52,8 +50,9 @@ class Memetic(Solver):
     strings: float = 0.5
     cuts: float = 0.1
     powers: int = 4
+    focuses: float = 0.6
     reliefs: float = 0.5
-    depth: float = 5.0
+    depth: float = 2.0
 
     proves: ClassVar[bool] = False
 
@@ -63,6 +62,7 @@ class Memetic(Solver):
             ("strings", 0, 1),
             ("cuts", 0, 1),
             ("powers", 1, len(POWERS)),
+            ("focuses", 0, 1),
             ("reliefs", 0, 1),
             ("depth", 0.01, float("inf")),
         ):
@@ -78,6 +78,7 @@ class Memetic(Solver):
         population.members = [population.best, population.best]
         population.child()
         population.relieved()
+        population.focused()
 
     def solve(
         self,
@@ -93,8 +94,6 @@ class Memetic(Solver):
         populations = self._populations(instance, limits.threads, seed, start)
         pace = Pace(recorder)
         planned = False
-        annealing = max(_SHALLOWEST, self.depth * instance.n_tasks**2 / instance.n_depots)
-        most = max(_SHORTEST, int(annealing / _LEVELS))
         with ThreadPoolExecutor(limits.threads) as pool:
             while True:
                 for population in populations:
@@ -107,9 +106,9 @@ class Memetic(Solver):
                 if not planned and now >= _PROBE:
                     planned = True
                     for population in populations:
-                        population.plan(annealing / pace.total_steps)
+                        population.plan(1.0 / pace.total_steps, self.depth)
                 _next_stages(populations, now)
-                steps = pace.next_steps(most)
+                steps = pace.next_steps(_STEPS_A_LEVEL)
                 if len(populations) == 1:
                     populations[0].advance(now, steps)
                 else:
@@ -118,14 +117,11 @@ class Memetic(Solver):
         return recorder.result(pace.stopped_by, iterations=pace.iterations, stages=populations[0].stages)
 
     def _populations(self, instance: Instance, count: int, seed: int, start: Routes | None) -> list[Population]:
-        costs = both_ways(instance.cost)
-        near = neighbours(costs, instance.n_tasks, NEAR_TASKS, NEAR_DEPOTS)
-        ground = Ground(costs, near, places(costs, instance.n_tasks))
+        ground = survey(instance.cost, instance.n_tasks)
         habits = Habits(self.removals, float(self.strings), float(self.cuts), self.powers)
-        first = [from_routes(costs, start) if start is not None else None for _ in range(count)]
-        return [
-            Population(ground, habits, float(self.reliefs), seeded(seed, i), tours) for i, tours in enumerate(first)
-        ]
+        shares = Shares(float(self.focuses), float(self.reliefs))
+        first = [from_routes(ground.costs, start) if start is not None else None for _ in range(count)]
+        return [Population(ground, habits, shares, seeded(seed, i), tours) for i, tours in enumerate(first)]
 
 
 def _next_stages(populations: list[Population], now: float) -> None:

@@ -1,7 +1,7 @@
 """Population: a few good tours, renewed by annealed founders and annealed children of crossover.
 
-A stage anneals one newcomer. The first stages make founders from scratch; later ones take a member and send a UAV of
-it elsewhere (relief), or make a child of two members.
+A stage anneals one newcomer. The first stages make founders from scratch; later ones search some tours of a member
+alone (focus), take a member and send a UAV of it elsewhere (relief), or make a child of two members.
 A newcomer that is no copy of a member replaces the worst member where it is better; a population that brings forth
 nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long.
 """
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from formulations.routing.search import cooling
 from formulations.routing.search.annealing import Habits, anneal
-from formulations.routing.search.costs import Costs
 from formulations.routing.search.crossover import crossover
-from formulations.routing.search.neighbours import Neighbours
+from formulations.routing.search.energy import fitness
+from formulations.routing.search.focus import MOST, Part, around_longest, part_of, put_back
+from formulations.routing.search.ground import Ground
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.relief import relieve
@@ -29,41 +30,58 @@ CHILD, RELIEF = 0.5, 0.15
 """Lengths of the stages of a child and of a relief, in those of a founder."""
 BARREN = 3
 """Stages in a row without a new member, for each founder, after which the population starts over."""
+SHALLOWEST = 10_000
+"""Steps of an annealing from scratch, at least."""
+FOCUS = 5.0
+"""Steps of a focus on s tasks of w tours, in s² / w."""
+RELIEVED = 0.3
+"""Share of focuses that begin with a relief, not from scratch."""
 SAME = 1e-9
-"""Tours whose longest differ by less than this share count as copies."""
+"""Tours whose fitness differs by less than this share count as copies."""
 
 
-class Ground(NamedTuple):
-    """What all searches of one instance share, read only: costs, neighbours, the place of each depot."""
+def annealing_steps(depth: float, n_tasks: int, n_tours: int) -> float:
+    """Return how many steps an annealing from scratch takes: long tours need more."""
+    return max(SHALLOWEST, depth * n_tasks**2 / n_tours)
 
-    costs: Costs
-    near: Neighbours
-    place: NDArray[np.int64]
+
+class Shares(NamedTuple):
+    """Which of the later stages: the share of focuses in all, and of reliefs in the others; the rest are crossovers."""
+
+    focuses: float
+    reliefs: float
 
 
 class Population:
     """Members, the newcomer being annealed, and the best tours so far.
 
-    Times are fractions of the limit; `founder` is the length of a founder's stage; reliefs: share of the later stages
-    that are reliefs.
+    Times are fractions of the limit; `founder` is the length of a founder's stage.
     """
 
     def __init__(
-        self, ground: Ground, habits: Habits, reliefs: float, rng: NDArray[np.uint64], start: Tours | None
+        self, ground: Ground, habits: Habits, shares: Shares, rng: NDArray[np.uint64], start: Tours | None
     ) -> None:
-        self.ground, self.habits, self.reliefs, self.rng = ground, habits, reliefs, rng
+        self.ground, self.habits, self.shares, self.rng = ground, habits, shares, rng
         self.members: list[Tours] = []
         self.founder, self.founders = 1.0, 1
         self.stages = 0
         self._fresh, self._barren = 0, 0
+        self._part: Part | None = None
         self._newcomer = start if start is not None else self._constructed()
-        self._best_of_stage = self._copy(self._newcomer)
+        self._whole = self._newcomer
+        self._step = 0.0
+        self._fittest = self._copy(self._newcomer)
         self.best = self._copy(self._newcomer)
         self.improved = True
         self._first, self._begin, self.end = cooling.HOT, 0.0, 1.0
 
-    def plan(self, founder: float) -> None:
-        """Set the length of a founder's stage, the one under way included; a third of the limit is its least use."""
+    def plan(self, step: float, depth: float) -> None:
+        """Say which part of the limit a step takes, and how deep founders are annealed.
+
+        That begins with the founder under way, unless the limit allows fewer than three.
+        """
+        self._step = step
+        founder = step * annealing_steps(depth, *self.ground.size)
         if founder <= 1.0 / 3.0:
             self.founder = founder
             self.founders = min(MEMBERS, max(2, int(0.5 / founder)))
@@ -72,31 +90,44 @@ class Population:
     def advance(self, now: float, steps: int) -> None:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`."""
         done = min(1.0, (now - self._begin) / max(self.end - self._begin, 1e-12))
-        temperature = cooling.mean_leg(self._best_of_stage) * cooling.temperature(self._first, done)
+        temperature = cooling.mean_leg(self._fittest) * cooling.temperature(self._first, done)
         evenness = cooling.evenness(self._first, done)
-        costs, near, _ = self.ground
-        anneal(costs, near, self._newcomer, self._best_of_stage, self.rng, steps, temperature, evenness, self.habits)
-        if self._best_of_stage.cost.max() < self.best.cost.max():
-            self.improved = True
-            copy_tours(self._best_of_stage, self.best)
+        costs, near, _ = self.ground if self._part is None else self._part.ground
+        best = self.best if self._part is None else self._part.best
+        longest = self.best.cost.max()
+        anneal(costs, near, self._newcomer, best, self._fittest, self.rng, steps, temperature, evenness, self.habits)
+        self.improved = self.improved or self.best.cost.max() < longest
 
     def next_stage(self, now: float, guest: Tours | None = None) -> None:
         """Take the newcomer (and a guest from another population) in and begin the next newcomer."""
         self.stages += 1
         self._fresh += 1
-        self._barren = 0 if self._welcome(self._best_of_stage) else self._barren + 1
+        self._barren = 0 if self._welcome(self._grown()) else self._barren + 1
         if guest is not None:
             self._welcome(guest)
         if self._fresh >= self.founders and self._barren > BARREN * self.founders:
             self.members = [self._copy(self.best)]
             self._fresh, self._barren = 1, 0
             self.founder = min(2.0 * self.founder, 1.0 / 3.0)
+        self._part = None
         if self._fresh < self.founders or len(self.members) < 2:
             self._newcomer, self._first, length = self._constructed(), cooling.HOT, self.founder
         else:
             self._newcomer, self._first, length = self._renewed()
-        self._best_of_stage = self._copy(self._newcomer)
+        self._fittest = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
+
+    def _grown(self) -> Tours:
+        """Return the newcomer as its stage left it; a part goes back where it is fitter."""
+        if self._part is None:
+            return self._fittest
+        for found in (self._part.best, self._fittest):
+            if fitness(found.cost) < fitness(self._part.tours.cost):
+                put_back(self.ground, self._part, found, self._whole)
+                if self._whole.cost.max() < self.best.cost.max():
+                    self.improved = True
+                    copy_tours(self._whole, self.best)
+        return self._whole
 
     def _fitting(self, length: float, now: float) -> float:
         """Return the end of a stage begun now, its length stretched so that a whole number of them fill the limit."""
@@ -105,8 +136,8 @@ class Population:
 
     def _welcome(self, newcomer: Tours) -> bool:
         """Add a copy of `newcomer` unless a member equals it; keep the best members; return whether it is in."""
-        value = newcomer.cost.max()
-        values = [member.cost.max() for member in self.members]
+        value = fitness(newcomer.cost)
+        values = [fitness(member.cost) for member in self.members]
         if any(abs(value - other) <= SAME * max(value, other) for other in values):
             return False
         if len(values) >= max(2, self.founders):
@@ -119,9 +150,24 @@ class Population:
 
     def _renewed(self) -> tuple[Tours, float, float]:
         """Return a newcomer made from members, its first temperature and the length of its stage."""
-        if uniform(self.rng) < self.reliefs:
+        if self.ground.size[1] > 2 and uniform(self.rng) < self.shares.focuses:
+            part = self.focused()
+            newcomer, length = self._copy(part.tours), self._step * annealing_steps(FOCUS, *part.ground.size)
+            if uniform(self.rng) < RELIEVED:
+                relieve(part.ground.costs, part.ground.near, newcomer, self.rng)
+                return newcomer, cooling.MILD, CHILD * length
+            return newcomer, cooling.HOT, length
+        if uniform(self.rng) < self.shares.reliefs:
             return self.relieved(), cooling.MILD, RELIEF * self.founder
         return self.child(), cooling.WARM, CHILD * self.founder
+
+    def focused(self) -> Part:
+        """Choose some tours of a random member to be searched alone."""
+        self._whole = self._copy(self.members[below(self.rng, len(self.members))])
+        wanted = 2 + below(self.rng, min(MOST, self.ground.size[1] - 1) - 1)
+        uavs = around_longest(self.ground.near, self._whole, wanted, self.rng)
+        self._part = part_of(self.ground, self._whole, uavs)
+        return self._part
 
     def relieved(self) -> Tours:
         """Return a copy of a random member, one of its UAVs sent elsewhere."""
@@ -138,7 +184,7 @@ class Population:
         return child
 
     def _constructed(self) -> Tours:
-        tours = empty_tours(self.ground.near.tasks.shape[0], self.ground.place.size)
+        tours = empty_tours(*self.ground.size)
         construct(self.ground.costs, self.ground.near, tours, self.rng)
         return tours
 

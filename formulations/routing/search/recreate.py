@@ -13,6 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
+from formulations.routing.search.energy import power
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below
 from formulations.routing.search.tours import Tours, insertion_change, link
@@ -23,18 +24,6 @@ WIDTH = 12
 """Near tasks whose two sides are looked at."""
 DEPOTS = 4
 """Nearest depots whose tour ends are looked at; as many again are drawn among the others."""
-
-
-@njit(cache=True, nogil=True)
-def power(x: float, p: int) -> float:
-    """Return x^p for a whole p ≥ 1 by repeated squaring."""
-    result = 1.0
-    while p:
-        if p & 1:
-            result *= x
-        x *= x
-        p >>= 1
-    return result
 
 
 @njit(cache=True, nogil=True)

@@ -62,8 +62,9 @@ class RuinRecreate(Solver):
         habits = Habits(self.removals, strings=0.5, cuts=0.0, powers=len(POWERS))
         rng = seeded(seed)
         tours = _first_tours(instance, costs, near, rng, start)
-        best = empty_tours(instance.n_tasks, instance.n_depots)
+        best, fittest = (empty_tours(instance.n_tasks, instance.n_depots) for _ in range(2))
         copy_tours(tours, best)
+        copy_tours(tours, fittest)
         recorder.incumbent(to_routes(best))
         pace = Pace(recorder)
         while not pace.stopped_by:
@@ -71,7 +72,7 @@ class RuinRecreate(Solver):
             temperature = cooling.mean_leg(best) * cooling.temperature(cooling.HOT, done)
             evenness = cooling.evenness(cooling.HOT, done)
             steps = pace.next_steps()
-            anneal(costs, near, tours, best, rng, steps, temperature, evenness, habits)
+            anneal(costs, near, tours, best, fittest, rng, steps, temperature, evenness, habits)
             pace.took(steps)
             if best.cost.max() < longest:
                 recorder.incumbent(to_routes(best))

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from formulations.routing.search import crossover as mixing
 from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import Habits
-from formulations.routing.search.costs import both_ways
-from formulations.routing.search.neighbours import neighbours
-from formulations.routing.search.population import Ground, Population
+from formulations.routing.search.energy import fitness
+from formulations.routing.search.ground import survey
+from formulations.routing.search.population import Population, Shares
 from formulations.routing.search.randomness import seeded
 from instances import Instance, check_routes, tour_costs
 
@@ -25,9 +25,7 @@ def ground(seed, positions):
     cost = np.hypot(leg[..., 0], leg[..., 1]) * 1.2 - 0.3 * leg[..., 0]
     np.fill_diagonal(cost, 0.0)
     instance = Instance("plane", np.maximum(cost, 0.0), N, len(positions))
-    costs = both_ways(instance.cost)
-    near = neighbours(both_ways(instance.cost), N, 8, len(positions))
-    return instance, Ground(costs, near, mixing.places(costs, N))
+    return instance, survey(instance.cost, N)
 
 
 def random_routes(seed, m):
@@ -86,10 +84,15 @@ def test_a_child_visits_every_task_once_and_books_its_costs(positions, seed):
     assert child.cost == pytest.approx(tour_costs(instance, routes))
 
 
+DEEP = Shares(focuses=0.0, reliefs=0.0)
+STEP = 1e-5
+"""Of the limit: a founder takes a tenth of it, at the least depth."""
+
+
 def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
     instance, field = ground(5, SPREAD)
-    population = Population(field, Habits(6, 0.5, 0.1, 4), 0.0, seeded(5), None)
-    population.plan(0.1)
+    population = Population(field, Habits(6, 0.5, 0.1, 4), DEEP, seeded(5), None)
+    population.plan(STEP, 1.0)
     ends = []
     now = 0.0
     for _ in range(30):
@@ -99,17 +102,36 @@ def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
         if now >= 1.0:
             break
         population.next_stage(now)
-        values = [member.cost.max() for member in population.members]
+        values = [fitness(member.cost) for member in population.members]
         assert len(values) <= population.founders
         assert len(set(values)) == len(values)
     assert now == pytest.approx(1.0)
     assert ends[:5] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])
     assert ends[5] == pytest.approx(0.55)
-    assert population.best.cost.max() <= min(member.cost.max() for member in population.members)
+    assert population.best.cost.max() <= min(member.cost.max() for member in population.members) * (1 + 1e-12)
     assert check_routes(instance, rings.to_routes(population.best)) == []
 
 
+@pytest.mark.parametrize("shares", [Shares(1.0, 0.0), Shares(0.5, 0.5)])
+def test_a_population_that_focuses_keeps_whole_routes_and_never_loses_its_best(shares):
+    instance, field = ground(7, [*SPREAD, (100, 100), (0, 50)])
+    population = Population(field, Habits(6, 0.5, 0.1, 4), shares, seeded(7), None)
+    population.plan(STEP / 10, 1.0)
+    now, best = 0.0, np.inf
+    while now < 1.0:
+        population.advance(now, 20)
+        now = population.end
+        population.next_stage(now)
+        for member in (*population.members, population.best):
+            routes = rings.to_routes(member)
+            assert check_routes(instance, routes) == []
+            assert member.cost == pytest.approx(tour_costs(instance, routes))
+        assert population.best.cost.max() <= best
+        best = population.best.cost.max()
+    assert population.stages > 100
+
+
 def test_a_population_that_may_run_once_only_does_not_split_its_time():
-    population = Population(ground(6, SPREAD)[1], Habits(6, 0.5, 0.1, 4), 0.5, seeded(6), None)
-    population.plan(0.6)
+    population = Population(ground(6, SPREAD)[1], Habits(6, 0.5, 0.1, 4), Shares(0.5, 0.5), seeded(6), None)
+    population.plan(6e-5, 1.0)
     assert population.end == 1.0

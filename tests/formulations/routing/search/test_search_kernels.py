@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from formulations.routing.search import recreate as rebuilding
 from formulations.routing.search import ruin as ruining
 from formulations.routing.search import tours as rings
-from formulations.routing.search.annealing import Habits, anneal, energy, undo
+from formulations.routing.search.annealing import Habits, anneal, undo
 from formulations.routing.search.costs import both_ways
+from formulations.routing.search.energy import SHARP, energy, energy_with, exponent, fitness, stakes_without
 from formulations.routing.search.neighbours import neighbours
 from formulations.routing.search.randomness import below, seeded, uniform
 from instances import Instance, check_routes, makespan, tour_costs
@@ -204,17 +205,40 @@ def test_undo_returns_to_the_tours_before_the_step():
 def test_annealing_keeps_its_best_and_its_books(seed):
     instance, routes = random_instance(seed), random_routes(seed)
     near = neighbours(both_ways(instance.cost), 14, 8, 3)
-    tours, best = (
-        rings.from_routes(both_ways(instance.cost), routes),
-        rings.from_routes(both_ways(instance.cost), routes),
-    )
-    anneal(both_ways(instance.cost), near, tours, best, seeded(seed), 300, 5.0, 0.1, Habits(6, 0.5, 0.3, 4))
-    for each in (tours, best):
+    tours, best, fittest = (rings.from_routes(both_ways(instance.cost), routes) for _ in range(3))
+    anneal(both_ways(instance.cost), near, tours, best, fittest, seeded(seed), 300, 5.0, 0.1, Habits(6, 0.5, 0.3, 4))
+    for each in (tours, best, fittest):
         found = rings.to_routes(each)
         assert check_routes(instance, found) == []
         assert each.cost == pytest.approx(tour_costs(instance, found))
-    assert best.cost.max() <= min(tours.cost.max(), makespan(instance, routes)) * (1 + 1e-12)
+    assert best.cost.max() <= min(tours.cost.max(), fittest.cost.max(), makespan(instance, routes)) * (1 + 1e-12)
+    assert fitness(fittest.cost) <= min(fitness(tours.cost), fitness(best.cost)) * (1 + 1e-12)
 
 
-def test_energy_is_the_longest_plus_a_share_of_the_mean():
-    assert energy(np.array([1.0, 5.0]), 0.5) == 6.5
+def test_energy_is_a_norm_plus_a_share_of_the_mean():
+    lengths = np.array([3.0, 4.0])
+    assert energy(lengths, 0.5, 2) == pytest.approx(5.0 + 0.5 * 3.5)
+    assert energy(lengths, 0.5, SHARP) == 4.0 + 0.5 * 3.5
+    assert energy(np.zeros(2), 0.5, 2) == 0.0
+
+
+def test_the_norm_sharpens_to_the_maximum_as_the_temperature_falls():
+    powers = [exponent(1000.0, temperature) for temperature in (1e6, 10.0, 1.0, 0.1, 0.0)]
+    assert powers == [2, 12, 125, SHARP, SHARP]
+    assert exponent(0.0, 0.0) == SHARP
+
+
+def test_of_two_with_the_same_longest_tour_the_one_with_fewer_long_ones_is_fitter():
+    assert fitness(np.array([10.0, 9.9, 5.0])) < fitness(np.array([10.0, 10.0, 1.0]))
+
+
+@given(st.lists(st.floats(0.0, 1e4), min_size=2, max_size=6), st.integers(0, 9), st.sampled_from((2, 7, 64, SHARP)))
+@settings(deadline=None, max_examples=60)
+def test_stakes_and_two_lengths_make_the_energy(lengths, pick, p):
+    tours = rings.empty_tours(0, len(lengths))
+    tours.cost[:] = lengths
+    a, b = pick % len(lengths), (pick + 1) % len(lengths)
+    stakes = stakes_without(tours, a, b, 0.3, p)
+    assert energy_with(stakes, lengths[a], lengths[b]) == pytest.approx(
+        energy(tours.cost, 0.3, p), rel=1e-12, abs=1e-12
+    )

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from formulations.routing.search import cuts, strips
 from formulations.routing.search import tours as rings
-from formulations.routing.search.annealing import energy
 from formulations.routing.search.costs import both_ways
+from formulations.routing.search.energy import SHARP, energy
 from formulations.routing.search.neighbours import neighbours
 from formulations.routing.search.randomness import seeded
 from instances import Instance, check_routes, tour_costs
@@ -148,18 +148,19 @@ def test_heads(seed):
     table.check((*a[:i], *b[:j][::-1]), (*a[i:][::-1], *b[j:]), cost_a, cost_b)
 
 
-@given(seeds)
+@pytest.mark.parametrize("p", [4, SHARP])
+@given(seed=seeds)
 @settings(deadline=None, max_examples=40)
-def test_cut_keeps_the_books_and_the_threshold(seed):
+def test_cut_keeps_the_books_and_the_threshold(seed, p):
     table = Table(seed)
     near = neighbours(both_ways(table.instance.cost), N, 8, M)
     rng, tours = seeded(seed), table.tours
-    now = energy(tours.cost, 0.1)
+    now = energy(tours.cost, 0.1, p)
     for _ in range(20):
-        then = cuts.cut(table.costs, near.tasks, tours, table.bench, rng, now, 1e-9, 0.1)
+        then = cuts.cut(table.costs, near.tasks, tours, table.bench, rng, now, 1e-9, 0.1, p)
         routes = rings.to_routes(tours)
         assert check_routes(table.instance, routes) == []
         assert tours.cost == pytest.approx(tour_costs(table.instance, routes))
-        assert then == pytest.approx(energy(tours.cost, 0.1))
+        assert then == pytest.approx(energy(tours.cost, 0.1, p))
         assert then <= now + 1e-6
         now = then

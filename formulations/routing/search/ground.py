@@ -1,0 +1,31 @@
+"""Ground: what all searches of one instance share, read only."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.routing.search.costs import Costs, both_ways
+from formulations.routing.search.crossover import places
+from formulations.routing.search.neighbours import NEAR_DEPOTS, NEAR_TASKS, Neighbours, neighbours
+
+
+class Ground(NamedTuple):
+    """Costs, neighbours, and the place of each depot: the first depot there."""
+
+    costs: Costs
+    near: Neighbours
+    place: NDArray[np.int64]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Numbers of tasks n and of UAVs m."""
+        return int(self.near.tasks.shape[0]), int(self.place.size)
+
+
+def survey(cost: NDArray[np.float64], n_tasks: int) -> Ground:
+    """Return the Ground of a cost matrix, shape (n+m, n+m) [s]."""
+    costs = both_ways(cost)
+    return Ground(costs, neighbours(costs, n_tasks, NEAR_TASKS, NEAR_DEPOTS), places(costs, n_tasks))

@@ -1,0 +1,72 @@
+"""Focus: some tours as an instance of their own, and back."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from formulations.routing.search import focus
+from formulations.routing.search import tours as rings
+from formulations.routing.search.ground import survey
+from formulations.routing.search.randomness import seeded
+from instances import Instance, check_routes, tour_costs
+
+N, M = 16, 5
+seeds = st.integers(0, 10**6)
+
+
+def random_case(seed):
+    rng = np.random.default_rng(seed)
+    cost = rng.uniform(1.0, 100.0, (N + M, N + M))
+    np.fill_diagonal(cost, 0.0)
+    routes = [[] for _ in range(M)]
+    for v in rng.permutation(N):
+        routes[rng.integers(M)].append(int(v))
+    instance, ground = Instance("random", cost, N, M), survey(cost, N)
+    return instance, ground, rings.from_routes(ground.costs, tuple(map(tuple, routes)))
+
+
+@given(seeds, st.integers(1, M))
+@settings(deadline=None, max_examples=40)
+def test_the_longest_tour_and_different_others_are_chosen(seed, wanted):
+    _, ground, tours = random_case(seed)
+    uavs = focus.around_longest(ground.near, tours, wanted, seeded(seed))
+    assert uavs[0] == np.argmax(tours.cost)
+    assert len(set(uavs.tolist())) == len(uavs) <= wanted
+
+
+def test_a_part_takes_tours_that_touch_before_distant_ones():
+    """Two crowds far apart, two UAVs at each: no step leads from one to the other, only a draw from anywhere."""
+    x = np.array([0, 1, 2, 3, 1000, 1001, 1002, 1003, 0, 1, 1000, 1001], float)
+    cost = np.abs(np.subtract.outer(x, x))
+    ground = survey(cost, 8)
+    near = ground.near._replace(tasks=ground.near.tasks[:, :3].copy())
+    tours = rings.from_routes(ground.costs, ((0, 3), (1, 2), (4, 6), (5, 7)))
+    partners = [int(focus.around_longest(near, tours, 2, seeded(seed))[1]) for seed in range(200)]
+    assert partners.count(1) > 2 * (partners.count(2) + partners.count(3)) > 0
+
+
+@given(seeds)
+@settings(deadline=None, max_examples=40)
+def test_a_part_is_an_instance_with_the_same_tours_and_goes_back_as_found(seed):
+    instance, ground, tours = random_case(seed)
+    uavs = focus.around_longest(ground.near, tours, 3, seeded(seed))
+    part = focus.part_of(ground, tours, uavs)
+    assert part.tours.cost == pytest.approx(tours.cost[uavs])
+    assert part.ground.size == (int(tours.size[uavs].sum()), uavs.size)
+
+    before = rings.to_routes(tours)
+    theirs = [v for k in uavs for v in before[k]]
+    shuffled = np.random.default_rng(seed).permutation(len(theirs))
+    new = tuple(tuple(piece.tolist()) for piece in np.array_split(shuffled, uavs.size))
+    found = rings.from_routes(part.ground.costs, new)
+    focus.put_back(ground, part, found, tours)
+    after = rings.to_routes(tours)
+    assert check_routes(instance, after) == []
+    assert tours.cost == pytest.approx(tour_costs(instance, after))
+    assert tours.cost[uavs] == pytest.approx(found.cost)
+    for k in range(M):
+        if k in uavs:
+            assert after[k] == tuple(theirs[i] for i in new[uavs.tolist().index(k)])
+        else:
+            assert after[k] == before[k]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.cuts import blank_bench, cut
-from formulations.routing.search.energy import energy, exponent, fitness
+from formulations.routing.search.energy import energy, fitness
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import recreate, shuffle
@@ -79,6 +79,7 @@ def anneal(
     steps: int,
     temperature: float,
     evenness: float,
+    p: int,
     habits: Habits,
 ) -> None:
     """Take `steps` steps of ruin and recreate from `tours`, in place.
@@ -91,7 +92,6 @@ def anneal(
     ruined = np.zeros(tours.cost.size, np.uint8)
     costs_before = np.empty(tours.cost.size)
     sum_costs(tours)
-    p = exponent(tours.cost.max(), temperature)
     now = energy(tours.cost, evenness, p)
     lowest = fitness(fittest.cost)
     bench = blank_bench(near.tasks.shape[0])

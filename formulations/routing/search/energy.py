@@ -1,10 +1,9 @@
 """Energy: what an annealing lowers.
 
-    E = ‖C‖_p + ε · mean_k C_k,   p = max_k C_k / (SOFT · temperature)
+    E = ‖C‖_p + ε · mean_k C_k
 
 The longest tour alone is flat: a large norm sees the others near it as well, and a share ε of the mean lets the search
-shorten all of them, which makes room for the long ones to give tasks away. p grows as the temperature falls: a tour
-counts as long that is within a few temperatures of the longest.
+shorten all of them, which makes room for the long ones to give tasks away. p and ε follow the temperature (cooling.py).
 """
 
 from __future__ import annotations
@@ -17,8 +16,6 @@ from numpy.typing import NDArray
 
 from formulations.routing.search.tours import Tours
 
-SOFT = 8.0
-"""p = max_k C_k / (SOFT · temperature)."""
 SHARP = 500
 """p from which the norm is the maximum, to within what matters."""
 
@@ -53,14 +50,6 @@ def power(x: float, p: int) -> float:
         x *= x
         p >>= 1
     return result
-
-
-@njit(cache=True, nogil=True)
-def exponent(longest: float, temperature: float) -> int:
-    """Return the p of the energy, from 2 to SHARP."""
-    if longest >= SHARP * SOFT * temperature:
-        return SHARP
-    return max(2, int(longest / (SOFT * temperature)))
 
 
 @njit(cache=True, nogil=True)

@@ -24,6 +24,12 @@ class Ground(NamedTuple):
         """Numbers of tasks n and of UAVs m."""
         return int(self.near.tasks.shape[0]), int(self.place.size)
 
+    @property
+    def crowding(self) -> float:
+        """n² / m, what an annealing's length goes by: long tours need more steps than their number of tasks says."""
+        n, m = self.size
+        return n * n / m
+
 
 def survey(cost: NDArray[np.float64], n_tasks: int) -> Ground:
     """Return the Ground of a cost matrix, shape (n+m, n+m) [s]."""

@@ -30,19 +30,14 @@ CHILD, RELIEF = 0.5, 0.15
 """Lengths of the stages of a child and of a relief, in those of a founder."""
 BARREN = 3
 """Stages in a row without a new member, for each founder, after which the population starts over."""
-SHALLOWEST = 10_000
-"""Steps of an annealing from scratch, at least."""
-FOCUS = 5.0
-"""Steps of a focus on s tasks of w tours, in s² / w."""
+SHALLOWEST = 25_000
+"""Steps of a founder, at least."""
+FOCUS, BRIEFEST = 5.0, 10_000
+"""Steps of a focus on s tasks of w tours, in s² / w; at least."""
 RELIEVED = 0.3
 """Share of focuses that begin with a relief, not from scratch."""
 SAME = 1e-9
 """Tours whose fitness differs by less than this share count as copies."""
-
-
-def annealing_steps(depth: float, n_tasks: int, n_tours: int) -> float:
-    """Return how many steps an annealing from scratch takes: long tours need more."""
-    return max(SHALLOWEST, depth * n_tasks**2 / n_tours)
 
 
 class Shares(NamedTuple):
@@ -81,7 +76,7 @@ class Population:
         That begins with the founder under way, unless the limit allows fewer than three.
         """
         self._step = step
-        founder = step * annealing_steps(depth, *self.ground.size)
+        founder = step * max(SHALLOWEST, depth * self.ground.crowding)
         if founder <= 1.0 / 3.0:
             self.founder = founder
             self.founders = min(MEMBERS, max(2, int(0.5 / founder)))
@@ -91,11 +86,12 @@ class Population:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`."""
         done = min(1.0, (now - self._begin) / max(self.end - self._begin, 1e-12))
         temperature = cooling.mean_leg(self._fittest) * cooling.temperature(self._first, done)
-        evenness = cooling.evenness(self._first, done)
+        evenness, p = cooling.evenness(self._first, done), cooling.exponent(self._fittest, self._first, done)
         costs, near, _ = self.ground if self._part is None else self._part.ground
         best = self.best if self._part is None else self._part.best
         longest = self.best.cost.max()
-        anneal(costs, near, self._newcomer, best, self._fittest, self.rng, steps, temperature, evenness, self.habits)
+        rng, habits = self.rng, self.habits
+        anneal(costs, near, self._newcomer, best, self._fittest, rng, steps, temperature, evenness, p, habits)
         self.improved = self.improved or self.best.cost.max() < longest
 
     def next_stage(self, now: float, guest: Tours | None = None) -> None:
@@ -152,7 +148,7 @@ class Population:
         """Return a newcomer made from members, its first temperature and the length of its stage."""
         if self.ground.size[1] > 2 and uniform(self.rng) < self.shares.focuses:
             part = self.focused()
-            newcomer, length = self._copy(part.tours), self._step * annealing_steps(FOCUS, *part.ground.size)
+            newcomer, length = self._copy(part.tours), self._step * max(BRIEFEST, FOCUS * part.ground.crowding)
             if uniform(self.rng) < RELIEVED:
                 relieve(part.ground.costs, part.ground.near, newcomer, self.rng)
                 return newcomer, cooling.MILD, CHILD * length

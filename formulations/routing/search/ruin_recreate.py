@@ -71,8 +71,8 @@ class RuinRecreate(Solver):
             done, longest = pace.fraction, best.cost.max()
             temperature = cooling.mean_leg(best) * cooling.temperature(cooling.HOT, done)
             evenness = cooling.evenness(cooling.HOT, done)
-            steps = pace.next_steps()
-            anneal(costs, near, tours, best, fittest, rng, steps, temperature, evenness, habits)
+            p, steps = cooling.exponent(best, cooling.HOT, done), pace.next_steps()
+            anneal(costs, near, tours, best, fittest, rng, steps, temperature, evenness, p, habits)
             pace.took(steps)
             if best.cost.max() < longest:
                 recorder.incumbent(to_routes(best))

@@ -5,12 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from formulations.routing.search import cooling
 from formulations.routing.search import recreate as rebuilding
 from formulations.routing.search import ruin as ruining
 from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import Habits, anneal, undo
 from formulations.routing.search.costs import both_ways
-from formulations.routing.search.energy import SHARP, energy, energy_with, exponent, fitness, stakes_without
+from formulations.routing.search.energy import SHARP, energy, energy_with, fitness, stakes_without
 from formulations.routing.search.neighbours import neighbours
 from formulations.routing.search.randomness import below, seeded, uniform
 from instances import Instance, check_routes, makespan, tour_costs
@@ -206,7 +207,7 @@ def test_annealing_keeps_its_best_and_its_books(seed):
     instance, routes = random_instance(seed), random_routes(seed)
     near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours, best, fittest = (rings.from_routes(both_ways(instance.cost), routes) for _ in range(3))
-    anneal(both_ways(instance.cost), near, tours, best, fittest, seeded(seed), 300, 5.0, 0.1, Habits(6, 0.5, 0.3, 4))
+    anneal(both_ways(instance.cost), near, tours, best, fittest, seeded(seed), 300, 5.0, 0.1, 9, Habits(6, 0.5, 0.3, 4))
     for each in (tours, best, fittest):
         found = rings.to_routes(each)
         assert check_routes(instance, found) == []
@@ -223,9 +224,11 @@ def test_energy_is_a_norm_plus_a_share_of_the_mean():
 
 
 def test_the_norm_sharpens_to_the_maximum_as_the_temperature_falls():
-    powers = [exponent(1000.0, temperature) for temperature in (1e6, 10.0, 1.0, 0.1, 0.0)]
-    assert powers == [2, 12, 125, SHARP, SHARP]
-    assert exponent(0.0, 0.0) == SHARP
+    tours = rings.empty_tours(18, 2)
+    tours.cost[:] = 100.0, 60.0
+    powers = [cooling.exponent(tours, cooling.HOT, done) for done in (0.0, 0.5, 1.0)]
+    assert powers == [2, 22, SHARP]
+    assert cooling.exponent(rings.empty_tours(3, 2), cooling.HOT, 0.5) == 2
 
 
 def test_of_two_with_the_same_longest_tour_the_one_with_fewer_long_ones_is_fitter():

@@ -43,7 +43,7 @@ class Memetic(Solver):
     powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, the recreation draws from (1 is the total alone).
     focuses : share of the population's later stages that search the longest tour and a few others alone.
     reliefs : share of the remaining ones that send a UAV elsewhere; the others are crossovers.
-    depth : a founder's annealing takes depth · n² / m steps, at least 25 000, doubled at each new start.
+    depth : a founder's annealing takes depth · n² / m steps, at least 10 000 to 25 000, doubled at each new start.
     """
 
     removals: int = 12

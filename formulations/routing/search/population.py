@@ -30,8 +30,8 @@ CHILD, RELIEF = 0.5, 0.15
 """Lengths of the stages of a child and of a relief, in those of a founder."""
 BARREN = 3
 """Stages in a row without a new member, for each founder, after which the population starts over."""
-SHALLOWEST = 25_000
-"""Steps of a founder, at least."""
+FEWEST, A_TASK, ENOUGH = 10_000, 250, 25_000
+"""Steps of a founder, at least: FEWEST, or A_TASK for each task up to ENOUGH; small instances gain more by starts."""
 FOCUS, BRIEFEST = 5.0, 10_000
 """Steps of a focus on s tasks of w tours, in s² / w; at least."""
 RELIEVED = 0.3
@@ -76,7 +76,8 @@ class Population:
         That begins with the founder under way, unless the limit allows fewer than three.
         """
         self._step = step
-        founder = step * max(SHALLOWEST, depth * self.ground.crowding)
+        least = max(FEWEST, min(ENOUGH, A_TASK * self.ground.size[0]))
+        founder = step * max(least, depth * self.ground.crowding)
         if founder <= 1.0 / 3.0:
             self.founder = founder
             self.founders = min(MEMBERS, max(2, int(0.5 / founder)))

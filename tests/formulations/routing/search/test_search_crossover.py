@@ -85,7 +85,7 @@ def test_a_child_visits_every_task_once_and_books_its_costs(positions, seed):
 
 
 DEEP = Shares(focuses=0.0, reliefs=0.0)
-STEP = 4e-6
+STEP = 1e-5
 """Of the limit: a founder takes a tenth of it, at the least depth."""
 
 
@@ -133,5 +133,5 @@ def test_a_population_that_focuses_keeps_whole_routes_and_never_loses_its_best(s
 
 def test_a_population_that_may_run_once_only_does_not_split_its_time():
     population = Population(ground(6, SPREAD)[1], Habits(6, 0.5, 0.1, 4), Shares(0.5, 0.5), seeded(6), None)
-    population.plan(3e-5, 1.0)
+    population.plan(6e-5, 1.0)
     assert population.end == 1.0

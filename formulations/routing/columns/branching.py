@@ -33,7 +33,6 @@ def shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def choose(
     master: Master,
-    weight: NDArray[np.float64],
     allowed: NDArray[np.bool_],
     far: NDArray[np.float64],
     gap: float,
@@ -47,8 +46,8 @@ def choose(
     undecided = allowed & (allowed.sum(axis=0) > 1)
     if not undecided.any():
         return None
+    value, duals, weight = master.solve()
     share = shares(master, weight)
-    value, duals, _ = master.solve()
     split = np.where(undecided, np.minimum(share, 1 - share).round(6), -1.0)
     candidates = np.union1d(_promising(split * far**2), _promising(split * duals.price))
     if candidates.size < 2:

@@ -28,7 +28,10 @@ _SHY = 1 - 1e-14  # keeps Σσ ≤ 1 in exact arithmetic
 
 
 class Master:
-    """A growing linear programme over columns and cuts."""
+    """A growing linear programme over columns and cuts.
+
+    penalty : half width of the box the duals of the tasks begin in [s], one for all or (n,).
+    """
 
     def __init__(
         self, n_tasks: int, n_uavs: int, penalty: float | NDArray[np.float64], cuts: Sequence[Cut] = ()
@@ -106,7 +109,7 @@ class Master:
         return float(self._lp.getInfo().objective_function_value), duals, weight
 
     def without(self, dropped: NDArray[np.bool_]) -> float:
-        """Return how far a few pivots raise the value [s] of the solved master without some columns.
+        """Return what a few pivots raise the solved master's value to [s] without some columns.
 
         Columns and basis are back afterwards, so that the next trial starts as near to its optimum as this one.
         """

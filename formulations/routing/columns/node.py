@@ -148,9 +148,8 @@ def _prepare_branching(node: Node, cap: float, work: Workspace) -> bool:
     """Choose the branch, and look for routes among the columns."""
     _lighten(node, cap)
     master = restricted_master(node, cap)
-    _, _, weight = master.solve()
-    gap, allowed = cap - node.bound, node.may_visit()
-    node.ready, node.branch = True, choose(master, weight, allowed, work.far, gap, work.out_of_time)
+    node.branch = choose(master, node.may_visit(), work.far, cap - node.bound, work.out_of_time)
+    node.ready = True
     node.routes = _routes(master.whole(_DIVE) or [], master.n)
     return True
 

@@ -18,7 +18,6 @@ from formulations.routing.search.tours import Tours
 
 SHARP = 500
 """p from which the norm is the maximum, to within what matters."""
-
 FIT = 128
 """The p by which tours are compared that are kept: of two with the same longest tour, that with fewer long ones."""
 TINY = 1e-300

@@ -17,7 +17,7 @@ from formulations.routing.search.costs import Costs
 from formulations.routing.search.ground import Ground, survey
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below, uniform
-from formulations.routing.search.tours import Tours, copy_tours, empty_tours, link, sum_costs, unlink
+from formulations.routing.search.tours import Tours, clear, copy_tours, empty_tours, lay_out, sum_costs
 
 MOST = 6
 """Tours searched together, at most."""
@@ -95,35 +95,31 @@ def _nodes_of(tours: Tours, uavs: NDArray[np.int32]) -> NDArray[np.int32]:
     return nodes
 
 
-@njit(cache=True, nogil=True)
-def _lay_out(costs: Costs, tours: Tours, k: int, tasks: NDArray[np.int32]) -> None:
-    """Fill the empty tour k with `tasks`, in their order."""
-    u = tours.after.size - tours.cost.size + k
-    for v in tasks:
-        link(costs, tours, v, u)
-        u = v
-
-
 def part_of(ground: Ground, tours: Tours, uavs: NDArray[np.int32]) -> Part:
     """Return the tours of some UAVs as an instance of their own."""
     nodes = _nodes_of(tours, uavs)
     n_tasks = nodes.size - uavs.size
-    own = survey(np.ascontiguousarray(ground.costs.out[np.ix_(nodes, nodes)]), n_tasks)
+    cost = np.ascontiguousarray(ground.costs.out[np.ix_(nodes, nodes)])
+    cost.setflags(write=False)  # like an instance's own: the kernels are compiled for that type
+    own = survey(cost, n_tasks)
     part = Part(own, empty_tours(n_tasks, uavs.size), empty_tours(n_tasks, uavs.size), nodes)
     ends = np.cumsum(tours.size[uavs])
     for j, tasks in enumerate(np.split(np.arange(n_tasks, dtype=np.int32), ends[:-1])):
-        _lay_out(own.costs, part.tours, j, tasks)
+        lay_out(own.costs, part.tours, j, tasks)
     sum_costs(part.tours)
     copy_tours(part.tours, part.best)
     return part
 
 
-def put_back(ground: Ground, part: Part, found: Tours, tours: Tours) -> None:
-    """Give the UAVs of a part the tours `found` for them, in `tours` of the whole."""
-    n_tasks = part.nodes.size - found.cost.size
-    for v in part.nodes[:n_tasks]:
-        unlink(ground.costs, tours, v)
-    for j, k in enumerate(part.nodes[n_tasks:] - (tours.after.size - tours.cost.size)):
-        mine = _nodes_of(found, np.array([j], np.int32))[:-1]
-        _lay_out(ground.costs, tours, k, part.nodes[mine])
+@njit(cache=True, nogil=True)
+def put_back(costs: Costs, nodes: NDArray[np.int32], found: Tours, tours: Tours) -> None:
+    """Give the UAVs of a part, whose nodes these are, the tours `found` for them, in `tours` of the whole."""
+    w = found.cost.size
+    s, n = nodes.size - w, tours.after.size - tours.cost.size
+    homeless = np.empty(s, np.int32)
+    for depot in nodes[s:]:
+        clear(costs, tours, depot - n, homeless)
+    for j in range(w):
+        own = _nodes_of(found, np.array([j], np.int32))[:-1]
+        lay_out(costs, tours, nodes[s + j] - n, nodes[own])
     sum_costs(tours)

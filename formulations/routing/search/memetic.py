@@ -18,11 +18,13 @@ import numpy as np
 
 from formulations.recorder import Recorder
 from formulations.routing.search.annealing import POWERS, Habits
+from formulations.routing.search.focus import put_back
 from formulations.routing.search.ground import survey
 from formulations.routing.search.neighbours import NEAR_TASKS
 from formulations.routing.search.pace import Pace
 from formulations.routing.search.population import Population, Shares
-from formulations.routing.search.randomness import seeded
+from formulations.routing.search.randomness import seeded, uniform
+from formulations.routing.search.relief import relieve
 from formulations.routing.search.tours import from_routes, to_routes
 from formulations.solver import Limits, Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
@@ -72,13 +74,17 @@ class Memetic(Solver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (or load them from numba's cache)."""
-        small = Instance("warm-up", 1.0 - np.eye(6), 4, 2)
+        small = Instance("warm-up", 1.0 - np.eye(9), 6, 3)
         Memetic(depth=0.01).solve(small, limits=Limits(time=3600.0, iterations=200))
         population = self._populations(small, 1, 0, None)[0]
+        uniform(population.rng)
+        population.next_stage(0.0)
         population.members = [population.best, population.best]
         population.child()
         population.relieved()
-        population.focused()
+        part = population.focused()
+        relieve(part.ground.costs, part.ground.near, part.tours, population.rng)
+        put_back(population.ground.costs, part.nodes, part.best, population.best)
 
     def solve(
         self,

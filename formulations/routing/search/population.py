@@ -120,7 +120,7 @@ class Population:
             return self._fittest
         for found in (self._part.best, self._fittest):
             if fitness(found.cost) < fitness(self._part.tours.cost):
-                put_back(self.ground, self._part, found, self._whole)
+                put_back(self.ground.costs, self._part.nodes, found, self._whole)
                 if self._whole.cost.max() < self.best.cost.max():
                     self.improved = True
                     copy_tours(self._whole, self.best)

@@ -15,7 +15,7 @@ from formulations.routing.search.costs import Costs
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import recreate, shuffle
-from formulations.routing.search.tours import Tours, link, sum_costs, unlink
+from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink
 
 TRIES = 50
 """Draws of a UAV and a task before giving up."""
@@ -39,18 +39,6 @@ def reliever(costs: Costs, tours: Tours, rng: NDArray[np.uint64]) -> tuple[int, 
         if tours.tour[v] != h and costs.out[n + h, v] + costs.into[n + h, v] < longest:
             return h, v
     return -1, -1
-
-
-@njit(cache=True, nogil=True)
-def clear(costs: Costs, tours: Tours, h: int, homeless: NDArray[np.int32]) -> int:
-    """Take all tasks out of tour h and write them to `homeless`; return how many."""
-    n = tours.after.size - tours.cost.size
-    count = 0
-    while tours.after[n + h] < n:
-        homeless[count] = tours.after[n + h]
-        unlink(costs, tours, homeless[count])
-        count += 1
-    return count
 
 
 @njit(cache=True, nogil=True)

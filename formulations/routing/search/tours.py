@@ -117,16 +117,34 @@ def sum_costs(tours: Tours) -> None:
         tours.cost[k] = total
 
 
+@njit(cache=True, nogil=True)
+def clear(costs: Costs, tours: Tours, k: int, homeless: NDArray[np.int32]) -> int:
+    """Take all tasks out of tour k and write them, in their order, to `homeless`; return how many."""
+    n = tours.after.size - tours.cost.size
+    count = 0
+    while tours.after[n + k] < n:
+        homeless[count] = tours.after[n + k]
+        unlink(costs, tours, homeless[count])
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def lay_out(costs: Costs, tours: Tours, k: int, tasks: NDArray[np.int32]) -> None:
+    """Fill the empty tour k with `tasks`, in their order; its cost is the caller's business."""
+    u = tours.after.size - tours.cost.size + k
+    for v in tasks:
+        link(costs, tours, v, u)
+        u = v
+
+
 def from_routes(costs: Costs, routes: Routes) -> Tours:
     """Return `routes` as rings with their costs."""
     n_depots = len(routes)
     n_tasks = costs.out.shape[0] - n_depots
     tours = empty_tours(n_tasks, n_depots)
     for k, route in enumerate(routes):
-        u = n_tasks + k
-        for v in route:
-            link(costs, tours, v, u)
-            u = v
+        lay_out(costs, tours, k, np.array(route, np.int32))
     sum_costs(tours)
     return tours
 

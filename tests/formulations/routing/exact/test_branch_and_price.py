@@ -265,12 +265,11 @@ def test_a_trial_leaves_the_master_as_it_was() -> None:
 @pytest.mark.parametrize("gap", [1.0, 1e6])
 def test_a_branch_is_on_a_task_that_several_may_take(gap: float) -> None:
     master, _ = shared_tasks()
-    _, _, weight = master.solve()
     far, only_far = np.array([90.0, 30.0]), np.array([[True, False], [True, True]])
-    branch = choose(master, weight, only_far, far, gap, lambda: False)
+    branch = choose(master, only_far, far, gap, lambda: False)
     assert branch is not None
     assert branch[1] == 0
-    assert choose(master, weight, np.eye(2, dtype=bool), far, gap, lambda: False) is None
+    assert choose(master, np.eye(2, dtype=bool), far, gap, lambda: False) is None
 
 
 def test_a_node_goes_on_with_its_prices_inside_the_box() -> None:

@@ -1,6 +1,8 @@
 """What `memetic` and `ruin-recreate` promise as solvers."""
 
 import itertools
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -106,3 +108,34 @@ def test_options_that_cannot_be_used_are_named(options):
     if "removals" in options or "removal" in options:
         with pytest.raises(InputError, match=next(iter(options))):
             make_solver("ruin-recreate", options)
+
+
+COMPILED = """
+import sys
+import numpy as np
+from numba.core.dispatcher import Dispatcher
+from formulations.registry import make_solver
+from formulations.solver import Limits
+from instances import Instance
+
+def compiled():
+    modules = [module for name, module in sys.modules.items() if name.startswith("formulations.routing.search.")]
+    kernels = {kernel for module in modules for kernel in vars(module).values() if isinstance(kernel, Dispatcher)}
+    return sum(len(kernel.signatures) for kernel in kernels)
+
+cost = np.random.default_rng(6).uniform(1.0, 100.0, (34, 34)) * (1.0 - np.eye(34))
+solver = make_solver("memetic")
+for symmetric in (False, True):
+    instance = Instance("any", cost + symmetric * cost.T, 30, 4)
+    solver.prepare(instance)
+    before = compiled()
+    result = solver.solve(instance, limits=Limits(time=3600, iterations=400_000))
+    assert result.statistics["stages"] > 20, result.statistics
+    assert compiled() == before > 10, (before, compiled())
+"""
+
+
+def test_nothing_is_compiled_after_prepare():
+    """No limit pays for compilation; in a process of its own, where no other test has compiled anything."""
+    done = subprocess.run([sys.executable, "-c", COMPILED], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

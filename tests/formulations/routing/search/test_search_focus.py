@@ -9,27 +9,22 @@ from formulations.routing.search import focus
 from formulations.routing.search import tours as rings
 from formulations.routing.search.ground import survey
 from formulations.routing.search.randomness import seeded
-from instances import Instance, check_routes, tour_costs
+from instances import check_routes, tour_costs
 
 N, M = 16, 5
 seeds = st.integers(0, 10**6)
 
 
-def random_case(seed):
-    rng = np.random.default_rng(seed)
-    cost = rng.uniform(1.0, 100.0, (N + M, N + M))
-    np.fill_diagonal(cost, 0.0)
-    routes = [[] for _ in range(M)]
-    for v in rng.permutation(N):
-        routes[rng.integers(M)].append(int(v))
-    instance, ground = Instance("random", cost, N, M), survey(cost, N)
-    return instance, ground, rings.from_routes(ground.costs, tuple(map(tuple, routes)))
+def on_ground(case):
+    instance, routes = case
+    ground = survey(instance.cost, instance.n_tasks)
+    return instance, ground, rings.from_routes(ground.costs, routes)
 
 
-@given(seeds, st.integers(1, M))
+@given(seed=seeds, wanted=st.integers(1, M))
 @settings(deadline=None, max_examples=40)
-def test_the_longest_tour_and_different_others_are_chosen(seed, wanted):
-    _, ground, tours = random_case(seed)
+def test_the_longest_tour_and_different_others_are_chosen(random_case, seed, wanted):
+    _, ground, tours = on_ground(random_case(seed, N, M))
     uavs = focus.around_longest(ground.near, tours, wanted, seeded(seed))
     assert uavs[0] == np.argmax(tours.cost)
     assert len(set(uavs.tolist())) == len(uavs) <= wanted
@@ -46,10 +41,10 @@ def test_a_part_takes_tours_that_touch_before_distant_ones():
     assert partners.count(1) > 2 * (partners.count(2) + partners.count(3)) > 0
 
 
-@given(seeds)
+@given(seed=seeds)
 @settings(deadline=None, max_examples=40)
-def test_a_part_is_an_instance_with_the_same_tours_and_goes_back_as_found(seed):
-    instance, ground, tours = random_case(seed)
+def test_a_part_is_an_instance_with_the_same_tours_and_goes_back_as_found(random_case, seed):
+    instance, ground, tours = on_ground(random_case(seed, N, M))
     uavs = focus.around_longest(ground.near, tours, 3, seeded(seed))
     part = focus.part_of(ground, tours, uavs)
     assert part.tours.cost == pytest.approx(tours.cost[uavs])
@@ -60,7 +55,7 @@ def test_a_part_is_an_instance_with_the_same_tours_and_goes_back_as_found(seed):
     shuffled = np.random.default_rng(seed).permutation(len(theirs))
     new = tuple(tuple(piece.tolist()) for piece in np.array_split(shuffled, uavs.size))
     found = rings.from_routes(part.ground.costs, new)
-    focus.put_back(ground, part, found, tours)
+    focus.put_back(ground.costs, part.nodes, found, tours)
     after = rings.to_routes(tours)
     assert check_routes(instance, after) == []
     assert tours.cost == pytest.approx(tour_costs(instance, after))

@@ -10,27 +10,17 @@ from formulations.routing.search import tours as rings
 from formulations.routing.search.costs import both_ways
 from formulations.routing.search.neighbours import neighbours
 from formulations.routing.search.randomness import seeded
-from instances import Instance, check_routes, tour_costs
+from instances import check_routes, tour_costs
 
 N, M = 14, 4
 seeds = st.integers(0, 10**6)
 
 
-def random_case(seed, m=M):
-    rng = np.random.default_rng(seed)
-    cost = rng.uniform(1.0, 100.0, (N + m, N + m))
-    np.fill_diagonal(cost, 0.0)
-    routes = [[] for _ in range(m)]
-    for v in rng.permutation(N):
-        routes[rng.integers(m)].append(int(v))
-    instance = Instance("random", cost, N, m)
-    return instance, tuple(map(tuple, routes)), both_ways(instance.cost)
-
-
-@given(seeds)
+@given(seed=seeds)
 @settings(deadline=None, max_examples=40)
-def test_the_reliever_can_get_there_and_the_task_is_not_its_own(seed):
-    instance, routes, costs = random_case(seed)
+def test_the_reliever_can_get_there_and_the_task_is_not_its_own(random_case, seed):
+    instance, routes = random_case(seed, N, M)
+    costs = both_ways(instance.cost)
     tours = rings.from_routes(costs, routes)
     h, v = relief.reliever(costs, tours, seeded(seed))
     if h >= 0:
@@ -38,20 +28,22 @@ def test_the_reliever_can_get_there_and_the_task_is_not_its_own(seed):
         assert instance.cost[N + h, v] + instance.cost[v, N + h] < tour_costs(instance, routes).max()
 
 
-def test_nobody_relieves_the_only_uav():
-    _, routes, costs = random_case(3, 1)
+def test_nobody_relieves_the_only_uav(random_case):
+    instance, routes = random_case(3, N, 1)
+    costs = both_ways(instance.cost)
     assert relief.reliever(costs, rings.from_routes(costs, routes), seeded(1)) == (-1, -1)
 
 
-@given(seeds)
+@given(seed=seeds)
 @settings(deadline=None, max_examples=40)
-def test_clearing_and_taking_over_a_piece(seed):
-    instance, routes, costs = random_case(seed)
+def test_clearing_and_taking_over_a_piece(random_case, seed):
+    instance, routes = random_case(seed, N, M)
+    costs = both_ways(instance.cost)
     rng = np.random.default_rng(seed + 1)
     tours = rings.from_routes(costs, routes)
     h = int(rng.integers(M))
     homeless = np.empty(N, np.int32)
-    count = relief.clear(costs, tours, h, homeless)
+    count = rings.clear(costs, tours, h, homeless)
     assert tuple(homeless[:count].tolist()) == routes[h]
     others = [v for k in range(M) if k != h for v in routes[k]]
     if not others:
@@ -74,10 +66,11 @@ def test_clearing_and_taking_over_a_piece(seed):
     assert found[k] == routes[k][:at] + routes[k][at + length :]
 
 
-@given(seeds)
+@given(seed=seeds)
 @settings(deadline=None, max_examples=30)
-def test_relief_keeps_every_task_and_its_books(seed):
-    instance, routes, costs = random_case(seed)
+def test_relief_keeps_every_task_and_its_books(random_case, seed):
+    instance, routes = random_case(seed, N, M)
+    costs = both_ways(instance.cost)
     tours = rings.from_routes(costs, routes)
     relief.relieve(costs, neighbours(costs, N, 8, M), tours, seeded(seed))
     found = rings.to_routes(tours)

@@ -59,6 +59,7 @@ ABLATIONS: dict[str, dict[str, float]] = {
     "no adjacent removal": {"strings": 1.0},
     "insertion by total cost only (p = 1)": {"powers": 1},
     "p of 1 and 2 only": {"powers": 2},
+    "no guide by the longest tour left (p = ∞)": {"powers": 5},
     "no focus": {"focuses": 0.0},
     "no relief of the whole": {"reliefs": 0.0},
     "no crossover": {"reliefs": 1.0},

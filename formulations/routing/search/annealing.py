@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.cuts import blank_bench, cut
-from formulations.routing.search.energy import energy, fitness
+from formulations.routing.search.energy import SHARP, energy, fitness
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import recreate, shuffle
 from formulations.routing.search.ruin import put_back, ruin_adjacent, ruin_strings
 from formulations.routing.search.tours import Tours, copy_tours, sum_costs, unlink
 
-POWERS = (1, 2, 5, 12)
-"""The p of the recreation's guidance Σ (C_k / ref)^p, one drawn for each recreation."""
+POWERS = (1, 2, 5, 12, 30, SHARP)
+"""The p of the recreation's guides (recreate.py), one drawn for each recreation."""
 QUENCH = 0.1
 """Temperature of the cuts as a share of that of the ruins: a cut tries hundreds of moves, not one."""
 

@@ -42,7 +42,7 @@ class Memetic(Solver):
     removals : tasks taken out by one ruin, at most (1 to 20).
     strings : share of ruins that take strings of consecutive tasks; the others take nearest neighbours.
     cuts : share of steps that cut and rejoin long pieces of one or two tours.
-    powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, the recreation draws from (1 is the total alone).
+    powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, 30, ∞, the recreation draws from (1: the total).
     focuses : share of the population's later stages that search the longest tour and a few others alone.
     reliefs : share of the remaining ones that send a UAV elsewhere; the others are crossovers.
     depth : a founder's annealing takes depth · n² / m steps, at least 10 000 to 25 000, doubled at each new start.
@@ -51,7 +51,7 @@ class Memetic(Solver):
     removals: int = 12
     strings: float = 0.5
     cuts: float = 0.1
-    powers: int = 4
+    powers: int = len(POWERS)
     focuses: float = 0.6
     reliefs: float = 0.5
     depth: float = 2.0

@@ -68,7 +68,7 @@ class Population:
         self._fittest = self._copy(self._newcomer)
         self.best = self._copy(self._newcomer)
         self.improved = True
-        self._first, self._begin, self.end = cooling.HOT, 0.0, 1.0
+        self._first, self._soft, self._begin, self.end = cooling.HOT, cooling.SOFT[0], 0.0, 1.0
 
     def plan(self, step: float, depth: float) -> None:
         """Say which part of the limit a step takes, and how deep founders are annealed.
@@ -87,7 +87,8 @@ class Population:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`."""
         done = min(1.0, (now - self._begin) / max(self.end - self._begin, 1e-12))
         temperature = cooling.mean_leg(self._fittest) * cooling.temperature(self._first, done)
-        evenness, p = cooling.evenness(self._first, done), cooling.exponent(self._fittest, self._first, done)
+        evenness = cooling.evenness(self._first, done)
+        p = cooling.exponent(self._fittest, self._first, done, self._soft)
         costs, near, _ = self.ground if self._part is None else self._part.ground
         best = self.best if self._part is None else self._part.best
         longest = self.best.cost.max()
@@ -111,6 +112,7 @@ class Population:
             self._newcomer, self._first, length = self._constructed(), cooling.HOT, self.founder
         else:
             self._newcomer, self._first, length = self._renewed()
+        self._soft = cooling.SOFT[below(self.rng, len(cooling.SOFT))]
         self._fittest = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
 

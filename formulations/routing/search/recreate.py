@@ -1,7 +1,9 @@
 """Recreate: put the removed tasks back one by one where they hurt least.
 
-Hurt is the growth of Σ_k C_k^p: p = 1 minimises the total, a large p spares the longest tours; a p drawn anew for each
-recreation keeps the search from going blind where only the longest tour counts.
+Hurt is the growth of Σ_k C_k^p: p = 1 minimises the total, a large p spares the longest tours. From p = SHARP hurt is
+what exceeds the longest tour that is left, and only in case of a tie the growth of the tour: a long detour of a UAV
+with time to spare is then better than the least growth of the longest tour, which no p-norm in use would say.
+A p drawn anew for each recreation keeps the search from going blind where only the longest tour counts.
 Places looked at: behind and before each near neighbour, and both ends of the tours of near depots; now and then one of
 them is overlooked (blinks, Christiaens & Vanden Berghe 2020).
 """
@@ -13,7 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
-from formulations.routing.search.energy import power
+from formulations.routing.search.energy import SHARP, power
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below
 from formulations.routing.search.tours import Tours, insertion_change, link
@@ -22,15 +24,19 @@ BLINK = 0.01
 """Probability of overlooking a place, at most one for each task."""
 WIDTH = 12
 """Near tasks whose two sides are looked at."""
+TIE = 1e-4
+"""From p = SHARP: weight of the growth of a tour below the longest."""
 DEPOTS = 4
 """Nearest depots whose tour ends are looked at; as many again are drawn among the others."""
 
 
 @njit(cache=True, nogil=True)
 def growth(length: float, change: float, p: int) -> float:
-    """Return (length + change)^p − length^p."""
+    """Return (length + change)^p − length^p; from p = SHARP what exceeds 1, the longest tour left, and a tie-break."""
     if p == 1:
         return change
+    if p >= SHARP:
+        return max(length + change - 1.0, 0.0) - max(length - 1.0, 0.0) + TIE * change
     return power(length + change, p) - power(length, p)
 
 
@@ -58,7 +64,7 @@ def best_place(
 ) -> tuple[int, float]:
     """Return (node to put task v behind, change of that tour's cost [s]); the node is −1 where all was overlooked.
 
-    scale [1/s] only keeps the p-th powers in range; the choice does not depend on it.
+    1 / scale [s] is the longest tour that is left: it keeps powers in range, and from p = SHARP it is what counts.
     """
     n_near = near.tasks.shape[1]
     n_depots = near.depots.shape[1]

@@ -71,7 +71,7 @@ class RuinRecreate(Solver):
             done, longest = pace.fraction, best.cost.max()
             temperature = cooling.mean_leg(best) * cooling.temperature(cooling.HOT, done)
             evenness = cooling.evenness(cooling.HOT, done)
-            p, steps = cooling.exponent(best, cooling.HOT, done), pace.next_steps()
+            p, steps = cooling.exponent(best, cooling.HOT, done, cooling.SOFT[0]), pace.next_steps()
             anneal(costs, near, tours, best, fittest, rng, steps, temperature, evenness, p, habits)
             pace.took(steps)
             if best.cost.max() < longest:

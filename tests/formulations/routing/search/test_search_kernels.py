@@ -9,7 +9,7 @@ from formulations.routing.search import cooling
 from formulations.routing.search import recreate as rebuilding
 from formulations.routing.search import ruin as ruining
 from formulations.routing.search import tours as rings
-from formulations.routing.search.annealing import Habits, anneal, undo
+from formulations.routing.search.annealing import POWERS, Habits, anneal, undo
 from formulations.routing.search.costs import both_ways
 from formulations.routing.search.energy import SHARP, energy, energy_with, fitness, stakes_without
 from formulations.routing.search.neighbours import neighbours
@@ -128,7 +128,15 @@ def test_ruin_books_its_costs_and_undoes_without_a_trace(way, seed):
     assert rings.to_routes(tours) == routes
 
 
-@pytest.mark.parametrize("p", [1, 2, 5, 12])
+def hurt(lengths, longest, p):
+    """What recreation lowers, from its definition."""
+    shares = lengths / longest
+    if p < SHARP:
+        return (shares**p).sum()
+    return np.maximum(shares - 1.0, 0.0).sum() + rebuilding.TIE * shares.sum()
+
+
+@pytest.mark.parametrize("p", POWERS)
 @given(seed=seeds)
 @settings(deadline=None, max_examples=15)
 def test_best_place_is_the_best_of_all_places_where_the_lists_hold_all(p, seed):
@@ -139,18 +147,18 @@ def test_best_place_is_the_best_of_all_places_where_the_lists_hold_all(p, seed):
     v = seed % 10
     tours.cost[tours.tour[v]] += rings.removal_change(costs, tours, v)
     rings.unlink(costs, tours, v)
-    left = rings.to_routes(tours)
+    left, longest = rings.to_routes(tours), tours.cost.max()
     norms = []
     for k, route in enumerate(left):
         for i in range(len(route) + 1):
             tried = (*left[:k], (*route[:i], v, *route[i:]), *left[k + 1 :])
-            norms.append((tour_costs(instance, tried) ** p).sum())
-    u, change = rebuilding.best_place(costs, near, tours, v, p, 0.01, 0.0, seeded(seed))
+            norms.append(hurt(tour_costs(instance, tried), longest, p))
+    u, change = rebuilding.best_place(costs, near, tours, v, p, 1.0 / longest, 0.0, seeded(seed))
     k = tours.tour[u]
     rings.link(costs, tours, v, u)
     tours.cost[k] += change
     assert tours.cost == pytest.approx(tour_costs(instance, rings.to_routes(tours)))
-    assert (tours.cost**p).sum() == pytest.approx(min(norms))
+    assert hurt(tours.cost, longest, p) == pytest.approx(min(norms))
 
 
 @given(seeds)
@@ -174,9 +182,16 @@ def test_construction_where_all_costs_are_zero_or_huge():
 
 
 def test_growth_is_the_difference_of_powers():
-    for p in (1, 2, 5, 12):
+    for p in (1, 2, 5, 12, 30):
         assert rebuilding.power(1.3, p) == pytest.approx(1.3**p)
         assert rebuilding.growth(1.3, 0.4, p) == pytest.approx(1.7**p - 1.3**p)
+
+
+def test_the_last_guide_prefers_a_long_detour_with_time_to_spare_to_the_least_growth_of_the_longest():
+    spare, longest = rebuilding.growth(0.5, 0.4, SHARP), rebuilding.growth(1.0, 1e-3, SHARP)
+    assert spare < longest
+    assert rebuilding.growth(0.5, 0.3, SHARP) < spare
+    assert rebuilding.growth(0.5, 0.4, 30) > rebuilding.growth(1.0, 1e-4, 30)
 
 
 def test_shuffle_keeps_the_items_and_moves_them():
@@ -226,9 +241,10 @@ def test_energy_is_a_norm_plus_a_share_of_the_mean():
 def test_the_norm_sharpens_to_the_maximum_as_the_temperature_falls():
     tours = rings.empty_tours(18, 2)
     tours.cost[:] = 100.0, 60.0
-    powers = [cooling.exponent(tours, cooling.HOT, done) for done in (0.0, 0.5, 1.0)]
+    powers = [cooling.exponent(tours, cooling.HOT, done, 8.0) for done in (0.0, 0.5, 1.0)]
     assert powers == [2, 22, SHARP]
-    assert cooling.exponent(rings.empty_tours(3, 2), cooling.HOT, 0.5) == 2
+    assert cooling.exponent(tours, cooling.HOT, 0.5, 2.0) == 89
+    assert cooling.exponent(rings.empty_tours(3, 2), cooling.HOT, 0.5, 8.0) == 2
 
 
 def test_of_two_with_the_same_longest_tour_the_one_with_fewer_long_ones_is_fitter():

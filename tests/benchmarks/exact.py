@@ -1,6 +1,6 @@
 """Bars of the exact methods: measured figure beside bar.
 
-    python tests/benchmarks/exact.py [--quick] [--tasks 40] [SECTION...]
+    python tests/benchmarks/exact.py [--quick] [--tasks 40] [--seconds 120] [SECTION...]
 
 Sections: subset (subset-dp, n = 20 and 22), proofs (branch-and-price, n = 40 to 100), long (exact, m = 2), gaps
 (certified where no proof is in reach), public (eil51, berlin52, eil76), agreement (300 random instances against
@@ -88,33 +88,33 @@ def run(solver: Solver, instance: Instance, limit: float, threads: int = 1) -> t
     return result, spent, lasted
 
 
-def subset(quick: bool, tasks: int | None) -> None:
+def subset(asked: argparse.Namespace) -> None:
     """How long subset programming takes: it depends on the size alone."""
     print("subset-dp: n m | status | CPU s")
     solver = SubsetDp()
     for n, m in ((20, 2), (20, 3), (20, 4), (22, 3), (22, 4)):
-        if tasks in (None, n):
+        if asked.tasks in (None, n):
             solver.prepare(wind_instance(n, m, 0))
             result, spent, _ = run(solver, wind_instance(n, m, 0), 600.0)
             print(f"{n:4d} {m:3d} | {result.status} | {spent:.2f}", flush=True)
 
 
-def proofs(quick: bool, tasks: int | None) -> None:
+def proofs(asked: argparse.Namespace) -> None:
     """Every size: how many seeds are proved within the bar."""
     print("proofs by branch-and-price: n m | proved within the bar | median and greatest CPU s | worst gap | each")
     solver = BranchAndPrice()
     solver.prepare(wind_instance(10, 2, 0))
     for n, m, bar, of_ten in PROOFS:
-        if tasks not in (None, n):
+        if asked.tasks not in (None, n):
             continue
-        seeds = range(2 if quick else 10)
-        # the bar counts CPU seconds; a busy machine may need more by the clock
-        runs = [run(solver, wind_instance(n, m, seed), 3 * bar) for seed in seeds]
+        seeds = range(2 if asked.quick else 10)
+        limit = asked.seconds or 3 * bar  # the bar counts CPU seconds; a busy machine may need more by the clock
+        runs = [run(solver, wind_instance(n, m, seed), limit) for seed in seeds]
         good = [spent for result, spent, _ in runs if result.status is Status.OPTIMAL and spent <= bar]
         gaps = [result.gap or 0.0 for result, _, _ in runs]
         each = " ".join(f"{spent:.1f}" if result.status is Status.OPTIMAL else "–" for result, spent, _ in runs)
         middle = f"median {median(good):6.2f}, greatest {max(good):6.2f} CPU s" if good else "none"
-        late = max(lasted for _, _, lasted in runs) - 3 * bar
+        late = max(lasted for _, _, lasted in runs) - limit
         print(
             f"{n:4d} {m:3d} | {len(good)} of {len(runs)} (bar {of_ten} of 10 in {bar:.0f} s) | {middle} | "
             f"worst gap {max(gaps):.2%} | {each}" + (f" | {late:.1f} s over the limit" if late > 2 else ""),
@@ -122,15 +122,15 @@ def proofs(quick: bool, tasks: int | None) -> None:
         )
 
 
-def long_tours(quick: bool, tasks: int | None) -> None:
+def long_tours(asked: argparse.Namespace) -> None:
     """Two UAVs: the portfolio on two threads."""
     print("exact on two threads, m = 2: n | proved | wall s of each | by")
     solver = make_solver("exact")
     solver.prepare(wind_instance(20, 2, 0))
     for n, limit, of_ten in ((40, 120.0, 8), (50, 180.0, 6), (60, 180.0, 6)):
-        if tasks not in (None, n):
+        if asked.tasks not in (None, n):
             continue
-        runs = [run(solver, wind_instance(n, 2, seed), limit, 2) for seed in range(2 if quick else 10)]
+        runs = [run(solver, wind_instance(n, 2, seed), limit, 2) for seed in range(2 if asked.quick else 10)]
         good = [lasted for result, _, lasted in runs if result.status is Status.OPTIMAL]
         names = [str(result.statistics["proved_by"]) for result, _, _ in runs]
         by = ", ".join(f"{name} {names.count(name)}" for name in sorted(set(names)))
@@ -138,20 +138,20 @@ def long_tours(quick: bool, tasks: int | None) -> None:
               f"{' '.join(f'{t:.1f}' for t in good)} | {by}", flush=True)  # fmt: skip
 
 
-def gaps(quick: bool, tasks: int | None) -> None:
+def gaps(asked: argparse.Namespace) -> None:
     """Where proofs are out of reach: the certified gap."""
     print("certified gaps of branch-and-price: n m | gap | bound | routes | wall s")
     solver = BranchAndPrice()
     solver.prepare(wind_instance(10, 2, 0))
     for n, m, bar in ((60, 3, "5 %"), (100, 3, "as small as possible"), (200, 10, "as small as possible")):
-        if tasks not in (None, n):
+        if asked.tasks not in (None, n):
             continue
-        result, _, lasted = run(solver, wind_instance(n, m, 0), 60.0 if quick else 600.0)
+        result, _, lasted = run(solver, wind_instance(n, m, 0), asked.seconds or (60.0 if asked.quick else 600.0))
         gap = "none" if result.gap is None else f"{result.gap:.2%}"
         print(f"{n:4d} {m:3d} | {gap} (bar {bar}) | {result.bound} | {result.objective:.3f} | {lasted:.1f}", flush=True)
 
 
-def public(quick: bool, tasks: int | None) -> None:
+def public(asked: argparse.Namespace) -> None:
     """The classics of mTSPLib, one depot."""
     from instances.files import read_instance
 
@@ -163,7 +163,7 @@ def public(quick: bool, tasks: int | None) -> None:
     for name in ("eil51_2", "eil51_3", "eil51_5", "berlin52_2", "berlin52_3", "berlin52_5", "eil76_5", "eil76_7"):
         instance = read_instance(BENCHMARKS / "single_mtsplib" / f"{name}.mdm")
         solver.prepare(instance)
-        result, _, lasted = run(solver, instance, 20.0 if quick else 120.0, 2)
+        result, _, lasted = run(solver, instance, asked.seconds or (20.0 if asked.quick else 120.0), 2)
         bound = "none" if result.bound is None else f"{result.bound:.3f}"
         print(
             f"{name} | {result.status} | {result.objective:.3f} | {bound} | {result.gap or 0:.2%} | {lasted:.1f}",
@@ -171,9 +171,9 @@ def public(quick: bool, tasks: int | None) -> None:
         )
 
 
-def agreement(quick: bool, tasks: int | None) -> None:
+def agreement(asked: argparse.Namespace) -> None:
     """Random instances against subset-dp, with loose starts, permutations and tiny bins."""
-    count, wrong, open_ = 60 if quick else 300, 0, 0
+    count, wrong, open_ = 60 if asked.quick else 300, 0, 0
     for seed in range(count):
         rng = np.random.default_rng(seed)
         n, m = int(rng.integers(1, 15)), int(rng.integers(1, 6))
@@ -212,15 +212,15 @@ def loosened(routes: Routes, n: int, rng: np.random.Generator) -> Routes:
     return tuple(tuple(tour) for tour in tours)
 
 
-def ratio(quick: bool, tasks: int | None) -> None:
+def ratio(asked: argparse.Namespace) -> None:
     """Exact against circuit and branch-and-cut, one thread each, in one run."""
-    limit = 20.0 if quick else 60.0
+    limit = 20.0 if asked.quick else 60.0
     names = ("exact", "circuit", "branch-and-cut")
     print(f"CPU s to proof, limit {limit:.0f} s wall (– not proved): n m | " + " | ".join(names))
     solvers = {name: make_solver(name) for name in names}
     against: dict[str, list[float]] = {"circuit": [], "branch-and-cut": []}
     for n, m in ((20, 2), (20, 3), (20, 4), (30, 3), (40, 2), (40, 4), (60, 6)):
-        if tasks not in (None, n):
+        if asked.tasks not in (None, n):
             continue
         instance = wind_instance(n, m, 0)
         times: dict[str, float | None] = {}
@@ -257,6 +257,7 @@ if __name__ == "__main__":
     parser.add_argument("sections", nargs="*", choices=[[], *SECTIONS], metavar="SECTION")
     parser.add_argument("--quick", action="store_true", help="fewer seeds, shorter limits")
     parser.add_argument("--tasks", type=int, help="only this many tasks, in proofs, long, gaps and ratio")
+    parser.add_argument("--seconds", type=float, help="limit of a run by the clock, in proofs, gaps and public")
     asked = parser.parse_args()
     for section in asked.sections or SECTIONS:
-        SECTIONS[section](asked.quick, asked.tasks)
+        SECTIONS[section](asked)

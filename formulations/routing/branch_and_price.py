@@ -49,7 +49,7 @@ MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
 _DEPTHS = (0.5, 3.0, 1.0, 10.0)  # of one search after the other: which is best differs from instance to instance
 _WIDE = 0.05  # gap left after a third of the time above which bisection gets the next third
-_STEPS = 5000  # of a search, for each task
+_STEPS = 125  # of a search, for each pair of tasks
 _STEPS_A_ROUND = 50  # of the search while a gap is left, for each task and round of column generation
 _STEPS_A_LABEL = 0.05  # and for each label made in vain
 
@@ -150,7 +150,7 @@ class BranchAndPrice(Solver):
         recorder.incumbent(tuple(everything_to_one))
         for run in range(runs):
             share = recorder.remaining / (3 * (runs - run))
-            _search(recorder, _STEPS * recorder.instance.n_tasks, seed, run, share)
+            _search(recorder, _STEPS * recorder.instance.n_tasks**2, seed, run, share)
 
     def _efforts(self, n: int) -> tuple[Efforts, Efforts]:
         """Return how hard to work at a node without cuts, and at one with cuts."""
@@ -206,7 +206,7 @@ class _Search:
         n, before = self.recorder.instance.n_tasks, self.recorder.objective
         due = _STEPS_A_ROUND * n * self.counts.get("rounds", 0) + _STEPS_A_LABEL * self.counts.get("labels in vain", 0)
         steps = int(due) - self.steps
-        if steps < _STEPS * n / 2:
+        if steps < _STEPS * n**2 / 2:
             return False
         self.steps += steps
         _search(self.recorder, steps, self.seed, self.run, self.recorder.remaining / 3)

@@ -48,10 +48,12 @@ def choose(
         return None
     value, duals, weight = master.solve()
     share = shares(master, weight)
-    split = np.where(undecided, np.minimum(share, 1 - share).round(6), -1.0)
-    candidates = np.union1d(_promising(split * far**2), _promising(split * duals.price))
-    if candidates.size < 2:
-        return _pair(int(candidates[0] if candidates.size else np.argmax(split)), master.n)
+    split = np.where(undecided, np.minimum(share, 1 - share).round(6), 0.0)
+    candidates = np.union1d(_promising(split * far**2), _promising(split * np.maximum(duals.price, 0.0)))
+    if candidates.size == 0:
+        return _dearest(undecided, share, duals.price)
+    if candidates.size == 1:
+        return _pair(int(candidates[0]), master.n)
     uav = np.array([c.uav for c in master.columns])
     best, best_score = int(candidates[0]), -np.inf
     for candidate in candidates:
@@ -66,6 +68,15 @@ def choose(
         if given * forbidden > best_score * (1 + 1e-9):
             best, best_score = int(candidate), given * forbidden
     return _pair(best, master.n)
+
+
+def _dearest(undecided: NDArray[np.bool_], share: NDArray[np.float64], price: NDArray[np.float64]) -> tuple[int, int]:
+    """Return the dearest undecided task and, of the UAVs that may take it, the one that takes most of it.
+
+    Where nothing is shared the columns known do not make routes: tasks are left out, which makes them dear.
+    """
+    i = int(np.argmax(np.where(undecided.any(axis=0), price, -np.inf)))
+    return int(np.argmax(np.where(undecided[:, i], share[:, i], -1.0))), i
 
 
 def _promising(promise: NDArray[np.float64]) -> NDArray[np.int64]:

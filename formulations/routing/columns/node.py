@@ -31,6 +31,7 @@ _CUTS_A_ROUND = 50
 _STALLED = 0.05  # of the gap
 _ROUNDS_STALLED = 2
 _RETRY = 0.8  # of the gap at the last list that did not fit
+_REFIX = 0.9  # of the gap at which legs were fixed last
 _DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
 
 
@@ -78,6 +79,7 @@ class Node:
     ready : whether to branch next, on UAV and task `branch`; None where all tasks are decided.
     routes : better routes found, tours by UAV, or None; unless `ready` they solve the relaxation itself.
     listing_failed : gap [s] at which the tours did not fit a list.
+    fixed_at : gap [s] at which legs were fixed away last, here or above.
     centre : the last relaxation solved here or above.
     room : labels to list the tours with next time.
     """
@@ -90,6 +92,7 @@ class Node:
     pool: Pool | None = None
     room: int = _FIRST_ROOM
     listing_failed: float = np.inf
+    fixed_at: float = np.inf
     ready: bool = False
     branch: tuple[int, int] | None = None
     routes: dict[int, Column] | None = None
@@ -193,7 +196,8 @@ def _reduce(node: Node, relaxation: Relaxation, cap: float, work: Workspace) -> 
         return
     gap = cap - relaxation.bound
     thorough = work.efforts(node.cuts).thorough
-    node.legs = fix_legs(work.pricer(node.legs, cap, thorough), *found)
+    if gap < _REFIX * node.fixed_at:
+        node.legs, node.fixed_at = fix_legs(work.pricer(node.legs, cap, thorough), *found), gap
     if gap > min(_WORTH_LISTING * cap, _RETRY * node.listing_failed):
         return
     node.pool = enumerate_tours(work.pricer(node.legs, cap, thorough), *found, node.room, work.tours_room)

@@ -1,7 +1,8 @@
-"""The tree: best bound first, branching on which UAV takes which task.
+"""The tree: best bound first, of equal ones the newest first, branching on which UAV takes which task.
 
 A child either gives task i to UAV k (forbids it to the others) or forbids it to UAV k: together they miss no routes.
-The tree's bound is the least bound of its open nodes, cut off at the cap.
+The tree's bound is the least bound of its open nodes, cut off at the cap. Bounds are often equal, because one UAV far
+out sets them all: going down where it was last then ends in routes, going through them level by level does not.
 """
 
 from __future__ import annotations
@@ -9,12 +10,15 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Node, Workspace, tighten
 from formulations.routing.columns.pricing import Column
 from instances import Routes
+
+_EQUAL = 1e-4
+"""Bounds count as equal within this share."""
 
 
 @dataclass(frozen=True)
@@ -33,17 +37,24 @@ class Tree:
         self.work = work
         self.m, self.n = legs.n_uavs, legs.n_tasks
         self._open: list[tuple[float, int, Node]] = []
+        """A heap by (class of equal bounds, newest first)."""
         self._count = 0
         self._stuck = math.inf
-        self._push(Node(legs, bound, list(columns)))
+        self.push(Node(legs, bound, list(columns)))
 
-    def _push(self, node: Node) -> None:
+    def push(self, node: Node) -> None:
+        """Add an open node."""
         self._count += 1
-        heapq.heappush(self._open, (node.bound, self._count, node))
+        of_equals = math.floor(math.log(node.bound) / _EQUAL) if node.bound > 0 else -math.inf
+        heapq.heappush(self._open, (of_equals, -self._count, node))
+
+    def pop(self) -> Node:
+        """Take the node to work on next: of the least bounds the newest."""
+        return heapq.heappop(self._open)[-1]
 
     def bound(self, cap: float) -> float:
         """Return a lower bound on all routes, no higher than `cap` [s]."""
-        return min(cap, self._stuck, self._open[0][0] if self._open else cap)
+        return min(cap, self._stuck, *(node.bound for _, _, node in self._open))
 
     @property
     def stuck(self) -> bool:
@@ -52,11 +63,12 @@ class Tree:
 
     def grow(self, incumbent: Incumbent, nodes: float = math.inf) -> bool:
         """Work until no routes of cost ≤ cap are left (True), or time is up, `nodes` are done or some stuck (False)."""
-        while self._open and self._open[0][0] <= incumbent.cap() > 0:
+        while self._open and self.bound(math.inf) <= incumbent.cap() > 0:
             if nodes <= 0 or self.work.out_of_time():
                 return False
-            node = heapq.heappop(self._open)[-1]
-            cap = incumbent.cap()
+            node, cap = self.pop(), incumbent.cap()
+            if node.bound > cap:
+                continue
             if tighten(node, cap, self.work):
                 self.work.count("nodes")
                 nodes -= 1
@@ -66,10 +78,10 @@ class Tree:
                 self._stuck = min(self._stuck, node.bound)
             elif node.ready and node.branch is not None:
                 k, i = node.branch
-                self._push(_child(node, i, [other for other in range(self.m) if other != k]))
-                self._push(_child(node, i, [k]))
+                self.push(_child(node, i, [k]))
+                self.push(_child(node, i, [other for other in range(self.m) if other != k]))
             elif node.bound <= cap:
-                self._push(node)
+                self.push(node)
             incumbent.report(self.bound(incumbent.cap()))
         return self._stuck > incumbent.cap() or incumbent.cap() <= 0
 
@@ -78,6 +90,5 @@ def _child(node: Node, task: int, uavs: list[int]) -> Node:
     """Return the node with `task` forbidden to `uavs`."""
     columns = [c for c in node.columns if c.uav not in uavs or task not in c.tasks]
     pool = None if node.pool is None else node.pool.without(task, uavs)
-    return Node(
-        node.legs.without(task, uavs), node.bound, columns, node.cuts, node.centre, pool, node.room, node.listing_failed
-    )
+    legs = node.legs.without(task, uavs)
+    return replace(node, legs=legs, columns=columns, pool=pool, ready=False, branch=None, routes=None)

@@ -12,8 +12,9 @@ from formulations.routing.columns.generation import Relaxation, generate
 from formulations.routing.columns.labelling import make_store, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.node import Node, restricted_master
+from formulations.routing.columns.node import Efforts, Node, Workspace, restricted_master
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer, first_completion
+from formulations.routing.columns.tree import Tree
 from formulations.routing.subset_dp import SubsetDp
 from formulations.solver import Limits, Status
 from instances import Instance, Routes, check_routes, tour_costs
@@ -270,6 +271,33 @@ def test_a_branch_is_on_a_task_that_several_may_take(gap: float) -> None:
     assert branch is not None
     assert branch[1] == 0
     assert choose(master, np.eye(2, dtype=bool), far, gap, lambda: False) is None
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_branch_on_a_task_that_is_decided(seed: int) -> None:
+    """Whatever its price: any costs make some prices negative, tours without the task being dearer than with it."""
+    rng = np.random.default_rng(seed)
+    allowed = rng.random((3, 6)) < 0.6
+    allowed[rng.integers(3, size=6), np.arange(6)] = True
+    master = Master(6, 3, 1000.0)
+    for k in np.repeat(np.arange(3), 8):
+        tasks = np.flatnonzero(allowed[k] & (rng.random(6) < 0.6))
+        if tasks.size:
+            master.add([Column(int(k), tuple(tasks.tolist()), float(rng.uniform(1, 100)))])
+    branch = choose(master, allowed, rng.uniform(1, 100, 6), 50.0, lambda: False)
+    undecided = allowed & (allowed.sum(axis=0) > 1)
+    assert branch is None if not undecided.any() else branch is not None and undecided[branch]
+
+
+def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() -> None:
+    legs = Legs.of(random_instance(5, 2, 0))
+    work = Workspace(lambda: True, make_store(5, 1000), 10, Efforts((), Effort(1, 1, 1)), Efforts((), Effort(1, 1, 1)),
+                     np.ones(5))  # fmt: skip
+    tree = Tree(legs, [], work, 100.001)
+    for bound in (200.0, 100.0, 100.002, 0.0):
+        tree.push(Node(legs, bound, []))
+    assert tree.bound(1e9) == 0.0
+    assert [tree.pop().bound for _ in range(5)] == [0.0, 100.002, 100.0, 100.001, 200.0]
 
 
 def test_a_node_goes_on_with_its_prices_inside_the_box() -> None:

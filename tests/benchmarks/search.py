@@ -4,7 +4,7 @@
                                        [SECTION...]
 
 Sections: multi (multi-depot, 30 s, beside PyVRP with a tightening cap), classics (16 small single-depot, 10 s), single
-(single-depot to 600 tasks, 45 s), wind (asymmetric multi-depot, 30 s), proved (n ≤ 50 with proved optima, 2 s), large
+(single-depot to 600 tasks, 45 s), wind (asymmetric multi-depot, 30 s), proved (n ≤ 60 with proved optima, 2 s), large
 (n = 2000 and 5000, 60 s against --long seconds), limits (how far past a short limit, n = 5000), peers (memetic beside
 PyVRP, OR-Tools routing, ruin-recreate, ga and greedy), ablation (what each ingredient is worth). Gaps are to the best
 value known elsewhere, in per cent, recomputed. --keep FOLDER keeps the routes that beat it.

@@ -64,6 +64,7 @@ ABLATIONS: dict[str, dict[str, float]] = {
     "no focus": {"focuses": 0.0},
     "no relief of the whole": {"reliefs": 0.0},
     "no crossover": {"reliefs": 1.0},
+    "no search of single tours' orders": {"kicks": 0.0},
     "one long annealing, no population": {"depth": 1e9},
     "removals of at most 6": {"removals": 6},
 }

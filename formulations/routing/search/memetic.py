@@ -4,7 +4,7 @@ How it was chosen: several annealings and their children beat one long annealing
 as long as each is deep enough; long tours need more depth. So the size of the population follows from the limit:
 depth · n² / m steps go into one annealing, and where the limit allows fewer than three, all of it goes into one.
 Parts: ruin.py, recreate.py (p-norm insertion), cuts.py (2-opt, Or-opt, 2-opt* and segments priced by prefix sums),
-energy.py, annealing.py, focus.py, relief.py, crossover.py, population.py.
+energy.py, annealing.py, focus.py, relief.py, crossover.py, intensify.py (single tours, order.py), population.py.
 """
 
 from __future__ import annotations
@@ -45,6 +45,7 @@ class Memetic(Solver):
     powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, 30, ∞, the recreation draws from (1: the total).
     focuses : share of the population's later stages that search the longest tour and a few others alone.
     reliefs : share of the remaining ones that send a UAV elsewhere; the others are crossovers.
+    kicks : of each tour's order at the end of a stage, for each of its tasks; 0 leaves orders to the annealing.
     depth : a founder's annealing takes depth · n² / m steps, at least 10 000 to 25 000, doubled at each new start.
     """
 
@@ -54,6 +55,7 @@ class Memetic(Solver):
     powers: int = len(POWERS)
     focuses: float = 0.6
     reliefs: float = 0.5
+    kicks: float = 1.0
     depth: float = 2.0
 
     proves: ClassVar[bool] = False
@@ -66,6 +68,7 @@ class Memetic(Solver):
             ("powers", 1, len(POWERS)),
             ("focuses", 0, 1),
             ("reliefs", 0, 1),
+            ("kicks", 0, 1000),
             ("depth", 0.01, float("inf")),
         ):
             value = getattr(self, name)
@@ -126,8 +129,9 @@ class Memetic(Solver):
         ground = survey(instance.cost, instance.n_tasks)
         habits = Habits(self.removals, float(self.strings), float(self.cuts), self.powers)
         shares = Shares(float(self.focuses), float(self.reliefs))
+        kicks = float(self.kicks)
         first = [from_routes(ground.costs, start) if start is not None else None for _ in range(count)]
-        return [Population(ground, habits, shares, seeded(seed, i), tours) for i, tours in enumerate(first)]
+        return [Population(ground, habits, shares, kicks, seeded(seed, i), tours) for i, tours in enumerate(first)]
 
 
 def _next_stages(populations: list[Population], now: float) -> None:

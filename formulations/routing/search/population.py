@@ -2,6 +2,7 @@
 
 A stage anneals one newcomer. The first stages make founders from scratch; later ones search some tours of a member
 alone (focus), take a member and send a UAV of it elsewhere (relief), or make a child of two members.
+At the end of a stage every tour of the newcomer gets a better order (intensify).
 A newcomer that is no copy of a member replaces the worst member where it is better; a population that brings forth
 nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long.
 """
@@ -19,6 +20,7 @@ from formulations.routing.search.crossover import crossover
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.focus import MOST, Part, around_longest, part_of, put_back
 from formulations.routing.search.ground import Ground
+from formulations.routing.search.intensify import intensify
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.relief import relieve
@@ -54,9 +56,15 @@ class Population:
     """
 
     def __init__(
-        self, ground: Ground, habits: Habits, shares: Shares, rng: NDArray[np.uint64], start: Tours | None
+        self,
+        ground: Ground,
+        habits: Habits,
+        shares: Shares,
+        kicks: float,
+        rng: NDArray[np.uint64],
+        start: Tours | None,
     ) -> None:
-        self.ground, self.habits, self.shares, self.rng = ground, habits, shares, rng
+        self.ground, self.habits, self.shares, self.kicks, self.rng = ground, habits, shares, kicks, rng
         self.members: list[Tours] = []
         self.founder, self.founders = 1.0, 1
         self.stages = 0
@@ -100,7 +108,9 @@ class Population:
         """Take the newcomer (and a guest from another population) in and begin the next newcomer."""
         self.stages += 1
         self._fresh += 1
-        self._barren = 0 if self._welcome(self._grown()) else self._barren + 1
+        grown = self._grown()
+        self._intensify(grown)
+        self._barren = 0 if self._welcome(grown) else self._barren + 1
         if guest is not None:
             self._welcome(guest)
         if self._fresh >= self.founders and self._barren > BARREN * self.founders:
@@ -123,10 +133,20 @@ class Population:
         for found in (self._part.best, self._fittest):
             if fitness(found.cost) < fitness(self._part.tours.cost):
                 put_back(self.ground.costs, self._part.nodes, found, self._whole)
-                if self._whole.cost.max() < self.best.cost.max():
-                    self.improved = True
-                    copy_tours(self._whole, self.best)
+                self._remember(self._whole)
         return self._whole
+
+    def _intensify(self, tours: Tours) -> None:
+        """Give every tour a better order."""
+        if self.kicks > 0:
+            intensify(self.ground.costs, tours, self.rng, self.kicks)
+            self._remember(tours)
+
+    def _remember(self, tours: Tours) -> None:
+        """Keep a copy of tours whose longest is shorter than that of the best."""
+        if tours.cost.max() < self.best.cost.max():
+            self.improved = True
+            copy_tours(tours, self.best)
 
     def _fitting(self, length: float, now: float) -> float:
         """Return the end of a stage begun now, its length stretched so that a whole number of them fill the limit."""

@@ -91,7 +91,7 @@ STEP = 1e-5
 
 def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
     instance, field = ground(5, SPREAD)
-    population = Population(field, Habits(6, 0.5, 0.1, 4), DEEP, seeded(5), None)
+    population = Population(field, Habits(6, 0.5, 0.1, 4), DEEP, 1.0, seeded(5), None)
     population.plan(STEP, 1.0)
     ends = []
     now = 0.0
@@ -115,7 +115,7 @@ def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
 @pytest.mark.parametrize("shares", [Shares(1.0, 0.0), Shares(0.5, 0.5)])
 def test_a_population_that_focuses_keeps_whole_routes_and_never_loses_its_best(shares):
     instance, field = ground(7, [*SPREAD, (100, 100), (0, 50)])
-    population = Population(field, Habits(6, 0.5, 0.1, 4), shares, seeded(7), None)
+    population = Population(field, Habits(6, 0.5, 0.1, 4), shares, 1.0, seeded(7), None)
     population.plan(STEP / 10, 1.0)
     now, best = 0.0, np.inf
     while now < 1.0:
@@ -132,6 +132,6 @@ def test_a_population_that_focuses_keeps_whole_routes_and_never_loses_its_best(s
 
 
 def test_a_population_that_may_run_once_only_does_not_split_its_time():
-    population = Population(ground(6, SPREAD)[1], Habits(6, 0.5, 0.1, 4), Shares(0.5, 0.5), seeded(6), None)
+    population = Population(ground(6, SPREAD)[1], Habits(6, 0.5, 0.1, 4), Shares(0.5, 0.5), 1.0, seeded(6), None)
     population.plan(6e-5, 1.0)
     assert population.end == 1.0

@@ -1,0 +1,273 @@
+"""Order: the tasks of one tour in a better order, by descent and double bridges (iterated local search).
+
+Ruin and recreate sees a dozen tasks at a time, and the energy hardly sees tours below the longest: long tours are left
+in orders that a search for one tour alone improves. The descent goes through 2-opt, priced for asymmetric costs by
+prefix sums, and the exchange of two adjacent segments of any length (or-3opt: of the 3-opt moves the one that reverses
+nothing), as long as the sum of what is gained stays positive (Lin & Kernighan 1973). A double bridge (Martin, Otto,
+Felten 1991) of short segments then kicks it, and what got worse is taken back.
+Works on a copy of one tour's costs: nodes 0 (the depot) to L; positions run from 0 (depot) over 1..L to L+1 (depot).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from formulations.routing.search.randomness import below
+
+NEAR = 8
+"""Nodes that a move may make the next or the one before."""
+SPAN = 10
+"""Tasks of a segment of a double bridge, at most."""
+GAIN = 1e-9
+"""Share of the tour's cost below which a gain counts as rounding."""
+
+
+class Round(NamedTuple):
+    """One closed tour at work.
+
+    cost (L+1, L+1) [s]; ahead, behind (L+1, q): the nodes cheapest to fly to from, and to come from to, each node;
+    nodes (L+2,): the order; position (L+1,): the place of each node, 0 for the depot; forward, backward (L+2,): prefix
+    sums of the legs flown, and of the same legs the other way [s]; spare (L+2,): room; queue (L+1,): nodes to look at,
+    a ring; queued (L+1,): whether in it; ring (2,): its first place and length.
+    """
+
+    cost: NDArray[np.float64]
+    ahead: NDArray[np.int64]
+    behind: NDArray[np.int64]
+    nodes: NDArray[np.int64]
+    position: NDArray[np.int64]
+    forward: NDArray[np.float64]
+    backward: NDArray[np.float64]
+    spare: NDArray[np.int64]
+    queue: NDArray[np.int64]
+    queued: NDArray[np.bool_]
+    ring: NDArray[np.int64]
+
+
+@njit(cache=True, nogil=True)
+def _cheapest(cost: NDArray[np.float64], near: int) -> NDArray[np.int64]:
+    """Return the `near` cheapest columns of each row, its own left out, cheapest first."""
+    size = cost.shape[0]
+    out = np.zeros((size, near), np.int64)
+    value = np.empty(near)
+    for v in range(size):
+        held = 0
+        for w in range(size):
+            if w == v or (held == near and cost[v, w] >= value[near - 1]):
+                continue
+            j = held if held < near else near - 1
+            while j > 0 and value[j - 1] > cost[v, w]:
+                value[j], out[v, j] = value[j - 1], out[v, j - 1]
+                j -= 1
+            value[j], out[v, j] = cost[v, w], w
+            held = min(held + 1, near)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def round_of(cost: NDArray[np.float64]) -> Round:
+    """Return the tour 0, 1, …, L, 0 over `cost`, shape (L+1, L+1) [s], ready to be improved."""
+    size = cost.shape[0]
+    near = min(NEAR, size - 1)
+    tour = Round(
+        cost,
+        _cheapest(cost, near),
+        _cheapest(cost.T.copy(), near),
+        np.arange(size + 1),
+        np.arange(size),
+        np.zeros(size + 1),
+        np.zeros(size + 1),
+        np.zeros(size + 1, np.int64),
+        np.zeros(size, np.int64),
+        np.zeros(size, np.bool_),
+        np.zeros(2, np.int64),
+    )
+    tour.nodes[size] = 0
+    book(tour, 1)
+    return tour
+
+
+@njit(cache=True, nogil=True)
+def book(tour: Round, low: int) -> None:
+    """Recompute places and prefix sums from position `low` ≥ 1 on."""
+    nodes, cost = tour.nodes, tour.cost
+    for i in range(low, nodes.size):
+        u, w = nodes[i - 1], nodes[i]
+        tour.forward[i] = tour.forward[i - 1] + cost[u, w]
+        tour.backward[i] = tour.backward[i - 1] + cost[w, u]
+        if w > 0:
+            tour.position[w] = i
+
+
+@njit(cache=True, nogil=True)
+def reversal_gain(tour: Round, i: int, j: int) -> float:
+    """Return what the tour saves [s] with positions i..j reversed, 1 ≤ i ≤ j ≤ L."""
+    nodes, cost = tour.nodes, tour.cost
+    then = cost[nodes[i - 1], nodes[j]] + tour.backward[j] - tour.backward[i] + cost[nodes[i], nodes[j + 1]]
+    return tour.forward[j + 1] - tour.forward[i - 1] - then
+
+
+@njit(cache=True, nogil=True)
+def reverse(tour: Round, i: int, j: int) -> None:
+    """Reverse positions i..j."""
+    low, nodes = i, tour.nodes
+    while i < j:
+        nodes[i], nodes[j] = nodes[j], nodes[i]
+        i, j = i + 1, j - 1
+    book(tour, low)
+
+
+@njit(cache=True, nogil=True)
+def exchange_gain(tour: Round, p: int, q: int, r: int) -> float:
+    """Return what the tour saves [s] with positions p+1..q and q+1..r exchanged, 0 ≤ p < q < r ≤ L."""
+    nodes, cost = tour.nodes, tour.cost
+    a, b, c, d, e, f = nodes[p], nodes[p + 1], nodes[q], nodes[q + 1], nodes[r], nodes[r + 1]
+    return cost[a, b] + cost[c, d] + cost[e, f] - cost[a, d] - cost[e, b] - cost[c, f]
+
+
+@njit(cache=True, nogil=True)
+def exchange(tour: Round, p: int, q: int, r: int) -> None:
+    """Exchange positions p+1..q and q+1..r."""
+    spare, nodes = tour.spare, tour.nodes
+    spare[: q - p] = nodes[p + 1 : q + 1]
+    for i in range(q + 1, r + 1):
+        nodes[i - q + p] = nodes[i]
+    nodes[p + 1 + r - q : r + 1] = spare[: q - p]
+    book(tour, p + 1)
+
+
+@njit(cache=True, nogil=True)
+def _ask(tour: Round, i: int) -> None:
+    """Queue the node at position i."""
+    v, ring = tour.nodes[i], tour.ring
+    if not tour.queued[v]:
+        tour.queued[v] = True
+        tour.queue[(ring[0] + ring[1]) % tour.queue.size] = v
+        ring[1] += 1
+
+
+@njit(cache=True, nogil=True)
+def _reverse_at(tour: Round, v: int, least: float) -> bool:
+    """Try to bring v next to a near node by a reversal; return whether one gained more than `least` [s]."""
+    last = tour.position.size - 1
+    i = tour.position[v]
+    for x in tour.ahead[v]:
+        j = tour.position[x] if x > 0 else last + 1
+        for low, high in ((i + 1, j), (i, j - 1)):
+            if 1 <= low < high <= last and reversal_gain(tour, low, high) > least:
+                return _reversed(tour, low, high)
+    i = i if v > 0 else last + 1
+    for x in tour.behind[v]:
+        j = tour.position[x]
+        for low, high in ((j + 1, i), (j, i - 1)):
+            if 1 <= low < high <= last and reversal_gain(tour, low, high) > least:
+                return _reversed(tour, low, high)
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _reversed(tour: Round, low: int, high: int) -> bool:
+    for i in (low - 1, low, high, high + 1):
+        _ask(tour, i)
+    reverse(tour, low, high)
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _exchange_at(tour: Round, v: int, least: float) -> bool:
+    """Try to let a near node follow v by an exchange of two segments; return whether one gained more than `least` [s].
+
+    v is the end before the first segment (x begins the second), the end of the first (x follows the second), or the
+    end of the second (x begins the first); what the third leg costs is looked for among near nodes too.
+    """
+    nodes, cost, position, last = tour.nodes, tour.cost, tour.position, tour.position.size - 1
+    i = position[v]
+    after = nodes[i + 1]
+    for x in tour.ahead[v]:
+        gain = cost[v, after] - cost[v, x]
+        if gain <= 0.0:
+            return False
+        j = position[x] if x > 0 else last + 1
+        gain += cost[nodes[j - 1], x]
+        if j > i + 1:
+            if x > 0:
+                for y in tour.ahead[nodes[j - 1]]:
+                    if gain - cost[nodes[j - 1], y] <= 0.0:
+                        break
+                    t = position[y] if y > 0 else last + 1
+                    if t > j and exchange_gain(tour, i, j - 1, t - 1) > least:
+                        return _exchanged(tour, i, j - 1, t - 1)
+            for z in tour.behind[after]:
+                if position[z] < i and exchange_gain(tour, position[z], i, j - 1) > least:
+                    return _exchanged(tour, position[z], i, j - 1)
+        elif 1 <= j < i:
+            for y in tour.ahead[nodes[j - 1]]:
+                if gain - cost[nodes[j - 1], y] <= 0.0:
+                    break
+                t = position[y]
+                if j < t <= i and exchange_gain(tour, j - 1, t - 1, i) > least:
+                    return _exchanged(tour, j - 1, t - 1, i)
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _exchanged(tour: Round, p: int, q: int, r: int) -> bool:
+    for i in (p, p + 1, q, q + 1, r, r + 1):
+        _ask(tour, i)
+    exchange(tour, p, q, r)
+    return True
+
+
+@njit(cache=True, nogil=True)
+def descend(tour: Round) -> None:
+    """Make improving moves around the queued nodes until there is none."""
+    ring = tour.ring
+    while ring[1] > 0:
+        v = tour.queue[ring[0]]
+        ring[0] = (ring[0] + 1) % tour.queue.size
+        ring[1] -= 1
+        tour.queued[v] = False
+        least = GAIN * tour.forward[-1]
+        while _exchange_at(tour, v, least) or _reverse_at(tour, v, least):
+            pass
+
+
+@njit(cache=True, nogil=True)
+def _kick(tour: Round, rng: NDArray[np.uint64]) -> None:
+    """Put three consecutive short segments in reverse order, none of them reversed (a double bridge)."""
+    last = tour.position.size - 1
+    span = min(SPAN, last // 3)
+    a, b, c = 1 + below(rng, span), 1 + below(rng, span), 1 + below(rng, span)
+    p = below(rng, last - a - b - c + 1)
+    nodes, spare = tour.nodes, tour.spare
+    for i in (p, p + 1, p + a, p + a + 1, p + a + b, p + a + b + 1, p + a + b + c, p + a + b + c + 1):
+        _ask(tour, i)
+    spare[:c] = nodes[p + a + b + 1 : p + a + b + c + 1]
+    spare[c : c + b] = nodes[p + a + 1 : p + a + b + 1]
+    spare[c + b : c + b + a] = nodes[p + 1 : p + a + 1]
+    nodes[p + 1 : p + a + b + c + 1] = spare[: a + b + c]
+    book(tour, p + 1)
+
+
+@njit(cache=True, nogil=True)
+def improve(tour: Round, rng: NDArray[np.uint64], kicks: int) -> None:
+    """Improve the order by a descent from all nodes and `kicks` kicks, each followed by a descent around it."""
+    for i in range(tour.position.size):
+        _ask(tour, i)
+    descend(tour)
+    if tour.position.size < 4:
+        return
+    kept, best = tour.nodes.copy(), tour.forward[-1]
+    for _ in range(kicks):
+        _kick(tour, rng)
+        descend(tour)
+        if tour.forward[-1] <= best:
+            kept[:] = tour.nodes
+            best = tour.forward[-1]
+        else:
+            tour.nodes[:] = kept
+            book(tour, 1)

@@ -8,7 +8,7 @@ Let P_k be the tours of UAV k (over any set of tasks, from and to its depot) and
 λ binary: the paper's problem (eqs. c_max, const1–const6) after Dantzig–Wolfe decomposition. Its relaxation is far
 stronger than that of θ_ijk, most of all because P_k holds only tours that cost less than the best routes known.
 
-1. Incumbent: the memetic search, for a while, and again while a gap is left.            `search/memetic.py`
+1. Incumbent: the memetic search, for a while, and again while a gap is left.          `columns/searching.py`
 2. Relaxation by column generation; Lagrangian bounds.                `columns/generation.py`, `pricing.py`, `master.py`
 3. Legs fixed away by reduced cost; tours listed when they fit.       `columns/fixing.py`, `enumeration.py`, `pool.py`
 4. Subset-row cuts, then branching on who takes which task. `columns/cuts.py`, `watching.py`, `branching.py`, `tree.py`
@@ -35,6 +35,7 @@ from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Efforts, Workspace
 from formulations.routing.columns.pricing import Column, Effort
+from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.tree import Incumbent, Tree
 from formulations.routing.columns.warming import warm_up
 from formulations.routing.search.memetic import Memetic
@@ -47,11 +48,7 @@ TOLERANCE = 1e-7
 
 MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
-_DEPTHS = (0.5, 3.0, 1.0, 10.0)  # of one search after the other: which is best differs from instance to instance
 _WIDE = 0.05  # gap left after a third of the time above which bisection gets the next third
-_STEPS = 125  # of a search, for each pair of tasks
-_STEPS_A_ROUND = 50  # of the search while a gap is left, for each task and round of column generation
-_STEPS_A_LABEL = 0.05  # and for each label made in vain
 
 
 @dataclass(frozen=True)
@@ -119,7 +116,7 @@ class BranchAndPrice(Solver):
         patience = _Patience(recorder, stop)
         work = Workspace(patience.over, store, self.tours, *self._efforts(n), (legs.out + legs.home).min(axis=0))
         if self.starts > 0:
-            work.better = _Search(recorder, work.counts, 1000 * seed, self.starts).better
+            work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         tree = Tree(legs, _columns(recorder), work, recorder.bound)
         incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
         nodes = np.inf if limits.iterations is None else limits.iterations
@@ -150,7 +147,7 @@ class BranchAndPrice(Solver):
         recorder.incumbent(tuple(everything_to_one))
         for run in range(runs):
             share = recorder.remaining / (3 * (runs - run))
-            _search(recorder, _STEPS * recorder.instance.n_tasks**2, seed, run, share)
+            search(recorder, STEPS * recorder.instance.n_tasks**2, seed, run, share)
 
     def _efforts(self, n: int) -> tuple[Efforts, Efforts]:
         """Return how hard to work at a node without cuts, and at one with cuts."""
@@ -192,35 +189,6 @@ class _Patience:
     def over(self) -> bool:
         """Say whether the time allowed is over."""
         return self._recorder.remaining <= self._until or self._stop()
-
-
-class _Search:
-    """The search that goes on beside the tree, as many steps as the work done there deserves (about a fifth of it)."""
-
-    def __init__(self, recorder: Recorder, counts: dict[str, Any], seed: int, run: int) -> None:
-        self.recorder, self.counts, self.seed, self.run = recorder, counts, seed, run
-        self.steps = 0
-
-    def better(self) -> bool:
-        """Search on where that is due; return whether there are better routes. Counts work, not time: repeatable."""
-        n, before = self.recorder.instance.n_tasks, self.recorder.objective
-        due = _STEPS_A_ROUND * n * self.counts.get("rounds", 0) + _STEPS_A_LABEL * self.counts.get("labels in vain", 0)
-        steps = int(due) - self.steps
-        if steps < _STEPS * n**2 / 2:
-            return False
-        self.steps += steps
-        _search(self.recorder, steps, self.seed, self.run, self.recorder.remaining / 3)
-        self.run += 1
-        return self.recorder.objective < before * (1 - TOLERANCE)
-
-
-def _search(recorder: Recorder, steps: int, seed: int, run: int, time: float) -> None:
-    """Run the memetic search for the `run`-th time."""
-    if time > 0:
-        memetic = Memetic(depth=_DEPTHS[run % len(_DEPTHS)])
-        found = memetic.solve(recorder.instance, limits=Limits(time=time, iterations=steps), seed=seed + run)
-        if found.routes is not None:
-            recorder.incumbent(found.routes)
 
 
 def _columns(recorder: Recorder) -> list[Column]:

@@ -4,7 +4,8 @@ A branch either gives task i to UAV k or forbids it to it. Candidates are the y_
 first: as long as several UAVs share a task far out, none of them pays the way, and once one is given it, that one does.
 Just as many are the dearest tasks first: those that make the relaxation what it is, however little of them is shared.
 The columns known say how far the master rises on either side, and the largest product of the two wins (Achterberg,
-Koch, Martin, "Branching rules revisited", Oper. Res. Lett. 33, 2005).
+Koch, Martin, "Branching rules revisited", Oper. Res. Lett. 33, 2005). Very few pivots say it roughly for many
+candidates, more of them for the best of these and of either kind: one candidate may do more than all others together.
 """
 
 from __future__ import annotations
@@ -16,8 +17,10 @@ from numpy.typing import NDArray
 
 from formulations.routing.columns.master import Master
 
-_CANDIDATES = 8
-"""Of either kind."""
+_GLANCED, _TRIED = 50, 8
+"""Candidates of either kind tried roughly and thoroughly; of those tried roughly, as many go on."""
+_GLANCE, _TRIAL = 5, 200
+"""Pivots of a rough and of a thorough trial."""
 _LEAST = 1e-6
 """Share of the master's value below which a rise counts as this much: neither side may count as nothing."""
 
@@ -49,25 +52,43 @@ def choose(
     value, duals, weight = master.solve()
     share = shares(master, weight)
     split = np.where(undecided, np.minimum(share, 1 - share).round(6), 0.0)
-    candidates = np.union1d(_promising(split * far**2), _promising(split * np.maximum(duals.price, 0.0)))
-    if candidates.size == 0:
+    kinds = [_promising(split * far**2), _promising(split * np.maximum(duals.price, 0.0))]
+    glanced = np.union1d(*kinds)
+    if glanced.size == 0:
         return _dearest(undecided, share, duals.price)
-    if candidates.size == 1:
-        return _pair(int(candidates[0]), master.n)
-    uav = np.array([c.uav for c in master.columns])
-    best, best_score = int(candidates[0]), -np.inf
-    for candidate in candidates:
-        if out_of_time():
-            break
-        k, i = _pair(int(candidate), master.n)
-        holds = np.array([i in c.tasks for c in master.columns])
-        given, forbidden = (
-            min(gap, max(master.without(drop) - value, _LEAST * value))
-            for drop in (holds & (uav != k), holds & (uav == k))
-        )
-        if given * forbidden > best_score * (1 + 1e-9):
-            best, best_score = int(candidate), given * forbidden
-    return _pair(best, master.n)
+    trials = _Trials(master, value, gap, out_of_time)
+    roughly = trials.best(glanced, _GLANCE, _TRIED)
+    thoroughly = np.union1d(roughly, np.concatenate([kind[:_TRIED] for kind in kinds]))
+    return _pair(int(trials.best(thoroughly, _TRIAL, 1)[0]), master.n)
+
+
+class _Trials:
+    """How far the master, solved at `value` [s], rises on either side of candidates; what exceeds `gap` is no more."""
+
+    def __init__(self, master: Master, value: float, gap: float, out_of_time: Callable[[], bool]) -> None:
+        self.master, self.value, self.gap, self.out_of_time = master, value, gap, out_of_time
+        self.uav = np.array([column.uav for column in master.columns])
+        self.holds = np.zeros((master.n, len(master.columns)), np.bool_)
+        for p, column in enumerate(master.columns):
+            self.holds[list(column.tasks), p] = True
+
+    def best(self, candidates: NDArray[np.int64], pivots: int, most: int) -> NDArray[np.int64]:
+        """Return the `most` best candidates, best first; those not tried when time is up count for nothing."""
+        scores = np.zeros(candidates.size)
+        if candidates.size > most:
+            for c, candidate in enumerate(candidates):
+                if self.out_of_time():
+                    break
+                scores[c] = self._score(*_pair(int(candidate), self.master.n), pivots)
+        return candidates[np.argsort(-scores, kind="stable")[:most]]
+
+    def _score(self, k: int, i: int, pivots: int) -> float:
+        """Return the product of the rises [s²] where task i is given to UAV k, and where it is forbidden to it."""
+        least, score = _LEAST * self.value, 1.0
+        for dropped in (self.holds[i] & (self.uav != k), self.holds[i] & (self.uav == k)):
+            rise = self.master.without(dropped, pivots) - self.value
+            score *= min(self.gap, max(rise, least))
+        return score
 
 
 def _dearest(undecided: NDArray[np.bool_], share: NDArray[np.float64], price: NDArray[np.float64]) -> tuple[int, int]:
@@ -81,7 +102,7 @@ def _dearest(undecided: NDArray[np.bool_], share: NDArray[np.float64], price: ND
 
 def _promising(promise: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return the few places, in the flat array, of greatest promise > 0."""
-    best = np.argsort(-promise.ravel(), kind="stable")[:_CANDIDATES]
+    best = np.argsort(-promise.ravel(), kind="stable")[:_GLANCED]
     return best[promise.ravel()[best] > 0.0]
 
 

@@ -1,8 +1,8 @@
-"""Enumeration: every tour that routes better than the incumbent can still use, as one pool of columns.
+"""Enumeration: the tours that routes better than the incumbent can still use, UAV by UAV into one pool of columns.
 
 By the Lagrangian bound (see `pricing`) routes that use tour p of UAV k cost at least L − r_k + r(p), so a tour with
 r(p) ≥ cap − L + r_k is in no better routes. What is left is listed by the same label search without a beam; of the
-tours over one set of tasks only the cheapest matters. The list is given up, not cut, when it does not fit.
+tours over one set of tasks only the cheapest matters. The list of a UAV is given up, not cut, when it does not fit.
 """
 
 from __future__ import annotations
@@ -15,26 +15,23 @@ from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Duals, Pricer
 
 
-def enumerate_tours(
-    pricer: Pricer, duals: Duals, bound: float, least: NDArray[np.float64], labels: int, room: int
-) -> Pool | None:
-    """Return the pool at these duals, where `bound` is L and `least` its terms r_k.
+def list_tours(
+    pool: Pool, pricer: Pricer, duals: Duals, bound: float, least: NDArray[np.float64], labels: int, room: int
+) -> tuple[Pool, int]:
+    """Return `pool` with the tours of more UAVs, those with few legs first, and the number of labels made in vain.
 
-    None where it would take more than `room` tours, or `labels` labels of one UAV.
+    It ends at the first UAV that takes more than `labels` labels, or at `room` tours in all. At these duals `bound` is
+    L and `least` its terms r_k.
     """
-    s, m = pricer.store, pricer.n_uavs
-    parts, last, parent = [], [], []
-    total = 0
-    for k in range(m):
+    s = pricer.store
+    n_legs = np.isfinite(pricer.legs.between).sum(axis=(1, 2))
+    for k in sorted(np.flatnonzero(~pool.listed).tolist(), key=lambda k: int(n_legs[k])):
         threshold = pricer.cap - bound + float(least[k])
-        found = search(pricer.field(k, duals), s, threshold, pricer.out_of_time, labels=labels, tours=room - total)
+        field = pricer.field(k, duals)
+        found = search(field, s, threshold, pricer.out_of_time, labels=labels, tours=room - pool.size)
         if not found.complete:
-            return None
-        ends = found.ends
-        total += ends.size
-        last.append(s.last[: found.labels].copy())
-        parent.append(s.parent[: found.labels].copy())
+            return pool, found.labels
+        ends, last, parent = found.ends, s.last[: found.labels].copy(), s.parent[: found.labels].copy()
         cost = s.cost[ends] + pricer.legs.home[k][s.last[ends]]
-        parts.append((np.full(ends.size, k), s.visited[ends].copy(), cost, ends))
-    uav, visited, cost, label = (np.concatenate([part[a] for part in parts]) for a in range(4))
-    return Pool(m, uav, visited, cost, label, last, parent)
+        pool = pool.listing(k, s.visited[ends], cost, ends, last, parent)
+    return pool, 0

@@ -9,6 +9,8 @@ Cuts are charged in either part on their own, which is never more than the whole
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numba
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +20,13 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pricing import Duals, Pricer
 
 
-def fix_legs(pricer: Pricer, duals: Duals, bound: float, least: NDArray[np.float64]) -> Legs:
-    """Return the legs still needed; `bound` is L at `duals` (rounding margin taken off) and `least` its terms r_k."""
-    legs, cap, m, watch = pricer.legs, pricer.cap, pricer.legs.n_uavs, pricer.watch(duals)
+def fix_legs(pricer: Pricer, uavs: Iterable[int], duals: Duals, bound: float, least: NDArray[np.float64]) -> Legs:
+    """Return the legs left, of `uavs` only those needed; at these duals `bound` is L (rounding margin taken off) and
+    `least` its terms r_k.
+    """
+    legs, cap, watch = pricer.legs, pricer.cap, pricer.watch(duals)
     out, between, home = legs.out.copy(), legs.between.copy(), legs.home.copy()
-    for k in range(m):
+    for k in uavs:
         if pricer.out_of_time():
             break
         b, _, _ = pricer.grid(k)

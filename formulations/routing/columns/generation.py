@@ -65,7 +65,7 @@ def generate(
         for k in range(m):
             if out_of_time():
                 return Relaxation(best_bound, best, best_least, False, weight, rounds)
-            priced.append(pricers[level].price(k, duals, -duals.rent[k] - _EXACT * cap, pricers[level].wanted))
+            priced.append(pricers[level].price(k, duals, -duals.rent[k] - _EXACT * cap))
         least = np.array([min(0.0, p.least) for p in priced])
         bound = duals.offset + float(least.sum()) - duals.margin(cap, m)
         if bound > best_bound:

@@ -23,6 +23,7 @@ from formulations.routing.columns.completion import bins_left
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _CHUNK = 50_000
+_LESS = 2.0  # how much less than there will be is projected, for tours of ten tasks and more
 
 
 class Store(NamedTuple):
@@ -105,11 +106,13 @@ def search(
 ) -> Found:
     """Find the tours of reduced cost below `threshold`, the cheapest for each set of tasks.
 
-    Not all of them where a layer is cut off at `beam` labels, or `labels` in all or `tours` are too few.
+    Not all of them where a layer is cut off at `beam` labels, or `labels` in all or `tours` are too few. Where `labels`
+    are clearly not going to be enough it ends at once.
     """
     room = min(labels or store.last.size, store.last.size)
     ends, values, listed, complete = [], [], 0, True
     begin, end = 0, depart(field, store, threshold)
+    layers = [end]
     while end > begin:
         if beam is not None and end - begin > beam:
             complete = False
@@ -125,7 +128,8 @@ def search(
                 break
             stopped, free = expand(field, store, threshold, low, min(low + _CHUNK, end), free, room)
         _clear(store, end, free)
-        if stopped:
+        layers.append(free - end)
+        if stopped or (labels is not None and end + _LESS * _projected(layers) > room):
             complete = False
             break
         begin, end = end, free
@@ -134,6 +138,22 @@ def search(
     at, value = np.concatenate(ends), np.concatenate(values)
     chosen = _cheapest_of_each_set(at, value, store.visited)
     return Found(at[chosen], value[chosen], end, complete)
+
+
+def _projected(layers: list[int]) -> float:
+    """Return how many labels are still to come: the growth from layer to layer goes on falling as it fell last.
+
+    It falls ever less, so that this is too low rather than too high.
+    """
+    if len(layers) < 3:
+        return 0.0
+    before, growth = layers[-2] / layers[-3], layers[-1] / layers[-2]
+    fall, size, total = min(0.9, growth / before), float(layers[-1]), 0.0
+    while size >= 1.0:
+        growth *= fall
+        size *= growth
+        total += size
+    return total
 
 
 def compile_beam() -> None:

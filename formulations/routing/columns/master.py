@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from formulations.routing.columns.cuts import Cut
 from formulations.routing.columns.pricing import Column, Duals
 
-_PIVOTS = 200  # of a trial in strong branching: what they show of the rise is enough to compare
 _SIMPLEX = 0  # primal where the basis is primal feasible, as it is after new columns: thrice as fast as always dual
 _SHY = 1 - 1e-14  # keeps Σσ ≤ 1 in exact arithmetic
 
@@ -108,7 +107,7 @@ class Master:
         weight = np.asarray(solution.col_value)[self._first :].copy()
         return float(self._lp.getInfo().objective_function_value), duals, weight
 
-    def without(self, dropped: NDArray[np.bool_]) -> float:
+    def without(self, dropped: NDArray[np.bool_], pivots: int) -> float:
         """Return what a few pivots raise the solved master's value to [s] without some columns.
 
         Columns and basis are back afterwards, so that the next trial starts as near to its optimum as this one.
@@ -117,7 +116,7 @@ class Master:
         index = (self._first + np.flatnonzero(dropped)).astype(np.int32)
         zeros = np.zeros(index.size)
         lp.changeColsBounds(index.size, index, zeros, zeros)
-        lp.setOptionValue("simplex_iteration_limit", _PIVOTS)
+        lp.setOptionValue("simplex_iteration_limit", pivots)
         lp.run()
         value = float(lp.getInfo().objective_function_value)
         lp.setOptionValue("simplex_iteration_limit", highspy.kHighsIInf)

@@ -1,8 +1,8 @@
 """A node of the tree: the tours it still allows, its bound, and the work that raises it.
 
-A node holds legs while its tours are too many to list, and a pool from then on. `tighten` solves the relaxation, fixes
-legs or tours away by reduced cost, lists the tours when they fit, and cuts; it ends with the node's bound past the cap,
-the relaxation solved by whole tours, or the node ready to be branched.
+A node holds the legs of a UAV while its tours are too many to list, and lists them in its pool from then on. `tighten`
+solves the relaxation, fixes legs or tours away by reduced cost, lists the tours when they fit, and cuts; it ends with
+the node's bound past the cap, the relaxation solved by whole tours, or the node ready to be branched.
 """
 
 from __future__ import annotations
@@ -16,22 +16,25 @@ from numpy.typing import NDArray
 
 from formulations.routing.columns.branching import choose, shares
 from formulations.routing.columns.cuts import Cut, separate
-from formulations.routing.columns.enumeration import enumerate_tours
+from formulations.routing.columns.enumeration import list_tours
 from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.generation import Relaxation, generate
 from formulations.routing.columns.labelling import Store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.pool import Pool, PoolPricer
+from formulations.routing.columns.pool import MixedPricer, Pool, PoolPricer
 from formulations.routing.columns.pricing import Column, Effort, Pricer, Prices
 
 _WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not listed, nor cuts sought
 _FIRST_ROOM = 1_000_000  # labels of the first attempt to list the tours; four times as many after each failure
 _CUTS_A_ROUND = 50
-_STALLED = 0.05  # of the gap
+_STALLED = 0.05  # of the gap: cuts that close less of it
 _ROUNDS_STALLED = 2
+_DEAR = 0.15  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
+_ALONE = 0.9  # price σ_k from which UAV k is said to set the relaxation alone
+_USED = 1e-6  # weight of a tour
 _DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
 
 
@@ -47,7 +50,8 @@ class Workspace:
     """What all nodes share: clock, label store, limits, efforts and counters.
 
     far : the cheapest way to each task and back [s].
-    better : asked after every relaxation: searches on for better routes, and says whether there are any.
+    better : asked after every relaxation: searches on for better routes, and says whether there are any. It is told
+        the tour, if there is one, that alone makes the relaxation as long as it is: routes with it may be optimal.
     """
 
     out_of_time: Callable[[], bool]
@@ -56,7 +60,7 @@ class Workspace:
     plain: Efforts
     cutting: Efforts
     far: NDArray[np.float64]
-    better: Callable[[], bool] = lambda: False
+    better: Callable[[Column | None], bool] = lambda _: False
     counts: dict[str, Any] = field(default_factory=dict)
 
     def count(self, what: str, by: int = 1) -> None:
@@ -74,7 +78,7 @@ class Workspace:
 
 @dataclass
 class Node:
-    """Tours allowed (`pool`, or `legs` where it is None), a valid `bound` [s], columns and cuts to start from.
+    """Tours allowed (by `legs`, or in `pool` where a UAV is listed), a valid `bound` [s], columns and cuts to start.
 
     ready : whether to branch next, on UAV and task `branch`; None where all tasks are decided.
     routes : better routes found, tours by UAV, or None; unless `ready` they solve the relaxation itself.
@@ -87,9 +91,9 @@ class Node:
     legs: Legs
     bound: float
     columns: list[Column]
+    pool: Pool
     cuts: tuple[Cut, ...] = ()
     centre: Relaxation | None = None
-    pool: Pool | None = None
     room: int = _FIRST_ROOM
     listing_failed: float = np.inf
     fixed_at: float = np.inf
@@ -99,11 +103,7 @@ class Node:
 
     def may_visit(self) -> NDArray[np.bool_]:
         """Say which UAV may still take which task, shape (m, n)."""
-        if self.pool is None:
-            return self.legs.may_visit()
-        columns = [self.pool.holds(i) for i in range(self.legs.n_tasks)]
-        uavs = [self.pool.uav == k for k in range(self.legs.n_uavs)]
-        return np.array([[bool((of_uav & holds).any()) for holds in columns] for of_uav in uavs])
+        return np.where(self.pool.listed[:, None], self.pool.may_visit(self.legs.n_tasks), self.legs.may_visit())
 
 
 def tighten(node: Node, cap: float, work: Workspace) -> bool:
@@ -113,13 +113,14 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
     """
     node.ready, node.routes = False, None
     node.legs = node.legs.under(cap)
-    node.pool = None if node.pool is None else node.pool.under(cap)
+    node.pool = node.pool.under(cap)
     master = restricted_master(node, cap)
     stalled, dived = 0, node.centre is not None
     while True:
         gap = cap - node.bound
         relaxation = generate(master, _pricers(node, master, cap, work), cap, work.out_of_time, node.centre)
-        stalled = stalled + 1 if relaxation.bound < node.bound + _STALLED * gap else 0
+        raised = relaxation.bound - node.bound
+        stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.bound = max(node.bound, relaxation.bound)
         work.count("rounds", relaxation.rounds)
         node.columns = list(master.columns)
@@ -132,7 +133,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
             node.routes = _whole_tours(master, relaxation.weight)
             if node.routes is not None:
                 return True
-        if work.better():
+        if work.better(longest_of_all(master, relaxation)):
             return False
         if not dived:
             dived, node.routes = True, _routes(master.whole(_DIVE) or [], master.n)
@@ -141,7 +142,8 @@ def tighten(node: Node, cap: float, work: Workspace) -> bool:
         _reduce(node, relaxation, cap, work)
         cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
         wide = cap - relaxation.bound > _WORTH_LISTING * cap  # then a branch does more than cuts, and sooner
-        if not cuts or wide or stalled >= _ROUNDS_STALLED:
+        dear = not node.pool.complete and raised < _DEAR * gap
+        if not cuts or wide or dear or stalled >= _ROUNDS_STALLED:
             return _prepare_branching(node, cap, work)
         master.cut_off(cuts)
         work.count("cuts", len(cuts))
@@ -183,28 +185,42 @@ def restricted_master(node: Node, cap: float) -> Master:
 
 
 def _pricers(node: Node, master: Master, cap: float, work: Workspace) -> list[Prices]:
-    if node.pool is not None:
-        return [PoolPricer(node.pool)]
-    return [work.pricer(node.legs, cap, effort) for effort in work.efforts(master.cuts).pricing]
+    listed = PoolPricer(node.pool)
+    if node.pool.complete:
+        return [listed]
+    efforts = work.efforts(master.cuts).pricing
+    return [MixedPricer(listed, work.pricer(node.legs, cap, effort)) for effort in efforts]
 
 
 def _reduce(node: Node, relaxation: Relaxation, cap: float, work: Workspace) -> None:
     """Fix legs or tours away at the duals of the relaxation; list the tours where they fit."""
     found = relaxation.duals, relaxation.bound, relaxation.least
-    if node.pool is not None:
-        node.pool = node.pool.needed(*found, cap)
+    node.pool = node.pool.needed(*found, cap)
+    others = np.flatnonzero(~node.pool.listed)
+    if others.size == 0:
         return
     gap = cap - relaxation.bound
     thorough = work.efforts(node.cuts).thorough
     if gap < _REFIX * node.fixed_at:
-        node.legs, node.fixed_at = fix_legs(work.pricer(node.legs, cap, thorough), *found), gap
+        node.legs, node.fixed_at = fix_legs(work.pricer(node.legs, cap, thorough), others, *found), gap
     if gap > min(_WORTH_LISTING * cap, _RETRY * node.listing_failed):
         return
-    node.pool = enumerate_tours(work.pricer(node.legs, cap, thorough), *found, node.room, work.tours_room)
-    work.count("pools" if node.pool is not None else "pools that did not fit")
-    if node.pool is None:
-        work.count("labels in vain", node.room)
+    pricer = work.pricer(node.legs, cap, thorough)
+    node.pool, in_vain = list_tours(node.pool, pricer, *found, node.room, work.tours_room)
+    if node.pool.complete:
+        work.count("pools")
+    else:
+        work.count("labels in vain", in_vain)
         node.room, node.listing_failed = 4 * node.room, gap
+
+
+def longest_of_all(master: Master, relaxation: Relaxation) -> Column | None:
+    """Return the tour most used by the UAV that sets the relaxation nearly alone; None where several do."""
+    k = int(np.argmax(relaxation.duals.sigma))
+    used = [p for p in np.flatnonzero(relaxation.weight > _USED) if master.columns[p].uav == k]
+    if relaxation.duals.sigma[k] < _ALONE or not used:
+        return None
+    return master.columns[max(used, key=lambda p: float(relaxation.weight[p]))]
 
 
 def _routes(tours: list[Column], n: int) -> dict[int, Column] | None:

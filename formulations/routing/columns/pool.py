@@ -1,8 +1,8 @@
-"""The pool: all tours that matter, listed; pricing is a scan, and reduced costs shorten the list."""
+"""The pool: all tours that matter of some UAVs, listed; pricing is a scan, and reduced costs shorten the list."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -10,28 +10,65 @@ from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import by_task
 from formulations.routing.columns.labelling import has, path
-from formulations.routing.columns.pricing import Column, Duals, Priced
+from formulations.routing.columns.pricing import Column, Duals, Priced, Pricer
+
+_DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
+"""A word of 64 bits whose 64 windows of six all differ: a product with it tells which bit of a word is its lowest."""
+_LOWEST = np.zeros(64, np.int64)
+for _bit in range(64):
+    _LOWEST[(int(_DE_BRUIJN) << _bit & 2**64 - 1) >> 58] = _bit
 
 
 @dataclass(frozen=True)
 class Pool:
-    """Tours: `uav` (p,), `visited` (p, words), `cost` (p,) [s], and the labels they end in.
+    """Tours of the UAVs `listed` (m,): `uav` (p,), `visited` (p, words), `cost` (p,) [s], the labels they end in.
 
     Orders are read from the labels, kept per UAV in `last` and `parent`, only where needed.
     """
 
-    n_uavs: int
+    listed: NDArray[np.bool_]
     uav: NDArray[np.int64]
     visited: NDArray[np.uint64]
     cost: NDArray[np.float64]
     label: NDArray[np.int64]
-    last: list[NDArray[np.int16]]
-    parent: list[NDArray[np.int32]]
+    last: dict[int, NDArray[np.int16]]
+    parent: dict[int, NDArray[np.int32]]
+
+    @classmethod
+    def empty(cls, n_uavs: int, n_tasks: int) -> Pool:
+        """Return a pool in which no UAV is listed yet."""
+        none, words = np.zeros(0, np.int64), np.zeros((0, (n_tasks + 63) // 64), np.uint64)
+        return cls(np.zeros(n_uavs, np.bool_), none, words, np.zeros(0), none, {}, {})
+
+    def listing(
+        self,
+        k: int,
+        visited: NDArray[np.uint64],
+        cost: NDArray[np.float64],
+        label: NDArray[np.int64],
+        last: NDArray[np.int16],
+        parent: NDArray[np.int32],
+    ) -> Pool:
+        """Return the pool with all tours that matter of UAV k as well."""
+        return Pool(
+            self.listed | (np.arange(self.listed.size) == k),
+            np.concatenate([self.uav, np.full(cost.size, k)]),
+            np.concatenate([self.visited, visited]),
+            np.concatenate([self.cost, cost]),
+            np.concatenate([self.label, label]),
+            {**self.last, k: last},
+            {**self.parent, k: parent},
+        )
 
     @property
     def size(self) -> int:
         """Number of tours."""
         return self.uav.size
+
+    @property
+    def complete(self) -> bool:
+        """Whether every UAV is listed."""
+        return bool(self.listed.all())
 
     def column(self, p: int) -> Column:
         """Return tour p with its order."""
@@ -40,13 +77,21 @@ class Pool:
 
     def only(self, keep: NDArray[np.bool_]) -> Pool:
         """Return the pool of the tours chosen."""
-        return Pool(
-            self.n_uavs, self.uav[keep], self.visited[keep], self.cost[keep], self.label[keep], self.last, self.parent
-        )
+        if keep.all():
+            return self
+        kept = self.uav[keep], self.visited[keep], self.cost[keep], self.label[keep]
+        return replace(self, uav=kept[0], visited=kept[1], cost=kept[2], label=kept[3])
 
     def holds(self, task: int) -> NDArray[np.bool_]:
         """Say which tours visit `task`."""
         return (self.visited[:, task >> 6] >> np.uint64(task & 63)) & np.uint64(1) != 0
+
+    def may_visit(self, n_tasks: int) -> NDArray[np.bool_]:
+        """Say which UAV has a tour with which task, shape (m, n)."""
+        may = np.zeros((self.listed.size, n_tasks), np.bool_)
+        for i in range(n_tasks):
+            may[self.uav[self.holds(i)], i] = True
+        return may
 
     def without(self, task: int, uavs: list[int]) -> Pool:
         """Drop the tours in which one of `uavs` visits `task`."""
@@ -56,52 +101,107 @@ class Pool:
         """Keep the tours of cost ≤ `cap`."""
         return self.only(self.cost <= cap)
 
-    def values(self, duals: Duals) -> NDArray[np.float64]:
-        """Return all reduced costs [s]."""
-        partners, rho = by_task(duals.cuts, duals.rho, duals.price.size)
-        return _values(self.uav, self.visited, self.cost, duals.price, duals.sigma, partners, rho)
-
     def needed(self, duals: Duals, bound: float, least: NDArray[np.float64], cap: float) -> Pool:
         """Drop the tours that cannot be in routes below `cap`: L − r_k + r(p) exceeds it (L = `bound`)."""
-        return self.only(self.values(duals) <= cap - bound + least[self.uav])
+        keep = np.ones(self.size, np.bool_)
+        partners, rho = by_task(duals.cuts, duals.rho, duals.price.size)
+        for k in np.flatnonzero(self.listed):
+            at, allowed = self.block(int(k)), float(np.nextafter(cap - bound + least[k], np.inf))
+            sigma = float(duals.sigma[k])
+            value, _ = _values(self.visited[at], self.cost[at], duals.price, sigma, partners, rho, allowed, False)
+            keep[at] = np.isfinite(value)
+        return self.only(keep)
+
+    def block(self, k: int) -> slice:
+        """Return where the tours of UAV k are: next to each other, as they were listed."""
+        at = np.flatnonzero(self.uav == k)
+        return slice(int(at[0]), int(at[-1]) + 1) if at.size else slice(0, 0)
 
 
 @numba.njit(cache=True)
-def _values(uav, visited, cost, price, sigma, partners, rho):  # type: ignore[no-untyped-def]
-    n = price.size
-    value = np.empty(cost.size)
+def _values(visited, cost, price, sigma, partners, rho, limit, to_least):  # type: ignore[no-untyped-def]
+    """Return the reduced costs of one UAV's tours, infinite where not below the limit, and the least.
+
+    Cuts, which never lower it, are looked at only where that matters; for the least of all, if asked `to_least`, also
+    above the limit.
+    """
+    value, least = np.empty(cost.size), np.inf
     for p in range(cost.size):
-        words = visited[p]
-        total = sigma[uav[p]] * cost[p]
-        for i in range(n):
-            if has(words, i):
-                total -= price[i]
-                for q in range(rho.shape[1]):
-                    j, k = partners[i, q, 0], partners[i, q, 1]
-                    # the first two members of a cut that a tour holds pay for it, once
-                    if rho[i, q] > 0 and ((j < i and has(words, j)) != (k < i and has(words, k))):
-                        total += rho[i, q]
-        value[p] = total
-    return value
+        total = sigma * cost[p] - _earned(visited[p], price)
+        if total < limit or (to_least and total < least):
+            total += _paid(visited[p], partners, rho)
+            least = min(least, total)
+        value[p] = total if total < limit else np.inf
+    return value, least
+
+
+@numba.njit(cache=True, inline="always")
+def _earned(words, price):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for w in range(words.size):
+        rest = words[w]
+        while rest != np.uint64(0):
+            total += price[64 * w + _lowest(rest)]
+            rest &= rest - np.uint64(1)
+    return total
+
+
+@numba.njit(cache=True)
+def _paid(words, partners, rho):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for w in range(words.size):
+        rest = words[w]
+        while rest != np.uint64(0):
+            i = 64 * w + _lowest(rest)
+            rest &= rest - np.uint64(1)
+            for q in range(rho.shape[1]):
+                if rho[i, q] <= 0:  # the cuts of a task come first, then room
+                    break
+                j, k = partners[i, q, 0], partners[i, q, 1]
+                # the first two members of a cut that a tour holds pay for it, once
+                if (j < i and has(words, j)) != (k < i and has(words, k)):
+                    total += rho[i, q]
+    return total
+
+
+@numba.njit(cache=True, inline="always")
+def _lowest(word):  # type: ignore[no-untyped-def]
+    """Return the place of the lowest bit of a word that is not zero."""
+    return _LOWEST[((word & (~word + np.uint64(1))) * _DE_BRUIJN) >> np.uint64(58)]
 
 
 class PoolPricer:
-    """Prices by scanning a pool: the same questions as `Pricer`, always answered completely."""
+    """Prices by scanning the pool: the same questions as `Pricer`, for UAVs listed always answered completely."""
 
     wanted = 150
+    """Columns of a UAV worth adding at once."""
 
     def __init__(self, pool: Pool) -> None:
         self.pool = pool
-        self.n_uavs = pool.n_uavs
-        self._of = [np.flatnonzero(pool.uav == k) for k in range(pool.n_uavs)]
-        self._values: tuple[Duals | None, NDArray[np.float64]] = (None, np.zeros(0))
+        self.n_uavs = pool.listed.size
+        self._blocks = [pool.block(k) for k in range(self.n_uavs)]
+        self._cuts: tuple[Duals | None, tuple[NDArray[np.int64], NDArray[np.float64]] | None] = (None, None)
 
-    def price(self, k: int, duals: Duals, threshold: float, want: int) -> Priced:
-        """Return UAV k's best `want` columns of reduced cost below `threshold`, and the least of all."""
-        if self._values[0] is not duals:
-            self._values = (duals, self.pool.values(duals))
-        values = self._values[1][self._of[k]]
-        below = np.flatnonzero(values < threshold)
-        best = below[np.argsort(values[below], kind="stable")[:want]]
-        columns = [self.pool.column(int(self._of[k][p])) for p in best]
-        return Priced(float(values.min(initial=np.inf)), columns, True)
+    def price(self, k: int, duals: Duals, threshold: float) -> Priced:
+        """Return UAV k's best columns of reduced cost below `threshold`, and the least of all."""
+        at, cuts = self._cuts
+        if at is not duals or cuts is None:
+            cuts = by_task(duals.cuts, duals.rho, duals.price.size)
+            self._cuts = (duals, cuts)
+        block, pool, sigma = self._blocks[k], self.pool, float(duals.sigma[k])
+        values, least = _values(pool.visited[block], pool.cost[block], duals.price, sigma, *cuts, threshold, True)
+        below = np.flatnonzero(np.isfinite(values))
+        best = below[np.argsort(values[below], kind="stable")[: self.wanted]]
+        return Priced(least, [pool.column(block.start + int(p)) for p in best], True)
+
+
+class MixedPricer:
+    """Prices the UAVs that are listed by scanning the pool, the others by label search."""
+
+    def __init__(self, listed: PoolPricer, others: Pricer) -> None:
+        self.listed, self.others, self.n_uavs = listed, others, listed.n_uavs
+
+    def price(self, k: int, duals: Duals, threshold: float) -> Priced:
+        """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
+        pricer = self.listed if self.listed.pool.listed[k] else self.others
+        return pricer.price(k, duals, threshold)

@@ -112,11 +112,9 @@ class Prices(Protocol):
     """Anything that can price: the label search over legs, or a scan of a pool."""
 
     n_uavs: int
-    wanted: int
-    """Columns of a UAV worth adding at once."""
 
-    def price(self, k: int, duals: Duals, threshold: float, want: int) -> Priced:
-        """Return UAV k's best `want` columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
+    def price(self, k: int, duals: Duals, threshold: float) -> Priced:
+        """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
         ...
 
 
@@ -124,6 +122,7 @@ class Pricer:
     """Prices tours of cost ≤ `cap` over the legs left, with one effort, by label search."""
 
     wanted = 40
+    """Columns of a UAV worth adding at once."""
 
     def __init__(
         self, legs: Legs, cap: float, effort: Effort, store: Store, out_of_time: Callable[[], bool] = lambda: False
@@ -167,8 +166,8 @@ class Pricer:
             watch.members, duals.price, sigma, partners, rho, best,
         )  # fmt: skip
 
-    def price(self, k: int, duals: Duals, threshold: float, want: int) -> Priced:
-        """Return UAV k's best `want` columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
+    def price(self, k: int, duals: Duals, threshold: float) -> Priced:
+        """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
         field = self.field(k, duals)
         least = first_completion(field)
         if least >= threshold:
@@ -176,7 +175,7 @@ class Pricer:
         found = search(field, self.store, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
         if found.complete:
             least = max(least, float(found.values.min(initial=threshold)))
-        chosen = np.argsort(found.values, kind="stable")[:want]
+        chosen = np.argsort(found.values, kind="stable")[: self.wanted]
         return Priced(least, [self.column(k, int(found.ends[t])) for t in chosen], found.complete)
 
     def column(self, k: int, label: int) -> Column:

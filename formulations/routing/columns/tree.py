@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Node, Workspace, tighten
+from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column
 from instances import Routes
 
@@ -40,7 +41,7 @@ class Tree:
         """A heap by (class of equal bounds, newest first)."""
         self._count = 0
         self._stuck = math.inf
-        self.push(Node(legs, bound, list(columns)))
+        self.push(Node(legs, bound, list(columns), Pool.empty(self.m, self.n)))
 
     def push(self, node: Node) -> None:
         """Add an open node."""
@@ -89,6 +90,6 @@ class Tree:
 def _child(node: Node, task: int, uavs: list[int]) -> Node:
     """Return the node with `task` forbidden to `uavs`."""
     columns = [c for c in node.columns if c.uav not in uavs or task not in c.tasks]
-    pool = None if node.pool is None else node.pool.without(task, uavs)
     legs = node.legs.without(task, uavs)
+    pool = node.pool.without(task, uavs)
     return replace(node, legs=legs, columns=columns, pool=pool, ready=False, branch=None, routes=None)

@@ -13,6 +13,7 @@ from formulations.routing.columns.labelling import make_store, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Efforts, Node, Workspace, restricted_master
+from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer, first_completion
 from formulations.routing.columns.tree import Tree
 from formulations.routing.subset_dp import SubsetDp
@@ -108,7 +109,7 @@ def test_pricing_bounds_every_tour_at_any_duals(seed: int, near: int, bins: int,
             for t, c, h in zip(tours, costs, held, strict=True)
         ]
         assert first_completion(pricer.field(k, duals)) <= min(values, default=np.inf) + 1e-9
-        priced = pricer.price(k, duals, 0.0, 10)
+        priced = pricer.price(k, duals, 0.0)
         assert priced.complete
         if min(values, default=0.0) < 0:
             assert priced.least == pytest.approx(min(values), abs=1e-9)
@@ -258,7 +259,7 @@ def shared_tasks() -> tuple[Master, float]:
 
 def test_a_trial_leaves_the_master_as_it_was() -> None:
     master, value = shared_tasks()
-    trials = [master.without(np.array([c.uav == k for c in master.columns])) for k in range(2)]
+    trials = [master.without(np.array([c.uav == k for c in master.columns]), 100) for k in range(2)]
     assert trials == pytest.approx([60.0, 60.0])
     assert master.solve()[0] == pytest.approx(value)
 
@@ -295,7 +296,7 @@ def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() ->
                      np.ones(5))  # fmt: skip
     tree = Tree(legs, [], work, 100.001)
     for bound in (200.0, 100.0, 100.002, 0.0):
-        tree.push(Node(legs, bound, []))
+        tree.push(Node(legs, bound, [], Pool.empty(2, 5)))
     assert tree.bound(1e9) == 0.0
     assert [tree.pop().bound for _ in range(5)] == [0.0, 100.002, 100.0, 100.001, 200.0]
 
@@ -303,7 +304,8 @@ def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() ->
 def test_a_node_goes_on_with_its_prices_inside_the_box() -> None:
     """A task far dearer than a fair share: with the box of the root, the master of a child would rather pay for it."""
     cost = np.abs(np.subtract.outer(x := np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 0.0]), x))
-    node = Node(Legs.of(Instance("one far out", cost, 6, 1)), 0.0, [Column(0, (5, 0, 4, 3, 2, 1), 200.0)])
+    node = Node(Legs.of(Instance("one far out", cost, 6, 1)), 0.0, [Column(0, (5, 0, 4, 3, 2, 1), 200.0)],
+                Pool.empty(1, 6))  # fmt: skip
     price = np.array([200.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     duals = Duals(price, np.ones(1), np.zeros(1), np.zeros(0))
     node.centre = Relaxation(200.0, duals, np.zeros(1), True, np.ones(1), 1)

@@ -1,0 +1,80 @@
+"""The search beside the tree: routes are wanted as much as bounds, and each helps the other.
+
+It goes on from new seeds as long as a gap is left, with about a fifth of the work. Where one UAV alone makes the
+relaxation as long as it is, its tour there may well be the longest tour of the best routes, and one the memetic search
+does not light on by itself: then that tour is kept and the other UAVs are searched for.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from formulations.recorder import Recorder
+from formulations.routing.columns.pricing import Column
+from formulations.routing.search.memetic import Memetic
+from formulations.solver import Limits
+from instances import Instance
+
+STEPS = 125
+"""Steps of a search, for each pair of tasks."""
+_STEPS_AROUND = 50  # the same, of a search around a given tour
+_STEPS_A_ROUND = 50  # of the search while a gap is left, for each task and round of column generation
+_STEPS_A_LABEL = 0.05  # and for each label made in vain
+_DEPTHS = (0.5, 3.0, 1.0, 10.0)  # of one search after the other: which is best differs from instance to instance
+
+
+class Search:
+    """The search that goes on, as many steps as the work done in the tree deserves.
+
+    counts : the tree's counters; run : how many searches there were; tolerance : share by which routes must be better.
+    """
+
+    def __init__(self, recorder: Recorder, counts: dict[str, Any], seed: int, run: int, tolerance: float) -> None:
+        self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
+        self.steps = 0
+        self._tried: set[tuple[int, frozenset[int]]] = set()
+
+    def better(self, tour: Column | None) -> bool:
+        """Search on where that is due; return whether there are better routes. Counts work, not time: repeatable.
+
+        Around a new `tour` it searches before it is due, by one search at most.
+        """
+        n, before = self.recorder.instance.n_tasks, self.recorder.objective
+        due = _STEPS_A_ROUND * n * self.counts.get("rounds", 0) + _STEPS_A_LABEL * self.counts.get("labels in vain", 0)
+        steps, time = int(due) - self.steps, self.recorder.remaining / 3
+        if tour is not None and steps > -STEPS * n**2 and (tour.uav, frozenset(tour.tasks)) not in self._tried:
+            self._tried.add((tour.uav, frozenset(tour.tasks)))
+            self.steps += _STEPS_AROUND * n**2
+            search_around(self.recorder, tour, _STEPS_AROUND * n**2, self.seed, time)
+        elif steps >= STEPS * n**2 / 2:
+            self.steps += steps
+            search(self.recorder, steps, self.seed, self.run, time)
+            self.run += 1
+        return self.recorder.objective < before * (1 - self.tolerance)
+
+
+def search(recorder: Recorder, steps: int, seed: int, run: int, time: float) -> None:
+    """Run the memetic search for the `run`-th time."""
+    if time > 0:
+        memetic = Memetic(depth=_DEPTHS[run % len(_DEPTHS)])
+        found = memetic.solve(recorder.instance, limits=Limits(time=time, iterations=steps), seed=seed + run)
+        if found.routes is not None:
+            recorder.incumbent(found.routes)
+
+
+def search_around(recorder: Recorder, tour: Column, steps: int, seed: int, time: float) -> None:
+    """Search for routes that contain `tour`: for tours of the other UAVs over the other tasks."""
+    instance = recorder.instance
+    tasks = [i for i in instance.tasks if i not in tour.tasks]
+    uavs = [k for k in range(instance.n_depots) if k != tour.uav]
+    if time <= 0 or not tasks or not uavs:
+        return
+    nodes = np.array(tasks + [instance.n_tasks + k for k in uavs])
+    others = Instance(instance.name, instance.cost[np.ix_(nodes, nodes)], len(tasks), len(uavs))
+    found = Memetic().solve(others, limits=Limits(time=time, iterations=steps), seed=seed)
+    if found.routes is not None:
+        routes = [tuple(tasks[i] for i in route) for route in found.routes]
+        routes.insert(tour.uav, tour.tasks)
+        recorder.incumbent(tuple(routes))

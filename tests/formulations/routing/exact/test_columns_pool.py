@@ -1,0 +1,161 @@
+"""The pool of listed tours: its scan against plain sums, and lists of some UAVs only."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from formulations.recorder import Recorder
+from formulations.routing.columns.enumeration import list_tours
+from formulations.routing.columns.generation import Relaxation, generate
+from formulations.routing.columns.labelling import _projected, make_store
+from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.master import Master
+from formulations.routing.columns.node import longest_of_all
+from formulations.routing.columns.pool import MixedPricer, Pool, PoolPricer
+from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer
+from formulations.routing.columns.searching import search_around
+from formulations.routing.subset_dp import SubsetDp
+from formulations.solver import Limits, ignore
+from instances import Instance, check_routes
+
+N = 70  # two words a set
+
+
+def random_pool(seed):
+    """Tours of UAV 1, listed first, and of UAV 0 over random sets, the sets themselves, duals and reduced costs."""
+    rng = np.random.default_rng(seed)
+    pool, sets, costs = Pool.empty(2, N), [], []
+    for k in (1, 0):
+        of_k = [sorted(rng.choice(N, rng.integers(1, 12), replace=False).tolist()) for _ in range(50)]
+        visited = np.zeros((50, 2), np.uint64)
+        for p, tasks in enumerate(of_k):
+            for i in tasks:
+                visited[p, i // 64] |= np.uint64(1) << np.uint64(i % 64)
+        cost, labels = rng.uniform(1, 50, 50), np.arange(50)
+        last, parent = np.zeros(50, np.int16), np.full(50, -1, np.int32)
+        pool = pool.listing(k, visited, cost, labels, last, parent)
+        sets += of_k
+        costs += cost.tolist()
+    cuts = tuple(tuple(sorted(c)) for c in {tuple(sorted(rng.choice(N, 3, replace=False).tolist())) for _ in range(60)})
+    duals = Duals(rng.normal(3, 5, N), np.array([0.3, 0.7]), np.zeros(2), rng.uniform(0, 9, len(cuts)), cuts)
+    values = np.array([
+        duals.sigma[1 if p < 50 else 0] * costs[p] - duals.price[tasks].sum()
+        + sum(r for cut, r in zip(cuts, duals.rho, strict=True) if len(set(cut) & set(tasks)) >= 2)
+        for p, tasks in enumerate(sets)
+    ])  # fmt: skip
+    return pool, sets, duals, values
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_scan_finds_all_tours_below_the_threshold_and_the_least(seed):
+    pool, _, duals, values = random_pool(seed)
+    pricer = PoolPricer(pool)
+    for k, of_k in ((1, values[:50]), (0, values[50:])):
+        for threshold in (float(np.median(of_k)), float(of_k.min()) - 1.0):
+            priced = pricer.price(k, duals, threshold)
+            assert priced.least == pytest.approx(of_k.min())
+            assert len(priced.columns) == (of_k < threshold).sum()
+            assert all(c.uav == k for c in priced.columns)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_tours_that_are_not_needed_go_and_only_those(seed):
+    pool, sets, duals, values = random_pool(seed)
+    least = np.array([values[50:].min(), values[:50].min()])
+    gap = 10.0
+    keep = np.concatenate([values[:50] <= gap + least[1], values[50:] <= gap + least[0]])
+    left = pool.needed(duals, 100.0, least, 100.0 + gap)
+    assert 0 < left.size < pool.size
+    assert left.cost == pytest.approx(pool.cost[keep])
+    kept = [tasks for tasks, stays in zip(sets, keep, strict=True) if stays]
+    assert [np.flatnonzero([left.holds(i)[p] for i in range(N)]).tolist() for p in range(left.size)] == kept
+
+
+def test_what_a_uav_may_visit_follows_from_its_tours():
+    pool, sets, _, _ = random_pool(0)
+    without = pool.without(sets[0][0], [1])
+    assert pool.may_visit(N)[1, sets[0][0]]
+    assert not without.may_visit(N)[1, sets[0][0]]
+    assert (without.may_visit(N)[0] == pool.may_visit(N)[0]).all()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_with_some_uavs_listed_the_bound_is_valid_and_no_weaker(seed):
+    """UAV 1 may visit few tasks and is listed first; with few labels not all are."""
+    rng = np.random.default_rng(seed)
+    cost = rng.uniform(1.0, 50.0, (10, 10))
+    np.fill_diagonal(cost, 0.0)
+    instance = Instance("random", cost, 7, 3)
+    optimum = SubsetDp().solve(instance, limits=Limits(time=60.0)).objective
+    cap = 1.6 * optimum
+    legs = Legs.of(instance).under(cap)
+    few = legs.without(0, [1]).without(1, [1]).without(2, [1]).without(3, [1])
+    store = make_store(7, 10_000)
+
+    def pricer():
+        return Pricer(few, cap, Effort(3, 50, 10**6), store)
+
+    alone = generate(Master(7, 3, cap), [pricer()], cap, lambda: False)
+    found = alone.duals, alone.bound, alone.least
+    pool, in_vain = list_tours(Pool.empty(3, 7), pricer(), *found, 15, 10_000)
+    assert pool.listed[1]
+    assert not pool.complete
+    assert in_vain > 0
+    mixed = generate(Master(7, 3, cap), [MixedPricer(PoolPricer(pool), pricer())], cap, lambda: False)
+    assert mixed.bound >= alone.bound * (1 - 1e-6)
+    whole, in_vain = list_tours(pool, pricer(), *found, 10_000, 10_000)
+    assert whole.complete
+    assert in_vain == 0
+    listed = generate(Master(7, 3, cap), [PoolPricer(whole)], cap, lambda: False)
+    assert listed.bound >= mixed.bound * (1 - 1e-6)
+    best = min(longest for giving, longest in longest_tours(instance) if 1 not in giving[:4])
+    assert mixed.bound <= best * (1 + 1e-9) or best > cap
+    assert listed.bound <= best * (1 + 1e-9) or best > cap
+
+
+def longest_tours(instance):
+    """Of all ways to give the tasks to the UAVs: whose task each is, and the cost of the longest tour at best."""
+    cost, best = instance.cost.tolist(), {}
+    for k in range(instance.n_depots):
+        for size in range(instance.n_tasks + 1):
+            for tasks in itertools.combinations(instance.tasks, size):
+                closed = (
+                    [instance.n_tasks + k, *order, instance.n_tasks + k] for order in itertools.permutations(tasks)
+                )
+                best[k, tasks] = min(sum(cost[u][w] for u, w in itertools.pairwise(nodes)) for nodes in closed)
+    for giving in itertools.product(range(instance.n_depots), repeat=instance.n_tasks):
+        tours = [tuple(i for i in instance.tasks if giving[i] == k) for k in range(instance.n_depots)]
+        yield giving, max(best[k, tour] for k, tour in enumerate(tours))
+
+
+def test_layers_to_come_are_not_overestimated():
+    layers = [math.comb(30, k) for k in range(1, 31)]
+    for k in range(3, 14):
+        assert 0.0 < _projected(layers[:k]) <= sum(layers[k:])
+
+
+def test_a_search_around_a_tour_keeps_it():
+    rng = np.random.default_rng(1)
+    cost = rng.uniform(1.0, 50.0, (15, 15))
+    np.fill_diagonal(cost, 0.0)
+    instance = Instance("random", cost, 12, 3)
+    recorder = Recorder(instance, Limits(time=60.0), ignore, None)
+    search_around(recorder, Column(1, (4, 2, 7), 0.0), 500, 0, 10.0)
+    assert recorder.routes is not None
+    assert check_routes(instance, recorder.routes) == []
+    assert recorder.routes[1] == (4, 2, 7)
+
+
+def test_the_tour_that_sets_the_relaxation_is_the_one_most_used_of_a_uav_that_does_so_alone():
+    master = Master(2, 2, 100.0)
+    master.add([Column(0, (0,), 50.0), Column(0, (0, 1), 60.0), Column(1, (1,), 20.0)])
+
+    def found(sigma):
+        duals = Duals(np.zeros(2), np.array([sigma, 1 - sigma]), np.zeros(2), np.zeros(0))
+        return longest_of_all(master, Relaxation(50.0, duals, np.zeros(2), True, np.array([0.3, 0.7, 0.9]), 1))
+
+    assert found(0.95) == master.columns[1]
+    assert found(0.5) is None
+    assert found(0.05) == master.columns[2]

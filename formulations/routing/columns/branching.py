@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.master import Master
+from formulations.routing.columns.pricing import Duals
 
 _GLANCED, _TRIED = 50, 8
 """Candidates of either kind tried roughly and thoroughly; of those tried roughly, as many go on."""
@@ -23,6 +24,10 @@ _GLANCE, _TRIAL = 5, 200
 """Pivots of a rough and of a thorough trial."""
 _LEAST = 1e-6
 """Share of the master's value below which a rise counts as this much: neither side may count as nothing."""
+ALONE = 0.9
+"""Price σ_k from which UAV k is said to set the relaxation alone."""
+_WHOLE = 1e-6
+"""How far a share may be from a whole number."""
 
 
 def shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -53,13 +58,25 @@ def choose(
     share = shares(master, weight)
     split = np.where(undecided, np.minimum(share, 1 - share).round(6), 0.0)
     kinds = [_promising(split * far**2), _promising(split * np.maximum(duals.price, 0.0))]
-    glanced = np.union1d(*kinds)
-    if glanced.size == 0:
+    if kinds[0].size + kinds[1].size == 0:
         return _dearest(undecided, share, duals.price)
+    if _set_by_one_tour(duals, share) and kinds[0].size > 0:
+        return _pair(int(kinds[0][0]), master.n)
     trials = _Trials(master, value, gap, out_of_time)
-    roughly = trials.best(glanced, _GLANCE, _TRIED)
-    thoroughly = np.union1d(roughly, np.concatenate([kind[:_TRIED] for kind in kinds]))
+    roughly = trials.best(_each_once(*kinds), _GLANCE, _TRIED)
+    thoroughly = _each_once(*(kind[:_TRIED] for kind in kinds), roughly)
     return _pair(int(trials.best(thoroughly, _TRIAL, 1)[0]), master.n)
+
+
+def _set_by_one_tour(duals: Duals, share: NDArray[np.float64]) -> bool:
+    """Say whether one whole tour alone makes the relaxation as long as it is: no branch on the others raises it."""
+    k = int(np.argmax(duals.sigma))
+    return bool(duals.sigma[k] >= ALONE and np.abs(share[k] - share[k].round()).max() < _WHOLE)
+
+
+def _each_once(*candidates: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return all candidates, the first kind first: of those no better than others the earliest wins."""
+    return np.array(list(dict.fromkeys(np.concatenate(candidates).tolist())), np.int64)
 
 
 class _Trials:

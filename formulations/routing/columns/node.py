@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.columns.branching import choose, shares
+from formulations.routing.columns.branching import ALONE, choose, shares
 from formulations.routing.columns.cuts import Cut, separate
 from formulations.routing.columns.enumeration import list_tours
 from formulations.routing.columns.fixing import fix_legs
@@ -33,7 +33,6 @@ _ROUNDS_STALLED = 2
 _DEAR = 0.15  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
-_ALONE = 0.9  # price σ_k from which UAV k is said to set the relaxation alone
 _USED = 1e-6  # weight of a tour
 _DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
 
@@ -218,7 +217,7 @@ def longest_of_all(master: Master, relaxation: Relaxation) -> Column | None:
     """Return the tour most used by the UAV that sets the relaxation nearly alone; None where several do."""
     k = int(np.argmax(relaxation.duals.sigma))
     used = [p for p in np.flatnonzero(relaxation.weight > _USED) if master.columns[p].uav == k]
-    if relaxation.duals.sigma[k] < _ALONE or not used:
+    if relaxation.duals.sigma[k] < ALONE or not used:
         return None
     return master.columns[max(used, key=lambda p: float(relaxation.weight[p]))]
 

@@ -39,7 +39,7 @@ class Search:
     def better(self, tour: Column | None) -> bool:
         """Search on where that is due; return whether there are better routes. Counts work, not time: repeatable.
 
-        Around a new `tour` it searches before it is due, by one search at most.
+        Around a new `tour` it searches before it is due, by one search at most, and every other time it is due.
         """
         n, before = self.recorder.instance.n_tasks, self.recorder.objective
         due = _STEPS_A_ROUND * n * self.counts.get("rounds", 0) + _STEPS_A_LABEL * self.counts.get("labels in vain", 0)
@@ -50,7 +50,10 @@ class Search:
             search_around(self.recorder, tour, _STEPS_AROUND * n**2, self.seed, time)
         elif steps >= STEPS * n**2 / 2:
             self.steps += steps
-            search(self.recorder, steps, self.seed, self.run, time)
+            if tour is not None and self.run % 2:
+                search_around(self.recorder, tour, steps, self.seed + self.run, time)
+            else:
+                search(self.recorder, steps, self.seed, self.run, time)
             self.run += 1
         return self.recorder.objective < before * (1 - self.tolerance)
 

@@ -8,9 +8,9 @@ Let P_k be the tours of UAV k (over any set of tasks, from and to its depot) and
 λ binary: the paper's problem (eqs. c_max, const1–const6) after Dantzig–Wolfe decomposition. Its relaxation is far
 stronger than that of θ_ijk, most of all because P_k holds only tours that cost less than the best routes known.
 
-1. Incumbent: the memetic search, for a while, and again while a gap is left.          `columns/searching.py`
+1. Incumbent: the memetic search, for a while, and again while a gap is left.                  `columns/searching.py`
 2. Relaxation by column generation; Lagrangian bounds.                `columns/generation.py`, `pricing.py`, `master.py`
-3. Legs fixed away by reduced cost; tours listed when they fit.       `columns/fixing.py`, `enumeration.py`, `pool.py`
+3. Legs fixed away by reduced cost; a UAV's tours listed when they fit. `columns/fixing.py`, `enumeration.py`, `pool.py`
 4. Subset-row cuts, then branching on who takes which task. `columns/cuts.py`, `watching.py`, `branching.py`, `tree.py`
 5. Where the gap stays wide: destructive bisection of the cap.        `columns/destructive.py`
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import resource
 import time
 from pathlib import Path
 from statistics import geometric_mean, median
@@ -72,6 +73,11 @@ def cpu() -> float:
     return t.user + t.system + t.children_user + t.children_system
 
 
+def peak_memory() -> float:
+    """Most memory this process held so far [GiB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
+
+
 def run(solver: Solver, instance: Instance, limit: float, threads: int = 1) -> tuple[Result, float, float]:
     """Solve; return the result, CPU and wall seconds. Wrong routes or a wrong optimum stop the script."""
     began, wall = cpu(), time.perf_counter()
@@ -101,7 +107,9 @@ def subset(asked: argparse.Namespace) -> None:
 
 def proofs(asked: argparse.Namespace) -> None:
     """Every size: how many seeds are proved within the bar."""
-    print("proofs by branch-and-price: n m | proved within the bar | median and greatest CPU s | worst gap | each")
+    print(
+        "proofs by branch-and-price: n m | proved within the bar | median and greatest CPU s | worst gap | memory | each"
+    )
     solver = BranchAndPrice()
     solver.prepare(wind_instance(10, 2, 0))
     for n, m, bar, of_ten in PROOFS:
@@ -117,7 +125,8 @@ def proofs(asked: argparse.Namespace) -> None:
         late = max(lasted for _, _, lasted in runs) - limit
         print(
             f"{n:4d} {m:3d} | {len(good)} of {len(runs)} (bar {of_ten} of 10 in {bar:.0f} s) | {middle} | "
-            f"worst gap {max(gaps):.2%} | {each}" + (f" | {late:.1f} s over the limit" if late > 2 else ""),
+            f"worst gap {max(gaps):.2%} | peak memory so far {peak_memory():.1f} GiB (bar 4) | {each}"
+            + (f" | {late:.1f} s over the limit" if late > 2 else ""),
             flush=True,
         )
 

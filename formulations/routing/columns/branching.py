@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.columns.cuts import incidence
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import Duals
 
@@ -85,9 +86,7 @@ class _Trials:
     def __init__(self, master: Master, value: float, gap: float, out_of_time: Callable[[], bool]) -> None:
         self.master, self.value, self.gap, self.out_of_time = master, value, gap, out_of_time
         self.uav = np.array([column.uav for column in master.columns])
-        self.holds = np.zeros((master.n, len(master.columns)), np.bool_)
-        for p, column in enumerate(master.columns):
-            self.holds[list(column.tasks), p] = True
+        self.holds = np.ascontiguousarray(incidence([column.tasks for column in master.columns], master.n).T)
 
     def best(self, candidates: NDArray[np.int64], pivots: int, most: int) -> NDArray[np.int64]:
         """Return the `most` best candidates, best first; those not tried when time is up count for nothing."""

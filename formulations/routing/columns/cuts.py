@@ -20,15 +20,20 @@ _VIOLATION = 0.03
 _PER_TASK = 4
 
 
+def incidence(tours: Sequence[Sequence[int]], n_tasks: int) -> NDArray[np.bool_]:
+    """Return which tour holds which task, a_ip, shape (p, n)."""
+    holds = np.zeros((len(tours), n_tasks), np.bool_)
+    for row, tasks in enumerate(tours):
+        holds[row, list(tasks)] = True
+    return holds
+
+
 def separate(
     tours: Sequence[Sequence[int]], weight: NDArray[np.float64], n_tasks: int, known: set[Cut], most: int
 ) -> list[Cut]:
     """Return up to `most` new cuts that Σ weight·[two of S in the tour] ≤ 1 violates, the worst first."""
     used = np.flatnonzero(weight > 1e-6)
-    holds = np.zeros((used.size, n_tasks), np.bool_)
-    for row, p in enumerate(used):
-        holds[row, list(tours[int(p)])] = True
-    triples, excess = _violated(holds, weight[used], _VIOLATION)
+    triples, excess = _violated(incidence([tours[int(p)] for p in used], n_tasks), weight[used], _VIOLATION)
     chosen: list[Cut] = []
     times = np.zeros(n_tasks, np.int64)
     for t in np.lexsort((*triples.T[::-1], -excess.round(9))):

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.completion import Bins, Memory, bins_left, completion, successors
-from formulations.routing.columns.cuts import Cut, by_task
+from formulations.routing.columns.cuts import Cut, by_task, incidence
 from formulations.routing.columns.labelling import Field, Store, alone, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.watching import Watch
@@ -73,9 +73,7 @@ class Duals:
 
     def values(self, columns: Sequence[Column]) -> NDArray[np.float64]:
         """Return the reduced costs of columns [s]."""
-        holds = np.zeros((len(columns), self.price.size), np.bool_)
-        for p, column in enumerate(columns):
-            holds[p, list(column.tasks)] = True
+        holds = incidence([column.tasks for column in columns], self.price.size)
         sets = np.array(self.cuts, np.int64).reshape(-1, 3)
         held_twice = holds[:, sets].sum(axis=2) >= 2
         cost = np.array([self.sigma[c.uav] * c.cost for c in columns])

@@ -35,8 +35,8 @@ def _intensify_one(costs: Costs, tours: Tours, k: int, rng: NDArray[np.uint64], 
         for j in range(nodes.size):
             cost[i, j] = costs.out[nodes[i], nodes[j]]
     tour = round_of(cost)
-    before = tour.forward[-1]
+    before = tour.strip.forward[-1]
     improve(tour, rng, int(kicks * tours.size[k]))
-    if tour.forward[-1] < before:
+    if tour.strip.forward[-1] < before:
         clear(costs, tours, k, np.empty(nodes.size, np.int32))
-        lay_out(costs, tours, k, nodes[tour.nodes[1:-1]])
+        lay_out(costs, tours, k, nodes[tour.strip.nodes[1:-1]])

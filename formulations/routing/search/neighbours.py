@@ -25,7 +25,7 @@ class Neighbours(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def _keep_nearest(
+def keep_nearest(
     there: NDArray[np.float64], back: NDArray[np.float64], v: int, first: int, out: NDArray[np.int32]
 ) -> None:
     """Write to `out` the nodes nearest to v, v left out; there[i] and back[i] are the costs to and from first + i."""
@@ -56,6 +56,6 @@ def neighbours(costs: Costs, n_tasks: int, k: int, d: int) -> Neighbours:
     depots = np.empty((n_tasks, min(d, n_depots)), np.int32)
     for v in range(n_tasks):
         there, back = costs.out[v], costs.into[v]
-        _keep_nearest(there[:n_tasks], back[:n_tasks], v, 0, tasks[v])
-        _keep_nearest(there[n_tasks:], back[n_tasks:], v, n_tasks, depots[v])
+        keep_nearest(there[:n_tasks], back[:n_tasks], v, 0, tasks[v])
+        keep_nearest(there[n_tasks:], back[n_tasks:], v, n_tasks, depots[v])
     return Neighbours(tasks, depots)

@@ -16,7 +16,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from formulations.routing.search import strips
+from formulations.routing.search.costs import Costs
+from formulations.routing.search.neighbours import keep_nearest
 from formulations.routing.search.randomness import below
+from formulations.routing.search.strips import Strip
 
 NEAR = 8
 """Nodes that a move may make the next or the one before."""
@@ -29,43 +33,20 @@ GAIN = 1e-9
 class Round(NamedTuple):
     """One closed tour at work.
 
-    cost (L+1, L+1) [s]; ahead, behind (L+1, q): the nodes cheapest to fly to from, and to come from to, each node;
-    nodes (L+2,): the order; position (L+1,): the place of each node, 0 for the depot; forward, backward (L+2,): prefix
-    sums of the legs flown, and of the same legs the other way [s]; spare (L+2,): room; queue (L+1,): nodes to look at,
-    a ring; queued (L+1,): whether in it; ring (2,): its first place and length.
+    costs: legs (L+1, L+1) [s]; strip: the order and its prefix sums; ahead, behind (L+1, q): the nodes cheapest to fly
+    to from, and to come from to, each node; position (L+1,): the place of each node, 0 for the depot; spare (L+2,):
+    room; queue (L+1,): nodes to look at, a ring; queued (L+1,): whether in it; ring (2,): its first place and length.
     """
 
-    cost: NDArray[np.float64]
-    ahead: NDArray[np.int64]
-    behind: NDArray[np.int64]
-    nodes: NDArray[np.int64]
+    costs: Costs
+    strip: Strip
+    ahead: NDArray[np.int32]
+    behind: NDArray[np.int32]
     position: NDArray[np.int64]
-    forward: NDArray[np.float64]
-    backward: NDArray[np.float64]
-    spare: NDArray[np.int64]
+    spare: NDArray[np.int32]
     queue: NDArray[np.int64]
     queued: NDArray[np.bool_]
     ring: NDArray[np.int64]
-
-
-@njit(cache=True, nogil=True)
-def _cheapest(cost: NDArray[np.float64], near: int) -> NDArray[np.int64]:
-    """Return the `near` cheapest columns of each row, its own left out, cheapest first."""
-    size = cost.shape[0]
-    out = np.zeros((size, near), np.int64)
-    value = np.empty(near)
-    for v in range(size):
-        held = 0
-        for w in range(size):
-            if w == v or (held == near and cost[v, w] >= value[near - 1]):
-                continue
-            j = held if held < near else near - 1
-            while j > 0 and value[j - 1] > cost[v, w]:
-                value[j], out[v, j] = value[j - 1], out[v, j - 1]
-                j -= 1
-            value[j], out[v, j] = cost[v, w], w
-            held = min(held + 1, near)
-    return out
 
 
 @njit(cache=True, nogil=True)
@@ -73,20 +54,26 @@ def round_of(cost: NDArray[np.float64]) -> Round:
     """Return the tour 0, 1, …, L, 0 over `cost`, shape (L+1, L+1) [s], ready to be improved."""
     size = cost.shape[0]
     near = min(NEAR, size - 1)
+    costs = Costs(cost, cost.T.copy())
+    ahead, behind = np.zeros((size, near), np.int32), np.zeros((size, near), np.int32)
+    for v in range(size):
+        keep_nearest(costs.out[v], costs.out[v], v, 0, ahead[v])
+        keep_nearest(costs.into[v], costs.into[v], v, 0, behind[v])
     tour = Round(
-        cost,
-        _cheapest(cost, near),
-        _cheapest(cost.T.copy(), near),
-        np.arange(size + 1),
+        costs,
+        strips.blank_strip(size - 1),
+        ahead,
+        behind,
         np.arange(size),
-        np.zeros(size + 1),
-        np.zeros(size + 1),
-        np.zeros(size + 1, np.int64),
+        np.zeros(size + 1, np.int32),
         np.zeros(size, np.int64),
         np.zeros(size, np.bool_),
         np.zeros(2, np.int64),
     )
-    tour.nodes[size] = 0
+    tour.strip.shape[1] = size - 1
+    tour.strip.nodes[:size] = np.arange(size)
+    tour.strip.nodes[size] = 0
+    tour.strip.forward[0] = tour.strip.backward[0] = 0.0
     book(tour, 1)
     return tour
 
@@ -94,11 +81,11 @@ def round_of(cost: NDArray[np.float64]) -> Round:
 @njit(cache=True, nogil=True)
 def book(tour: Round, low: int) -> None:
     """Recompute places and prefix sums from position `low` ≥ 1 on."""
-    nodes, cost = tour.nodes, tour.cost
+    nodes, out, forward, backward = tour.strip.nodes, tour.costs.out, tour.strip.forward, tour.strip.backward
     for i in range(low, nodes.size):
         u, w = nodes[i - 1], nodes[i]
-        tour.forward[i] = tour.forward[i - 1] + cost[u, w]
-        tour.backward[i] = tour.backward[i - 1] + cost[w, u]
+        forward[i] = forward[i - 1] + out[u, w]
+        backward[i] = backward[i - 1] + out[w, u]
         if w > 0:
             tour.position[w] = i
 
@@ -106,15 +93,13 @@ def book(tour: Round, low: int) -> None:
 @njit(cache=True, nogil=True)
 def reversal_gain(tour: Round, i: int, j: int) -> float:
     """Return what the tour saves [s] with positions i..j reversed, 1 ≤ i ≤ j ≤ L."""
-    nodes, cost = tour.nodes, tour.cost
-    then = cost[nodes[i - 1], nodes[j]] + tour.backward[j] - tour.backward[i] + cost[nodes[i], nodes[j + 1]]
-    return tour.forward[j + 1] - tour.forward[i - 1] - then
+    return -strips.reversal_change(tour.costs, tour.strip, i, j)
 
 
 @njit(cache=True, nogil=True)
 def reverse(tour: Round, i: int, j: int) -> None:
     """Reverse positions i..j."""
-    low, nodes = i, tour.nodes
+    low, nodes = i, tour.strip.nodes
     while i < j:
         nodes[i], nodes[j] = nodes[j], nodes[i]
         i, j = i + 1, j - 1
@@ -124,15 +109,14 @@ def reverse(tour: Round, i: int, j: int) -> None:
 @njit(cache=True, nogil=True)
 def exchange_gain(tour: Round, p: int, q: int, r: int) -> float:
     """Return what the tour saves [s] with positions p+1..q and q+1..r exchanged, 0 ≤ p < q < r ≤ L."""
-    nodes, cost = tour.nodes, tour.cost
-    a, b, c, d, e, f = nodes[p], nodes[p + 1], nodes[q], nodes[q + 1], nodes[r], nodes[r + 1]
-    return cost[a, b] + cost[c, d] + cost[e, f] - cost[a, d] - cost[e, b] - cost[c, f]
+    out, into = strips.segment_changes(tour.costs, tour.strip, p + 1, q, tour.strip, r, False)
+    return -(out + into)
 
 
 @njit(cache=True, nogil=True)
 def exchange(tour: Round, p: int, q: int, r: int) -> None:
     """Exchange positions p+1..q and q+1..r."""
-    spare, nodes = tour.spare, tour.nodes
+    spare, nodes = tour.spare, tour.strip.nodes
     spare[: q - p] = nodes[p + 1 : q + 1]
     for i in range(q + 1, r + 1):
         nodes[i - q + p] = nodes[i]
@@ -143,7 +127,7 @@ def exchange(tour: Round, p: int, q: int, r: int) -> None:
 @njit(cache=True, nogil=True)
 def _ask(tour: Round, i: int) -> None:
     """Queue the node at position i."""
-    v, ring = tour.nodes[i], tour.ring
+    v, ring = tour.strip.nodes[i], tour.ring
     if not tour.queued[v]:
         tour.queued[v] = True
         tour.queue[(ring[0] + ring[1]) % tour.queue.size] = v
@@ -184,7 +168,8 @@ def _exchange_at(tour: Round, v: int, least: float) -> bool:
     v is the end before the first segment (x begins the second), the end of the first (x follows the second), or the
     end of the second (x begins the first); what the third leg costs is looked for among near nodes too.
     """
-    nodes, cost, position, last = tour.nodes, tour.cost, tour.position, tour.position.size - 1
+    nodes, cost, position = tour.strip.nodes, tour.costs.out, tour.position
+    last = position.size - 1
     i = position[v]
     after = nodes[i + 1]
     for x in tour.ahead[v]:
@@ -231,7 +216,7 @@ def descend(tour: Round) -> None:
         ring[0] = (ring[0] + 1) % tour.queue.size
         ring[1] -= 1
         tour.queued[v] = False
-        least = GAIN * tour.forward[-1]
+        least = GAIN * tour.strip.forward[-1]
         while _exchange_at(tour, v, least) or _reverse_at(tour, v, least):
             pass
 
@@ -243,7 +228,7 @@ def _kick(tour: Round, rng: NDArray[np.uint64]) -> None:
     span = min(SPAN, last // 3)
     a, b, c = 1 + below(rng, span), 1 + below(rng, span), 1 + below(rng, span)
     p = below(rng, last - a - b - c + 1)
-    nodes, spare = tour.nodes, tour.spare
+    nodes, spare = tour.strip.nodes, tour.spare
     for i in (p, p + 1, p + a, p + a + 1, p + a + b, p + a + b + 1, p + a + b + c, p + a + b + c + 1):
         _ask(tour, i)
     spare[:c] = nodes[p + a + b + 1 : p + a + b + c + 1]
@@ -261,13 +246,13 @@ def improve(tour: Round, rng: NDArray[np.uint64], kicks: int) -> None:
     descend(tour)
     if tour.position.size < 4:
         return
-    kept, best = tour.nodes.copy(), tour.forward[-1]
+    kept, best = tour.strip.nodes.copy(), tour.strip.forward[-1]
     for _ in range(kicks):
         _kick(tour, rng)
         descend(tour)
-        if tour.forward[-1] <= best:
-            kept[:] = tour.nodes
-            best = tour.forward[-1]
+        if tour.strip.forward[-1] <= best:
+            kept[:] = tour.strip.nodes
+            best = tour.strip.forward[-1]
         else:
-            tour.nodes[:] = kept
+            tour.strip.nodes[:] = kept
             book(tour, 1)

@@ -22,23 +22,23 @@ def random_round(seed):
     """A tour over random asymmetric costs, its nodes in a random order."""
     rng = np.random.default_rng(seed)
     tour = order.round_of(rng.uniform(1.0, 100.0, (L + 1, L + 1)))
-    tour.nodes[1:-1] = 1 + rng.permutation(L)
+    tour.strip.nodes[1:-1] = 1 + rng.permutation(L)
     order.book(tour, 1)
     return tour, rng
 
 
 def length(tour, nodes):
-    return float(tour.cost[nodes[:-1], nodes[1:]].sum())
+    return float(tour.costs.out[nodes[:-1], nodes[1:]].sum())
 
 
 def assert_booked(tour):
     """Places and prefix sums are those of the order."""
-    nodes = tour.nodes
+    nodes = tour.strip.nodes
     assert sorted(nodes[:-1]) == list(range(L + 1))
     assert nodes[-1] == 0
     assert all(nodes[tour.position[v]] == v for v in range(L + 1))
-    assert tour.forward[1:] == pytest.approx(np.cumsum(tour.cost[nodes[:-1], nodes[1:]]))
-    assert tour.backward[1:] == pytest.approx(np.cumsum(tour.cost[nodes[1:], nodes[:-1]]))
+    assert tour.strip.forward[1:] == pytest.approx(np.cumsum(tour.costs.out[nodes[:-1], nodes[1:]]))
+    assert tour.strip.backward[1:] == pytest.approx(np.cumsum(tour.costs.out[nodes[1:], nodes[:-1]]))
 
 
 @given(seed=seeds)
@@ -46,10 +46,10 @@ def assert_booked(tour):
 def test_a_reversal_gains_what_it_says(seed):
     tour, rng = random_round(seed)
     i, j = sorted(int(x) for x in rng.integers(1, L + 1, 2))
-    before, gain = tour.nodes.copy(), order.reversal_gain(tour, i, j)
+    before, gain = tour.strip.nodes.copy(), order.reversal_gain(tour, i, j)
     order.reverse(tour, i, j)
-    assert list(tour.nodes) == [*before[:i], *before[i : j + 1][::-1], *before[j + 1 :]]
-    assert gain == pytest.approx(length(tour, before) - length(tour, tour.nodes))
+    assert list(tour.strip.nodes) == [*before[:i], *before[i : j + 1][::-1], *before[j + 1 :]]
+    assert gain == pytest.approx(length(tour, before) - length(tour, tour.strip.nodes))
     assert_booked(tour)
 
 
@@ -58,10 +58,15 @@ def test_a_reversal_gains_what_it_says(seed):
 def test_an_exchange_gains_what_it_says(seed):
     tour, rng = random_round(seed)
     p, q, r = sorted(int(x) for x in rng.choice(L + 1, 3, replace=False))
-    before, gain = tour.nodes.copy(), order.exchange_gain(tour, p, q, r)
+    before, gain = tour.strip.nodes.copy(), order.exchange_gain(tour, p, q, r)
     order.exchange(tour, p, q, r)
-    assert list(tour.nodes) == [*before[: p + 1], *before[q + 1 : r + 1], *before[p + 1 : q + 1], *before[r + 1 :]]
-    assert gain == pytest.approx(length(tour, before) - length(tour, tour.nodes))
+    assert list(tour.strip.nodes) == [
+        *before[: p + 1],
+        *before[q + 1 : r + 1],
+        *before[p + 1 : q + 1],
+        *before[r + 1 :],
+    ]
+    assert gain == pytest.approx(length(tour, before) - length(tour, tour.strip.nodes))
     assert_booked(tour)
 
 
@@ -69,10 +74,10 @@ def test_an_exchange_gains_what_it_says(seed):
 @settings(max_examples=60, deadline=None)
 def test_an_improved_tour_is_a_tour_and_no_longer(seed, kicks):
     tour, _ = random_round(seed)
-    before = length(tour, tour.nodes)
+    before = length(tour, tour.strip.nodes)
     order.improve(tour, seeded(seed), kicks)
     assert_booked(tour)
-    assert tour.forward[-1] <= before
+    assert tour.strip.forward[-1] <= before
     assert tour.ring[1] == 0
     assert not tour.queued.any()
 
@@ -84,7 +89,7 @@ def test_enough_kicks_find_the_best_order(seed, random_case):
     nodes = [9, *range(9)]
     tour = order.round_of(np.ascontiguousarray(instance.cost[np.ix_(nodes, nodes)]))
     order.improve(tour, seeded(seed), 300)
-    assert tour.forward[-1] == pytest.approx(optimum)
+    assert tour.strip.forward[-1] == pytest.approx(optimum)
 
 
 @given(seed=seeds)
@@ -105,4 +110,4 @@ def test_intensified_tours_keep_their_tasks_and_none_is_longer(seed, random_case
 def test_two_tasks_and_costs_of_zero() -> None:
     tour = order.round_of(np.zeros((3, 3)))
     order.improve(tour, seeded(1), 10)
-    assert sorted(tour.nodes[:-1]) == [0, 1, 2]
+    assert sorted(tour.strip.nodes[:-1]) == [0, 1, 2]

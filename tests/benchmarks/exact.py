@@ -108,7 +108,7 @@ def subset(asked: argparse.Namespace) -> None:
 def proofs(asked: argparse.Namespace) -> None:
     """Every size: how many seeds are proved within the bar."""
     print(
-        "proofs by branch-and-price: n m | proved within the bar | median and greatest CPU s | worst gap | memory | each"
+        "proofs by branch-and-price: n m | proved within the bar | median, greatest CPU s | worst gap | memory | each"
     )
     solver = BranchAndPrice()
     solver.prepare(wind_instance(10, 2, 0))

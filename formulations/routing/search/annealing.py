@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.cuts import blank_bench, cut
-from formulations.routing.search.energy import SHARP, energy, fitness
+from formulations.routing.search.energy import SHARP, Aim, energy, fitness
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import recreate, shuffle
@@ -78,8 +78,7 @@ def anneal(
     rng: NDArray[np.uint64],
     steps: int,
     temperature: float,
-    evenness: float,
-    p: int,
+    aim: Aim,
     habits: Habits,
 ) -> None:
     """Take `steps` steps of ruin and recreate from `tours`, in place.
@@ -92,12 +91,12 @@ def anneal(
     ruined = np.zeros(tours.cost.size, np.uint8)
     costs_before = np.empty(tours.cost.size)
     sum_costs(tours)
-    now = energy(tours.cost, evenness, p)
+    now = energy(tours.cost, aim)
     lowest = fitness(fittest.cost)
     bench = blank_bench(near.tasks.shape[0])
     for _ in range(steps):
         if uniform(rng) < habits.cuts:
-            now = cut(costs, near.tasks, tours, bench, rng, now, QUENCH * temperature, evenness, p)
+            now = cut(costs, near.tasks, tours, bench, rng, now, QUENCH * temperature, aim)
             lowest = _keep(tours, best, fittest, lowest)
             continue
         costs_before[:] = tours.cost
@@ -108,7 +107,7 @@ def anneal(
         queue[:count] = gone[:count]
         shuffle(queue, count, rng)
         recreate(costs, near, tours, queue, count, POWERS[below(rng, habits.powers)], rng)
-        then = energy(tours.cost, evenness, p)
+        then = energy(tours.cost, aim)
         if then < now - temperature * math.log(1.0 - uniform(rng)):
             now = then
             lowest = _keep(tours, best, fittest, lowest)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.search import strips
 from formulations.routing.search.costs import Costs
-from formulations.routing.search.energy import Stakes, energy_with, stakes_without
+from formulations.routing.search.energy import Aim, Stakes, energy_with, stakes_without
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.strips import Strip
 from formulations.routing.search.tours import Tours
@@ -49,8 +49,7 @@ def cut(
     rng: NDArray[np.uint64],
     now: float,
     temperature: float,
-    evenness: float,
-    p: int,
+    aim: Aim,
 ) -> float:
     """Try candidates on the tours of a random task and a near one until one is kept; return the energy then [s]."""
     n = near.shape[0]
@@ -62,7 +61,7 @@ def cut(
     strips.lay_out(tours, k_a, a, position)
     if k_b != k_a:
         strips.lay_out(tours, k_b, b, position)
-    stakes = stakes_without(tours, k_a, k_b, evenness, p)
+    stakes = stakes_without(tours, k_a, k_b, aim)
     n_a = a.shape[1]
     pool = n_a if k_a == k_b else n_a + b.shape[1]
     for _ in range(10 + pool // 4):

@@ -1,9 +1,11 @@
 """Energy: what an annealing lowers.
 
-    E = ‖C‖_p + ε · mean_k C_k
+    E = ‖C‖_p + ε · mean_k C_k, in the end E = Σ_k max(0, C_k − cap) + ε · mean_k C_k
 
 The longest tour alone is flat: a large norm sees the others near it as well, and a share ε of the mean lets the search
-shorten all of them, which makes room for the long ones to give tasks away. p and ε follow the temperature (cooling.py).
+shorten all of them, which makes room for the long ones to give tasks away. In the end it is a matter of packing: the
+tasks must fit into tours below a cap, and what exceeds it in any of them counts alike. p, ε and the cap follow the
+temperature (cooling.py).
 """
 
 from __future__ import annotations
@@ -17,26 +19,33 @@ from numpy.typing import NDArray
 from formulations.routing.search.tours import Tours
 
 SHARP = 500
-"""p from which the norm is the maximum, to within what matters."""
+"""p from which the norm would be the maximum, to within what matters: then the excess over the cap counts."""
 FIT = 128
 """The p by which tours are compared that are kept: of two with the same longest tour, that with fewer long ones."""
 TINY = 1e-300
 """Tours that cost nothing are scaled by this [s]."""
 
 
+class Aim(NamedTuple):
+    """What counts at present: the share ε of the mean, p, and the cap [s], which counts from p = SHARP."""
+
+    evenness: float
+    p: int
+    cap: float
+
+
 class Stakes(NamedTuple):
     """What the other tours leave to beat.
 
-    total: their sum [s]; scale: the longest of all [s]; powers: their Σ (C_k / scale)^p, their longest [s] from
-    p = SHARP; m: the number of all; evenness: the share ε.
+    total: their sum [s]; scale: the longest of all [s]; powers: their Σ (C_k / scale)^p, from p = SHARP their
+    Σ max(0, C_k − cap) [s]; m: the number of all.
     """
 
     total: float
     scale: float
     powers: float
     m: int
-    evenness: float
-    p: int
+    aim: Aim
 
 
 @njit(cache=True, nogil=True)
@@ -52,40 +61,51 @@ def power(x: float, p: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def energy(lengths: NDArray[np.float64], evenness: float, p: int) -> float:
-    """Return ‖C‖_p + evenness · mean_k C_k [s]; the norm is max_k C_k from p = SHARP."""
+def norm(lengths: NDArray[np.float64], p: int) -> float:
+    """Return ‖C‖_p [s]."""
     longest = lengths.max()
-    if p >= SHARP or longest <= 0.0:
-        return longest + evenness * lengths.mean()
+    if longest <= 0.0:
+        return 0.0
     total = 0.0
     for length in lengths:
         total += power(length / longest, p)
-    return longest * total ** (1.0 / p) + evenness * lengths.mean()
+    return longest * total ** (1.0 / p)
+
+
+@njit(cache=True, nogil=True)
+def energy(lengths: NDArray[np.float64], aim: Aim) -> float:
+    """Return ‖C‖_p + ε · mean_k C_k [s], from p = SHARP Σ_k max(0, C_k − cap) + ε · mean_k C_k."""
+    shared = aim.evenness * lengths.mean()
+    if aim.p < SHARP:
+        return norm(lengths, aim.p) + shared
+    for length in lengths:
+        shared += max(0.0, length - aim.cap)
+    return shared
 
 
 @njit(cache=True, nogil=True)
 def fitness(lengths: NDArray[np.float64]) -> float:
     """Return ‖C‖_FIT [s]: where two crowds of tours are too long, it says that one of them is not any more."""
-    return energy(lengths, 0.0, FIT)
+    return norm(lengths, FIT)
 
 
 @njit(cache=True, nogil=True)
-def stakes_without(tours: Tours, k_a: int, k_b: int, evenness: float, p: int) -> Stakes:
+def stakes_without(tours: Tours, k_a: int, k_b: int, aim: Aim) -> Stakes:
     """Return the Stakes left by all tours but k_a and k_b."""
     scale, total, powers = max(tours.cost.max(), TINY), 0.0, 0.0
     for k in range(tours.cost.size):
         if k != k_a and k != k_b:
             total += tours.cost[k]
-            powers = max(powers, tours.cost[k]) if p >= SHARP else powers + power(tours.cost[k] / scale, p)
-    return Stakes(total, scale, powers, tours.cost.size, evenness, p)
+            powers += max(0.0, tours.cost[k] - aim.cap) if aim.p >= SHARP else power(tours.cost[k] / scale, aim.p)
+    return Stakes(total, scale, powers, tours.cost.size, aim)
 
 
 @njit(cache=True, nogil=True)
 def energy_with(stakes: Stakes, cost_a: float, cost_b: float) -> float:
-    """Return ‖C‖_p + ε · mean C [s] where the two tours at work cost cost_a and cost_b."""
-    mean = (stakes.total + cost_a + cost_b) / stakes.m
-    if stakes.p >= SHARP:
-        return max(stakes.powers, cost_a, cost_b) + stakes.evenness * mean
-    p, scale = stakes.p, stakes.scale
+    """Return the energy [s] where the two tours at work cost cost_a and cost_b."""
+    p, scale, cap = stakes.aim.p, stakes.scale, stakes.aim.cap
+    shared = stakes.aim.evenness * (stakes.total + cost_a + cost_b) / stakes.m
+    if p >= SHARP:
+        return stakes.powers + max(0.0, cost_a - cap) + max(0.0, cost_b - cap) + shared
     powers = stakes.powers + power(cost_a / scale, p) + power(cost_b / scale, p)
-    return scale * powers ** (1.0 / p) + stakes.evenness * mean
+    return scale * powers ** (1.0 / p) + shared

@@ -4,7 +4,8 @@ A stage anneals one newcomer. The first stages make founders from scratch; later
 alone (focus), take a member and send a UAV of it elsewhere (relief), or make a child of two members.
 At the end of a stage every tour of the newcomer gets a better order (intensify).
 A newcomer that is no copy of a member replaces the worst member where it is better; a population that brings forth
-nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long.
+nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long. The longer
+nothing is new, the more annealings are fine (cooling.py).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.search import cooling
 from formulations.routing.search.annealing import Habits, anneal
+from formulations.routing.search.cooling import Manner, cool
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.focus import MOST, Part, around_longest, part_of, put_back
@@ -76,7 +78,8 @@ class Population:
         self._fittest = self._copy(self._newcomer)
         self.best = self._copy(self._newcomer)
         self.improved = True
-        self._first, self._soft, self._begin, self.end = cooling.HOT, cooling.SOFT[0], 0.0, 1.0
+        self._manner = Manner(cooling.HOT, cooling.SOFT[0], cooling.COARSE)
+        self._begin, self.end = 0.0, 1.0
 
     def plan(self, step: float, depth: float) -> None:
         """Say which part of the limit a step takes, and how deep founders are annealed.
@@ -94,14 +97,11 @@ class Population:
     def advance(self, now: float, steps: int) -> None:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`."""
         done = min(1.0, (now - self._begin) / max(self.end - self._begin, 1e-12))
-        temperature = cooling.mean_leg(self._fittest) * cooling.temperature(self._first, done)
-        evenness = cooling.evenness(self._first, done)
-        p = cooling.exponent(self._fittest, self._first, done, self._soft)
         costs, near, _ = self.ground if self._part is None else self._part.ground
         best = self.best if self._part is None else self._part.best
         longest = self.best.cost.max()
-        rng, habits = self.rng, self.habits
-        anneal(costs, near, self._newcomer, best, self._fittest, rng, steps, temperature, evenness, p, habits)
+        temperature, aim = cool(self._fittest, longest, done, self._manner)
+        anneal(costs, near, self._newcomer, best, self._fittest, self.rng, steps, temperature, aim, self.habits)
         self.improved = self.improved or self.best.cost.max() < longest
 
     def next_stage(self, now: float, guest: Tours | None = None) -> None:
@@ -119,10 +119,12 @@ class Population:
             self.founder = min(2.0 * self.founder, 1.0 / 3.0)
         self._part = None
         if self._fresh < self.founders or len(self.members) < 2:
-            self._newcomer, self._first, length = self._constructed(), cooling.HOT, self.founder
+            self._newcomer, first, length = self._constructed(), cooling.HOT, self.founder
         else:
-            self._newcomer, self._first, length = self._renewed()
-        self._soft = cooling.SOFT[below(self.rng, len(cooling.SOFT))]
+            self._newcomer, first, length = self._renewed()
+        fine = uniform(self.rng) * BARREN * self.founders < self._barren
+        soft = cooling.SOFT[below(self.rng, len(cooling.SOFT))]
+        self._manner = Manner(first, soft, cooling.FINE if fine else cooling.COARSE)
         self._fittest = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
 
@@ -183,7 +185,8 @@ class Population:
     def focused(self) -> Part:
         """Choose some tours of a random member to be searched alone."""
         self._whole = self._copy(self.members[below(self.rng, len(self.members))])
-        wanted = 2 + below(self.rng, min(MOST, self.ground.size[1] - 1) - 1)
+        span = min(MOST, self.ground.size[1] - 1) - 1
+        wanted = 2 + max(below(self.rng, span), below(self.rng, span))
         uavs = around_longest(self.ground.near, self._whole, wanted, self.rng)
         self._part = part_of(self.ground, self._whole, uavs)
         return self._part

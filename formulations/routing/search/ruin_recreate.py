@@ -66,13 +66,13 @@ class RuinRecreate(Solver):
         copy_tours(tours, best)
         copy_tours(tours, fittest)
         recorder.incumbent(to_routes(best))
+        manner = cooling.Manner(cooling.HOT, cooling.SOFT[0], cooling.COARSE)
         pace = Pace(recorder)
         while not pace.stopped_by:
             done, longest = pace.fraction, best.cost.max()
-            temperature = cooling.mean_leg(best) * cooling.temperature(cooling.HOT, done)
-            evenness = cooling.evenness(cooling.HOT, done)
-            p, steps = cooling.exponent(best, cooling.HOT, done, cooling.SOFT[0]), pace.next_steps()
-            anneal(costs, near, tours, best, fittest, rng, steps, temperature, evenness, p, habits)
+            temperature, aim = cooling.cool(best, longest, done, manner)
+            steps = pace.next_steps()
+            anneal(costs, near, tours, best, fittest, rng, steps, temperature, aim, habits)
             pace.took(steps)
             if best.cost.max() < longest:
                 recorder.incumbent(to_routes(best))

@@ -11,7 +11,7 @@ from formulations.routing.search import ruin as ruining
 from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import POWERS, Habits, anneal, undo
 from formulations.routing.search.costs import both_ways
-from formulations.routing.search.energy import SHARP, energy, energy_with, fitness, stakes_without
+from formulations.routing.search.energy import SHARP, Aim, energy, energy_with, fitness, stakes_without
 from formulations.routing.search.neighbours import neighbours
 from formulations.routing.search.randomness import below, seeded, uniform
 from instances import Instance, check_routes, makespan, tour_costs
@@ -222,7 +222,8 @@ def test_annealing_keeps_its_best_and_its_books(seed):
     instance, routes = random_instance(seed), random_routes(seed)
     near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours, best, fittest = (rings.from_routes(both_ways(instance.cost), routes) for _ in range(3))
-    anneal(both_ways(instance.cost), near, tours, best, fittest, seeded(seed), 300, 5.0, 0.1, 9, Habits(6, 0.5, 0.3, 4))
+    aim, habits = Aim(0.1, 9, 0.0), Habits(6, 0.5, 0.3, 4)
+    anneal(both_ways(instance.cost), near, tours, best, fittest, seeded(seed), 300, 5.0, aim, habits)
     for each in (tours, best, fittest):
         found = rings.to_routes(each)
         assert check_routes(instance, found) == []
@@ -233,18 +234,50 @@ def test_annealing_keeps_its_best_and_its_books(seed):
 
 def test_energy_is_a_norm_plus_a_share_of_the_mean():
     lengths = np.array([3.0, 4.0])
-    assert energy(lengths, 0.5, 2) == pytest.approx(5.0 + 0.5 * 3.5)
-    assert energy(lengths, 0.5, SHARP) == 4.0 + 0.5 * 3.5
-    assert energy(np.zeros(2), 0.5, 2) == 0.0
+    assert energy(lengths, Aim(0.5, 2, 0.0)) == pytest.approx(5.0 + 0.5 * 3.5)
+    assert energy(np.zeros(2), Aim(0.5, 2, 0.0)) == 0.0
 
 
-def test_the_norm_sharpens_to_the_maximum_as_the_temperature_falls():
-    tours = rings.empty_tours(18, 2)
+def test_in_the_end_energy_is_what_exceeds_the_cap_plus_a_share_of_the_mean():
+    lengths = np.array([3.0, 4.0, 5.0])
+    assert energy(lengths, Aim(0.5, SHARP, 3.5)) == (0.5 + 1.5) + 0.5 * 4.0
+    assert energy(lengths, Aim(0.5, SHARP, 9.0)) == 0.5 * 4.0
+
+
+COARSE, FINE = (cooling.Manner(cooling.HOT, 8.0, fineness) for fineness in (cooling.COARSE, cooling.FINE))
+
+
+def legs(count: int) -> rings.Tours:
+    """Return two tours whose longest, of 100 s, has `count` mean legs, empty ones among them."""
+    tours = rings.empty_tours(int(1.6 * count) - 2, 2)
     tours.cost[:] = 100.0, 60.0
-    powers = [cooling.exponent(tours, cooling.HOT, done, 8.0) for done in (0.0, 0.5, 1.0)]
-    assert powers == [2, 22, SHARP]
-    assert cooling.exponent(tours, cooling.HOT, 0.5, 2.0) == 89
-    assert cooling.exponent(rings.empty_tours(3, 2), cooling.HOT, 0.5, 8.0) == 2
+    return tours
+
+
+def test_the_norm_sharpens_as_the_temperature_falls_and_in_the_end_a_cap_counts():
+    aims = [cooling.cool(legs(1000), 90.0, done, COARSE)[1] for done in (0.0, 0.4, 1.0)]
+    assert [aim.p for aim in aims] == [178, SHARP - 1, SHARP]
+    assert [cooling.cool(legs(10), 90.0, 0.4, COARSE._replace(soft=soft))[1].p for soft in (8.0, 2.0)] == [24, 98]
+    assert {aim.cap for aim in aims} == {90.0 * (1.0 - cooling.UNDER)}
+    assert cooling.cool(legs(1000), 90.0, 1.0, FINE)[1].cap == 90.0 * (1.0 - cooling.FINE * cooling.UNDER)
+    assert [aims[0].evenness, aims[2].evenness] == pytest.approx([cooling.EVEN, cooling.PEAKED])
+
+
+def test_the_last_temperature_is_low_in_mean_legs_and_in_longest_tours():
+    for count, manner, last in (
+        (1000, COARSE, cooling.COLD * 0.1),
+        (10, COARSE, cooling.LAST * 100.0),
+        (10, FINE, cooling.FINE * cooling.LAST * 100.0),
+    ):
+        hot, cold = (cooling.cool(legs(count), 90.0, done, manner)[0] for done in (0.0, 1.0))
+        assert hot == pytest.approx(cooling.HOT * 100.0 / count)
+        assert cold == pytest.approx(last)
+
+
+def test_tours_that_cost_nothing_have_a_temperature_and_an_aim():
+    temperature, aim = cooling.cool(rings.empty_tours(3, 2), 0.0, 0.5, COARSE)
+    assert 0.0 <= temperature < 1e-9
+    assert aim.cap == 0.0
 
 
 def test_of_two_with_the_same_longest_tour_the_one_with_fewer_long_ones_is_fitter():
@@ -257,7 +290,6 @@ def test_stakes_and_two_lengths_make_the_energy(lengths, pick, p):
     tours = rings.empty_tours(0, len(lengths))
     tours.cost[:] = lengths
     a, b = pick % len(lengths), (pick + 1) % len(lengths)
-    stakes = stakes_without(tours, a, b, 0.3, p)
-    assert energy_with(stakes, lengths[a], lengths[b]) == pytest.approx(
-        energy(tours.cost, 0.3, p), rel=1e-12, abs=1e-12
-    )
+    aim = Aim(0.3, p, 0.6 * max(lengths))
+    stakes = stakes_without(tours, a, b, aim)
+    assert energy_with(stakes, lengths[a], lengths[b]) == pytest.approx(energy(tours.cost, aim), rel=1e-12, abs=1e-12)

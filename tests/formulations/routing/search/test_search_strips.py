@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from formulations.routing.search import cuts, strips
 from formulations.routing.search import tours as rings
 from formulations.routing.search.costs import both_ways
-from formulations.routing.search.energy import SHARP, energy
+from formulations.routing.search.energy import SHARP, Aim, energy
 from formulations.routing.search.neighbours import neighbours
 from formulations.routing.search.randomness import seeded
 from instances import Instance, check_routes, tour_costs
@@ -155,12 +155,13 @@ def test_cut_keeps_the_books_and_the_threshold(seed, p):
     table = Table(seed)
     near = neighbours(both_ways(table.instance.cost), N, 8, M)
     rng, tours = seeded(seed), table.tours
-    now = energy(tours.cost, 0.1, p)
+    aim = Aim(0.1, p, 0.8 * tours.cost.max())
+    now = energy(tours.cost, aim)
     for _ in range(20):
-        then = cuts.cut(table.costs, near.tasks, tours, table.bench, rng, now, 1e-9, 0.1, p)
+        then = cuts.cut(table.costs, near.tasks, tours, table.bench, rng, now, 1e-9, aim)
         routes = rings.to_routes(tours)
         assert check_routes(table.instance, routes) == []
         assert tours.cost == pytest.approx(tour_costs(table.instance, routes))
-        assert then == pytest.approx(energy(tours.cost, 0.1, p))
+        assert then == pytest.approx(energy(tours.cost, aim))
         assert then <= now + 1e-6
         now = then

@@ -185,8 +185,7 @@ class Population:
     def focused(self) -> Part:
         """Choose some tours of a random member to be searched alone."""
         self._whole = self._copy(self.members[below(self.rng, len(self.members))])
-        span = min(MOST, self.ground.size[1] - 1) - 1
-        wanted = 2 + max(below(self.rng, span), below(self.rng, span))
+        wanted = 2 + below(self.rng, min(MOST, self.ground.size[1] - 1) - 1)
         uavs = around_longest(self.ground.near, self._whole, wanted, self.rng)
         self._part = part_of(self.ground, self._whole, uavs)
         return self._part

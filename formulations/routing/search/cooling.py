@@ -12,7 +12,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from formulations.routing.search.energy import SHARP, TINY, Aim
+from formulations.routing.search.randomness import uniform
 from formulations.routing.search.tours import Tours
 
 HOT, WARM, MILD = 0.7, 0.15, 0.1
@@ -37,6 +41,11 @@ class Manner(NamedTuple):
     first: float
     soft: float
     fineness: float
+
+
+def fineness(patience_used: float, rng: NDArray[np.uint64]) -> float:
+    """Return FINE with probability `patience_used`, else COARSE: fine annealings where coarse ones find nothing new."""
+    return FINE if uniform(rng) < patience_used else COARSE
 
 
 def cool(tours: Tours, longest: float, done: float, manner: Manner) -> tuple[float, Aim]:

@@ -122,9 +122,8 @@ class Population:
             self._newcomer, first, length = self._constructed(), cooling.HOT, self.founder
         else:
             self._newcomer, first, length = self._renewed()
-        fine = uniform(self.rng) * BARREN * self.founders < self._barren
-        soft = cooling.SOFT[below(self.rng, len(cooling.SOFT))]
-        self._manner = Manner(first, soft, cooling.FINE if fine else cooling.COARSE)
+        fineness = cooling.fineness(self._barren / (BARREN * self.founders), self.rng)
+        self._manner = Manner(first, cooling.SOFT[below(self.rng, len(cooling.SOFT))], fineness)
         self._fittest = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
 

@@ -274,6 +274,8 @@ def large(args: argparse.Namespace) -> None:
     for n in (2000,) if args.quick else (2000, 5000):
         for m in (10,) if args.quick else (10, 20):
             instance = wind_instance(n, m, 0)
+            if args.only and instance.name not in args.only:
+                continue
             short = makespan(instance, search(instance, args.seconds or 60.0, 0))
             long = makespan(instance, search(instance, args.long, 1))
             peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
@@ -335,7 +337,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--seconds", type=float, default=None, help="CPU seconds of a run, instead of the section's")
     parser.add_argument("--long", type=float, default=600.0, help="CPU seconds of the long run of `large`")
-    parser.add_argument("--instances", default="", help="only these, separated by commas")
+    parser.add_argument("--instances", default="", help="only these, separated by commas (not in proved and limits)")
     parser.add_argument("--alone", action="store_true", help="multi: without PyVRP")
     parser.add_argument("--keep", type=Path, default=None, help="write routes better than the best known here")
     args = parser.parse_args()

@@ -237,8 +237,8 @@ def classics(args: argparse.Namespace) -> None:
     """The 16 classics of mTSPLib: best known on all."""
     cases = public("single_mtsplib", only=args.only)
     gaps = table("classics", cases, {"memetic": by_solver("memetic")}, args, 10.0)["memetic"]
-    reached = sum(max(g) < 1e-4 for g in gaps)
-    print(f"best known reached by every seed on {reached} of {len(gaps)}, bar: 16 of 16")
+    every, one = (sum(pick(g) < 1e-4 for g in gaps) for pick in (max, min))
+    print(f"best known reached by every seed on {every}, by one of them on {one} of {len(gaps)}, bar: 16 of 16")
 
 
 def single(args: argparse.Namespace) -> None:

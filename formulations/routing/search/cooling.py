@@ -43,7 +43,7 @@ class Manner(NamedTuple):
     fineness: float
 
 
-def fineness(patience_used: float, rng: NDArray[np.uint64]) -> float:
+def draw_fineness(patience_used: float, rng: NDArray[np.uint64]) -> float:
     """Return FINE with probability `patience_used`, else COARSE: fine annealings where coarse ones find nothing new."""
     return FINE if uniform(rng) < patience_used else COARSE
 

@@ -62,7 +62,7 @@ def power(x: float, p: int) -> float:
 
 @njit(cache=True, nogil=True)
 def norm(lengths: NDArray[np.float64], p: int) -> float:
-    """Return ‖C‖_p [s]."""
+    """Return ‖C‖_p [s] of lengths (m,) [s]."""
     longest = lengths.max()
     if longest <= 0.0:
         return 0.0
@@ -74,13 +74,13 @@ def norm(lengths: NDArray[np.float64], p: int) -> float:
 
 @njit(cache=True, nogil=True)
 def energy(lengths: NDArray[np.float64], aim: Aim) -> float:
-    """Return ‖C‖_p + ε · mean_k C_k [s], from p = SHARP Σ_k max(0, C_k − cap) + ε · mean_k C_k."""
-    shared = aim.evenness * lengths.mean()
+    """Return ‖C‖_p + ε · mean_k C_k [s], from p = SHARP Σ_k max(0, C_k − cap) + ε · mean_k C_k; lengths (m,) [s]."""
+    total = aim.evenness * lengths.mean()
     if aim.p < SHARP:
-        return norm(lengths, aim.p) + shared
+        return total + norm(lengths, aim.p)
     for length in lengths:
-        shared += max(0.0, length - aim.cap)
-    return shared
+        total += max(0.0, length - aim.cap)
+    return total
 
 
 @njit(cache=True, nogil=True)
@@ -104,8 +104,8 @@ def stakes_without(tours: Tours, k_a: int, k_b: int, aim: Aim) -> Stakes:
 def energy_with(stakes: Stakes, cost_a: float, cost_b: float) -> float:
     """Return the energy [s] where the two tours at work cost cost_a and cost_b."""
     p, scale, cap = stakes.aim.p, stakes.scale, stakes.aim.cap
-    shared = stakes.aim.evenness * (stakes.total + cost_a + cost_b) / stakes.m
+    even = stakes.aim.evenness * (stakes.total + cost_a + cost_b) / stakes.m
     if p >= SHARP:
-        return stakes.powers + max(0.0, cost_a - cap) + max(0.0, cost_b - cap) + shared
+        return stakes.powers + max(0.0, cost_a - cap) + max(0.0, cost_b - cap) + even
     powers = stakes.powers + power(cost_a / scale, p) + power(cost_b / scale, p)
-    return scale * powers ** (1.0 / p) + shared
+    return scale * powers ** (1.0 / p) + even

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from formulations.routing.search import cooling
 from formulations.routing.search.annealing import Habits, anneal
-from formulations.routing.search.cooling import Manner, cool
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.focus import MOST, Part, around_longest, part_of, put_back
@@ -78,7 +77,7 @@ class Population:
         self._fittest = self._copy(self._newcomer)
         self.best = self._copy(self._newcomer)
         self.improved = True
-        self._manner = Manner(cooling.HOT, cooling.SOFT[0], cooling.COARSE)
+        self._manner = cooling.Manner(cooling.HOT, cooling.SOFT[0], cooling.COARSE)
         self._begin, self.end = 0.0, 1.0
 
     def plan(self, step: float, depth: float) -> None:
@@ -100,7 +99,7 @@ class Population:
         costs, near, _ = self.ground if self._part is None else self._part.ground
         best = self.best if self._part is None else self._part.best
         longest = self.best.cost.max()
-        temperature, aim = cool(self._fittest, longest, done, self._manner)
+        temperature, aim = cooling.cool(self._fittest, longest, done, self._manner)
         anneal(costs, near, self._newcomer, best, self._fittest, self.rng, steps, temperature, aim, self.habits)
         self.improved = self.improved or self.best.cost.max() < longest
 
@@ -122,8 +121,8 @@ class Population:
             self._newcomer, first, length = self._constructed(), cooling.HOT, self.founder
         else:
             self._newcomer, first, length = self._renewed()
-        fineness = cooling.fineness(self._barren / (BARREN * self.founders), self.rng)
-        self._manner = Manner(first, cooling.SOFT[below(self.rng, len(cooling.SOFT))], fineness)
+        fineness = cooling.draw_fineness(self._barren / (BARREN * self.founders), self.rng)
+        self._manner = cooling.Manner(first, cooling.SOFT[below(self.rng, len(cooling.SOFT))], fineness)
         self._fittest = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
 

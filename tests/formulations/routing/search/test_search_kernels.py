@@ -276,7 +276,7 @@ def test_the_last_temperature_is_low_in_mean_legs_and_in_longest_tours():
 
 def test_annealings_are_fine_the_more_often_the_longer_nothing_new_was_found():
     rng = seeded(4)
-    drawn = [[cooling.fineness(used, rng) for _ in range(400)] for used in (0.0, 0.5, 1.0)]
+    drawn = [[cooling.draw_fineness(used, rng) for _ in range(400)] for used in (0.0, 0.5, 1.0)]
     assert set(drawn[0]) == {cooling.COARSE}
     assert 160 < drawn[1].count(cooling.FINE) < 240
     assert set(drawn[2]) == {cooling.FINE}

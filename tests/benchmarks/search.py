@@ -25,6 +25,8 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import fmean
 from types import SimpleNamespace
+from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
@@ -54,9 +56,14 @@ PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`
     (60, 2): (3056.716, 3045.643, 3006.693, 3003.286, 2802.143, 2831.332, 3119.675, 3103.277, 2948.174, 2855.437),
     (60, 4): (1708.692, 1650.808, 1627.962, 1629.712),
 }
-ABLATIONS: dict[str, dict[str, float]] = {  # options of memetic; SETTLED is a constant of cooling.py
+CONSTANTS: dict[str, dict[str, Any]] = {  # ingredients that are constants of cooling.py
+    "no cap in the end (p-norm throughout)": {
+        name: getattr(cooling, name)._replace(settled=0.0) for name in ("COARSE", "FINE")
+    },
+    "no fine annealings": {"FINEST": 0.0},
+}
+ABLATIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic
     "all": {},
-    "no cap in the end (p-norm throughout)": {"SETTLED": 0.0},
     "no long cuts": {"cuts": 0.0},
     "no string removal": {"strings": 0.0},
     "no adjacent removal": {"strings": 1.0},
@@ -317,13 +324,11 @@ def ablation(args: argparse.Namespace) -> None:
     cases = public("multi_he43", "single_he77", only=args.only or ("md10", "md25", "md40", "lin318_5"))
     seconds = args.seconds or 10.0
     print(f"\n== ablation: {seconds:g} CPU s, {args.seeds} seeds, mean gap [%] on {len(cases)} instances ==")
-    settled = cooling.SETTLED
-    for label, options in ABLATIONS.items():
-        cooling.SETTLED = options.get("SETTLED", settled)
-        search = by_solver("memetic", **{name: value for name, value in options.items() if name != "SETTLED"})
-        means = [fmean(gaps_of(search, case, best, seconds, args.seeds)) for case, best in cases]
+    for label in (*ABLATIONS, *CONSTANTS):
+        search = by_solver("memetic", **ABLATIONS.get(label, {}))
+        with patch.multiple(cooling, **CONSTANTS.get(label, {})):
+            means = [fmean(gaps_of(search, case, best, seconds, args.seeds)) for case, best in cases]
         print(f"{label:<40}{fmean(means):>8.2f}   {' '.join(f'{g:.2f}' for g in means)}", flush=True)
-    cooling.SETTLED = settled
 
 
 SECTIONS = {f.__name__: f for f in (multi, classics, single, wind, proved, large, limits, peers, ablation)}

@@ -52,16 +52,16 @@ def undo(
 
 
 @njit(cache=True, nogil=True)
-def _keep(tours: Tours, best: Tours, fittest: Tours, lowest: float) -> float:
+def _keep(tours: Tours, best: Tours, fittest: Tours, lowest: float, known: float) -> float:
     """Copy `tours` to `best` where their longest is shorter, to `fittest` where their fitness is below `lowest` [s].
 
-    Return the lowest fitness then.
+    known [s] is what fitness is measured by. Return the lowest fitness then.
     """
     longest = tours.cost.max()
     if longest < best.cost.max():
         copy_tours(tours, best)
-    if longest < lowest:
-        value = fitness(tours.cost)
+    if longest - known < lowest:
+        value = fitness(tours.cost, known)
         if value < lowest:
             copy_tours(tours, fittest)
             return value
@@ -92,12 +92,12 @@ def anneal(
     costs_before = np.empty(tours.cost.size)
     sum_costs(tours)
     now = energy(tours.cost, aim)
-    lowest = fitness(fittest.cost)
+    lowest = fitness(fittest.cost, aim.known)
     bench = blank_bench(near.tasks.shape[0])
     for _ in range(steps):
         if uniform(rng) < habits.cuts:
             now = cut(costs, near.tasks, tours, bench, rng, now, QUENCH * temperature, aim)
-            lowest = _keep(tours, best, fittest, lowest)
+            lowest = _keep(tours, best, fittest, lowest, aim.known)
             continue
         costs_before[:] = tours.cost
         if uniform(rng) < habits.strings:
@@ -110,6 +110,6 @@ def anneal(
         then = energy(tours.cost, aim)
         if then < now - temperature * math.log(1.0 - uniform(rng)):
             now = then
-            lowest = _keep(tours, best, fittest, lowest)
+            lowest = _keep(tours, best, fittest, lowest, aim.known)
         else:
             undo(costs, tours, count, gone, stood, costs_before)

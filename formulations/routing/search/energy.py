@@ -20,18 +20,21 @@ from formulations.routing.search.tours import Tours
 
 SHARP = 500
 """p from which the norm would be the maximum, to within what matters: then the excess over the cap counts."""
-FIT = 128
-"""The p by which tours are compared that are kept: of two with the same longest tour, that with fewer long ones."""
 TINY = 1e-300
 """Tours that cost nothing are scaled by this [s]."""
 
 
 class Aim(NamedTuple):
-    """What counts at present: the share ε of the mean, p, and the cap [s], which counts from p = SHARP."""
+    """What counts at present.
+
+    evenness: the share ε of the mean; p: of the norm; cap [s]: counts from p = SHARP; known [s]: the longest of the
+    best tours known, by which fitness is measured.
+    """
 
     evenness: float
     p: int
     cap: float
+    known: float
 
 
 class Stakes(NamedTuple):
@@ -84,9 +87,16 @@ def energy(lengths: NDArray[np.float64], aim: Aim) -> float:
 
 
 @njit(cache=True, nogil=True)
-def fitness(lengths: NDArray[np.float64]) -> float:
-    """Return ‖C‖_FIT [s]: where two crowds of tours are too long, it says that one of them is not any more."""
-    return norm(lengths, FIT)
+def fitness(lengths: NDArray[np.float64], known: float) -> float:
+    """Return Σ_k max(0, C_k − known) [s], below 0 by how much all beat known [s], the longest of the best tours known.
+
+    Where two crowds of tours are too long, it says that one of them is not any more. Many tours nearly as long as the
+    longest are no fault, as they would be in a norm: tight packings consist of them.
+    """
+    total = 0.0
+    for length in lengths:
+        total += max(0.0, length - known)
+    return total if total > 0.0 else lengths.max() - known
 
 
 @njit(cache=True, nogil=True)

@@ -4,8 +4,8 @@ A stage anneals one newcomer. The first stages make founders from scratch; later
 alone (focus), take a member and send a UAV of it elsewhere (relief), or make a child of two members.
 At the end of a stage every tour of the newcomer gets a better order (intensify).
 A newcomer that is no copy of a member replaces the worst member where it is better; a population that brings forth
-nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long. The longer
-nothing is new, the more annealings are fine (cooling.py).
+nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long. Where nothing
+is new, most annealings are fine (cooling.py).
 """
 
 from __future__ import annotations
@@ -31,16 +31,18 @@ MEMBERS = 8
 """Members at most."""
 CHILD, RELIEF = 0.5, 0.15
 """Lengths of the stages of a child and of a relief, in those of a founder."""
-BARREN = 3
+BARREN = 6
 """Stages in a row without a new member, for each founder, after which the population starts over."""
 FEWEST, A_TASK, ENOUGH = 10_000, 250, 25_000
 """Steps of a founder, at least: FEWEST, or A_TASK for each task up to ENOUGH; small instances gain more by starts."""
 FOCUS, BRIEFEST = 5.0, 10_000
 """Steps of a focus on s tasks of w tours, in s² / w; at least."""
+STRINGS = 0.2
+"""Share of ruins by strings in a fine annealing, in that of the others: packing is moving single tasks."""
 RELIEVED = 0.3
 """Share of focuses that begin with a relief, not from scratch."""
 SAME = 1e-9
-"""Tours whose fitness differs by less than this share count as copies."""
+"""Tours whose fitness differs by less than this share of the best known longest tour count as copies."""
 
 
 class Shares(NamedTuple):
@@ -100,7 +102,10 @@ class Population:
         best = self.best if self._part is None else self._part.best
         longest = self.best.cost.max()
         temperature, aim = cooling.cool(self._fittest, longest, done, self._manner)
-        anneal(costs, near, self._newcomer, best, self._fittest, self.rng, steps, temperature, aim, self.habits)
+        habits = self.habits
+        if self._manner.ending is cooling.FINE:
+            habits = habits._replace(strings=STRINGS * habits.strings)
+        anneal(costs, near, self._newcomer, best, self._fittest, self.rng, steps, temperature, aim, habits)
         self.improved = self.improved or self.best.cost.max() < longest
 
     def next_stage(self, now: float, guest: Tours | None = None) -> None:
@@ -121,8 +126,7 @@ class Population:
             self._newcomer, first, length = self._constructed(), cooling.HOT, self.founder
         else:
             self._newcomer, first, length = self._renewed()
-        fineness = cooling.draw_fineness(self._barren / (BARREN * self.founders), self.rng)
-        self._manner = cooling.Manner(first, cooling.SOFT[below(self.rng, len(cooling.SOFT))], fineness)
+        self._manner = cooling.draw_manner(first, self._barren / self.founders, self.rng)
         self._fittest = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
 
@@ -130,8 +134,9 @@ class Population:
         """Return the newcomer as its stage left it; a part goes back where it is fitter."""
         if self._part is None:
             return self._fittest
+        known = self.best.cost.max()
         for found in (self._part.best, self._fittest):
-            if fitness(found.cost) < fitness(self._part.tours.cost):
+            if fitness(found.cost, known) < fitness(self._part.tours.cost, known):
                 put_back(self.ground.costs, self._part.nodes, found, self._whole)
                 self._remember(self._whole)
         return self._whole
@@ -155,9 +160,10 @@ class Population:
 
     def _welcome(self, newcomer: Tours) -> bool:
         """Add a copy of `newcomer` unless a member equals it; keep the best members; return whether it is in."""
-        value = fitness(newcomer.cost)
-        values = [fitness(member.cost) for member in self.members]
-        if any(abs(value - other) <= SAME * max(value, other) for other in values):
+        known = float(self.best.cost.max())
+        value = fitness(newcomer.cost, known)
+        values = [fitness(member.cost, known) for member in self.members]
+        if any(abs(value - other) <= SAME * known for other in values):
             return False
         if len(values) >= max(2, self.founders):
             worst = int(np.argmax(values))

@@ -74,4 +74,4 @@ def cool(tours: Tours, longest: float, done: float, manner: Manner) -> tuple[flo
     now = first * (last / first) ** done
     evenness = PEAKED * (EVEN / PEAKED) ** (math.log(now / last) / math.log(HOT / last))
     p = SHARP if now < ending.settled else int(min(SHARP - 1, max(2.0, legs / (soft * now))))
-    return leg * now, Aim(evenness, p, (1.0 - ending.under) * longest, longest)
+    return leg * now, Aim(evenness, p, (1.0 - ending.under) * longest)

@@ -20,6 +20,8 @@ from formulations.routing.search.tours import Tours
 
 SHARP = 500
 """p from which the norm would be the maximum, to within what matters: then the excess over the cap counts."""
+FIT = 128
+"""The p by which tours are compared that are kept, where it is not by what exceeds the best known longest tour."""
 TINY = 1e-300
 """Tours that cost nothing are scaled by this [s]."""
 
@@ -27,14 +29,14 @@ TINY = 1e-300
 class Aim(NamedTuple):
     """What counts at present.
 
-    evenness: the share ε of the mean; p: of the norm; cap [s]: counts from p = SHARP; known [s]: the longest of the
-    best tours known, by which fitness is measured.
+    evenness: the share ε of the mean; p: of the norm; cap [s]: counts from p = SHARP; known [s]: by which fitness is
+    measured, the longest of the best tours known or 0.
     """
 
     evenness: float
     p: int
     cap: float
-    known: float
+    known: float = 0.0
 
 
 class Stakes(NamedTuple):
@@ -90,9 +92,11 @@ def energy(lengths: NDArray[np.float64], aim: Aim) -> float:
 def fitness(lengths: NDArray[np.float64], known: float) -> float:
     """Return Σ_k max(0, C_k − known) [s], below 0 by how much all beat known [s], the longest of the best tours known.
 
-    Where two crowds of tours are too long, it says that one of them is not any more. Many tours nearly as long as the
-    longest are no fault, as they would be in a norm: tight packings consist of them.
+    Of two with the same longest tour that with fewer long ones is fitter. Many tours nearly as long as the best known
+    are no fault, as they are in the norm: tight packings consist of them. Without `known`, 0, return ‖C‖_FIT [s].
     """
+    if known <= 0.0:
+        return norm(lengths, FIT)
     total = 0.0
     for length in lengths:
         total += max(0.0, length - known)

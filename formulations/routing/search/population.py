@@ -4,8 +4,12 @@ A stage anneals one newcomer. The first stages make founders from scratch; later
 alone (focus), take a member and send a UAV of it elsewhere (relief), or make a child of two members.
 At the end of a stage every tour of the newcomer gets a better order (intensify).
 A newcomer that is no copy of a member replaces the worst member where it is better; a population that brings forth
-nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long. Where nothing
-is new, most annealings are fine (cooling.py).
+nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long.
+
+With several depots it is first a matter of which UAV serves which crowd of tasks: members are compared by a norm, which
+sees all crowds whose tours are too long. A settled population, one that has started over or whose UAVs all start at one
+place, is after a tight packing: members are compared by what exceeds the best known longest tour, in which many tours
+nearly as long as that are no fault, and where nothing is new most annealings are fine (cooling.py).
 """
 
 from __future__ import annotations
@@ -31,8 +35,8 @@ MEMBERS = 8
 """Members at most."""
 CHILD, RELIEF = 0.5, 0.15
 """Lengths of the stages of a child and of a relief, in those of a founder."""
-BARREN = 6
-"""Stages in a row without a new member, for each founder, after which the population starts over."""
+BARREN, UNSETTLED = 6, 3
+"""Stages in a row without a new member, for each founder, after which a population starts over; one not yet settled."""
 FEWEST, A_TASK, ENOUGH = 10_000, 250, 25_000
 """Steps of a founder, at least: FEWEST, or A_TASK for each task up to ENOUGH; small instances gain more by starts."""
 FOCUS, BRIEFEST = 5.0, 10_000
@@ -71,6 +75,7 @@ class Population:
         self.members: list[Tours] = []
         self.founder, self.founders = 1.0, 1
         self.stages = 0
+        self.settled = bool(np.all(ground.place == 0))
         self._fresh, self._barren = 0, 0
         self._part: Part | None = None
         self._newcomer = start if start is not None else self._constructed()
@@ -102,6 +107,7 @@ class Population:
         best = self.best if self._part is None else self._part.best
         longest = self.best.cost.max()
         temperature, aim = cooling.cool(self._fittest, longest, done, self._manner)
+        aim = aim._replace(known=self.known)
         habits = self.habits
         if self._manner.ending is cooling.FINE:
             habits = habits._replace(strings=STRINGS * habits.strings)
@@ -117,7 +123,8 @@ class Population:
         self._barren = 0 if self._welcome(grown) else self._barren + 1
         if guest is not None:
             self._welcome(guest)
-        if self._fresh >= self.founders and self._barren > BARREN * self.founders:
+        if self._fresh >= self.founders and self._barren > (BARREN if self.settled else UNSETTLED) * self.founders:
+            self.settled = True
             self.members = [self._copy(self.best)]
             self._fresh, self._barren = 1, 0
             self.founder = min(2.0 * self.founder, 1.0 / 3.0)
@@ -126,7 +133,7 @@ class Population:
             self._newcomer, first, length = self._constructed(), cooling.HOT, self.founder
         else:
             self._newcomer, first, length = self._renewed()
-        self._manner = cooling.draw_manner(first, self._barren / self.founders, self.rng)
+        self._manner = cooling.draw_manner(first, self.settled * self._barren / self.founders, self.rng)
         self._fittest = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
 
@@ -134,7 +141,7 @@ class Population:
         """Return the newcomer as its stage left it; a part goes back where it is fitter."""
         if self._part is None:
             return self._fittest
-        known = self.best.cost.max()
+        known = self.known
         for found in (self._part.best, self._fittest):
             if fitness(found.cost, known) < fitness(self._part.tours.cost, known):
                 put_back(self.ground.costs, self._part.nodes, found, self._whole)
@@ -146,6 +153,11 @@ class Population:
         if self.kicks > 0:
             intensify(self.ground.costs, tours, self.rng, self.kicks)
             self._remember(tours)
+
+    @property
+    def known(self) -> float:
+        """The longest of the best tours [s] once the population is settled, by which fitness is measured; before, 0."""
+        return float(self.best.cost.max()) if self.settled else 0.0
 
     def _remember(self, tours: Tours) -> None:
         """Keep a copy of tours whose longest is shorter than that of the best."""
@@ -160,10 +172,10 @@ class Population:
 
     def _welcome(self, newcomer: Tours) -> bool:
         """Add a copy of `newcomer` unless a member equals it; keep the best members; return whether it is in."""
-        known = float(self.best.cost.max())
+        known, longest = self.known, float(self.best.cost.max())
         value = fitness(newcomer.cost, known)
         values = [fitness(member.cost, known) for member in self.members]
-        if any(abs(value - other) <= SAME * known for other in values):
+        if any(abs(value - other) <= SAME * longest for other in values):
             return False
         if len(values) >= max(2, self.founders):
             worst = int(np.argmax(values))

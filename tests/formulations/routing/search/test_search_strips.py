@@ -155,7 +155,7 @@ def test_cut_keeps_the_books_and_the_threshold(seed, p):
     table = Table(seed)
     near = neighbours(both_ways(table.instance.cost), N, 8, M)
     rng, tours = seeded(seed), table.tours
-    aim = Aim(0.1, p, 0.8 * tours.cost.max(), 0.0)
+    aim = Aim(0.1, p, 0.8 * tours.cost.max())
     now = energy(tours.cost, aim)
     for _ in range(20):
         then = cuts.cut(table.costs, near.tasks, tours, table.bench, rng, now, 1e-9, aim)

@@ -58,9 +58,9 @@ PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`
 }
 CONSTANTS: dict[str, dict[str, Any]] = {  # ingredients that are constants of cooling.py
     "no cap in the end (p-norm throughout)": {
-        name: getattr(cooling, name)._replace(settled=0.0) for name in ("COARSE", "FINE")
+        name: getattr(cooling, name)._replace(settled=0.0) for name in ("COARSE", "FINE", "PACKED")
     },
-    "no fine annealings": {"FINEST": 0.0},
+    "no fine annealings": dict.fromkeys(("FINE", "PACKED"), cooling.COARSE),
 }
 ABLATIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic
     "all": {},

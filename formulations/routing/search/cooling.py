@@ -3,8 +3,9 @@
 The norm is so soft that a tour counts as long which is within a few temperatures of the longest. How soft is drawn for
 each annealing: a soft norm makes room in crowds of long tours, a sharp one finds optima in which most tours are long.
 In the end what counts is the excess over a cap just below the best known longest tour, and the annealing goes on to
-temperatures below the small shares of a tour by which good packings differ. A fine annealing is for the packing alone:
-it begins low, the cap counts sooner, lies nearer to the best known longest tour, and the end is colder.
+temperatures below the small shares of a tour by which good packings differ. A fine annealing has a cap nearer to that
+tour and a colder end. Where all UAVs start at one place packing is all there is: there fine annealings also begin low,
+and the cap counts sooner.
 """
 
 from __future__ import annotations
@@ -20,15 +21,15 @@ from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.tours import Tours
 
 HOT, WARM, MILD, LOW = 0.7, 0.15, 0.1, 0.05
-"""Temperatures in mean legs where a fresh annealing begins, a child's, a relieved member's; and a fine one, at most."""
+"""Temperatures in mean legs where a fresh annealing begins, a child's, a relieved member's; at most LOW if PACKED."""
 COLD = 0.007
 """The last temperature in mean legs, at most."""
 EVEN, PEAKED = 0.5, 0.02
 """Share ε of the mean tour in the energy at HOT and in the end."""
 SOFT = (8.0, 2.0)
 """p = max_k C_k / (soft · temperature), soft one of SOFT."""
-FINEST = 0.8
-"""Share of fine annealings, at most."""
+MOST_PACKED = 0.8
+"""Share of PACKED annealings, at most."""
 
 
 class Ending(NamedTuple):
@@ -43,7 +44,8 @@ class Ending(NamedTuple):
     last: float
 
 
-COARSE, FINE = Ending(0.015, 1e-3, 1e-4), Ending(0.05, 3e-5, 3e-5)
+COARSE, FINE, PACKED = Ending(0.015, 1e-3, 1e-4), Ending(0.015, 2e-4, 2e-5), Ending(0.05, 3e-5, 3e-5)
+"""The usual ending; that of a fine annealing; and that of a fine one where all UAVs start at one place."""
 
 
 class Manner(NamedTuple):
@@ -54,12 +56,15 @@ class Manner(NamedTuple):
     ending: Ending
 
 
-def draw_manner(first: float, staleness: float, rng: NDArray[np.uint64]) -> Manner:
-    """Return a manner that begins at `first` mean legs, fine with probability `staleness`, at most FINEST."""
+def draw_manner(first: float, staleness: float, packing: bool, rng: NDArray[np.uint64]) -> Manner:
+    """Return a manner that begins at `first` mean legs, fine with probability `staleness`.
+
+    packing: a fine one is PACKED and begins at most at LOW, with probability MOST_PACKED at most.
+    """
     soft = SOFT[below(rng, len(SOFT))]
-    if uniform(rng) < min(FINEST, staleness):
-        return Manner(min(first, LOW), soft, FINE)
-    return Manner(first, soft, COARSE)
+    if uniform(rng) >= (min(MOST_PACKED, staleness) if packing else staleness):
+        return Manner(first, soft, COARSE)
+    return Manner(min(first, LOW), soft, PACKED) if packing else Manner(first, soft, FINE)
 
 
 def cool(tours: Tours, longest: float, done: float, manner: Manner) -> tuple[float, Aim]:

@@ -4,12 +4,13 @@ A stage anneals one newcomer. The first stages make founders from scratch; later
 alone (focus), take a member and send a UAV of it elsewhere (relief), or make a child of two members.
 At the end of a stage every tour of the newcomer gets a better order (intensify).
 A newcomer that is no copy of a member replaces the worst member where it is better; a population that brings forth
-nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long.
+nothing new for a while keeps its best member and starts over with fresh founders, annealed twice as long. The longer
+nothing is new, the more annealings are fine (cooling.py).
 
-With several depots it is first a matter of which UAV serves which crowd of tasks: members are compared by a norm, which
-sees all crowds whose tours are too long. A settled population, one that has started over or whose UAVs all start at one
-place, is after a tight packing: members are compared by what exceeds the best known longest tour, in which many tours
-nearly as long as that are no fault, and where nothing is new most annealings are fine (cooling.py).
+With several depots it is a matter of which UAV serves which crowd of tasks: members are compared by a norm, which sees
+all crowds whose tours are too long. Where all UAVs start at one place (`packing`) tours can be packed tightly: members
+are compared by what exceeds the best known longest tour, in which many tours nearly as long as that are no fault, and
+where nothing is new most annealings are fine.
 """
 
 from __future__ import annotations
@@ -35,14 +36,16 @@ MEMBERS = 8
 """Members at most."""
 CHILD, RELIEF = 0.5, 0.15
 """Lengths of the stages of a child and of a relief, in those of a founder."""
-BARREN, UNSETTLED = 6, 3
-"""Stages in a row without a new member, for each founder, after which a population starts over; one not yet settled."""
+BARREN, BARREN_PACKING = 3, 6
+"""Stages in a row without a new member, for each founder, after which the population starts over; and when packing."""
+ALL_FINE = 1
+"""As many, when packing, after which annealings are fine as often as they may be; else that is BARREN."""
 FEWEST, A_TASK, ENOUGH = 10_000, 250, 25_000
 """Steps of a founder, at least: FEWEST, or A_TASK for each task up to ENOUGH; small instances gain more by starts."""
 FOCUS, BRIEFEST = 5.0, 10_000
 """Steps of a focus on s tasks of w tours, in s² / w; at least."""
 STRINGS = 0.2
-"""Share of ruins by strings in a fine annealing, in that of the others: packing is moving single tasks."""
+"""Share of ruins by strings in a PACKED annealing, in that of the others: packing is moving single tasks."""
 RELIEVED = 0.3
 """Share of focuses that begin with a relief, not from scratch."""
 SAME = 1e-9
@@ -75,7 +78,7 @@ class Population:
         self.members: list[Tours] = []
         self.founder, self.founders = 1.0, 1
         self.stages = 0
-        self.settled = bool(np.all(ground.place == 0))
+        self.packing = bool(np.all(ground.place == 0))
         self._fresh, self._barren = 0, 0
         self._part: Part | None = None
         self._newcomer = start if start is not None else self._constructed()
@@ -109,7 +112,7 @@ class Population:
         temperature, aim = cooling.cool(self._fittest, longest, done, self._manner)
         aim = aim._replace(known=self.known)
         habits = self.habits
-        if self._manner.ending is cooling.FINE:
+        if self._manner.ending is cooling.PACKED:
             habits = habits._replace(strings=STRINGS * habits.strings)
         anneal(costs, near, self._newcomer, best, self._fittest, self.rng, steps, temperature, aim, habits)
         self.improved = self.improved or self.best.cost.max() < longest
@@ -123,8 +126,7 @@ class Population:
         self._barren = 0 if self._welcome(grown) else self._barren + 1
         if guest is not None:
             self._welcome(guest)
-        if self._fresh >= self.founders and self._barren > (BARREN if self.settled else UNSETTLED) * self.founders:
-            self.settled = True
+        if self._fresh >= self.founders and self._barren > (BARREN_PACKING if self.packing else BARREN) * self.founders:
             self.members = [self._copy(self.best)]
             self._fresh, self._barren = 1, 0
             self.founder = min(2.0 * self.founder, 1.0 / 3.0)
@@ -133,7 +135,8 @@ class Population:
             self._newcomer, first, length = self._constructed(), cooling.HOT, self.founder
         else:
             self._newcomer, first, length = self._renewed()
-        self._manner = cooling.draw_manner(first, self.settled * self._barren / self.founders, self.rng)
+        staleness = self._barren / ((ALL_FINE if self.packing else BARREN) * self.founders)
+        self._manner = cooling.draw_manner(first, staleness, self.packing, self.rng)
         self._fittest = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
 
@@ -156,8 +159,8 @@ class Population:
 
     @property
     def known(self) -> float:
-        """The longest of the best tours [s] once the population is settled, by which fitness is measured; before, 0."""
-        return float(self.best.cost.max()) if self.settled else 0.0
+        """The longest of the best tours [s], by which fitness is measured when packing, else 0."""
+        return float(self.best.cost.max()) if self.packing else 0.0
 
     def _remember(self, tours: Tours) -> None:
         """Keep a copy of tours whose longest is shorter than that of the best."""

@@ -276,15 +276,24 @@ def test_the_last_temperature_is_low_in_mean_legs_and_in_longest_tours():
         assert cold == pytest.approx(last)
 
 
-def test_annealings_are_fine_the_more_often_the_longer_nothing_new_was_found_and_those_begin_low():
+def test_annealings_are_fine_the_more_often_the_longer_nothing_new_was_found_and_when_packing_begin_low():
     rng = seeded(4)
-    drawn = [[cooling.draw_manner(cooling.WARM, stale, rng) for _ in range(400)] for stale in (0.0, 0.5, 9.0)]
-    fine = [sum(manner.ending == cooling.FINE for manner in manners) for manners in drawn]
-    assert fine[0] == 0
-    assert 160 < fine[1] < 240 < 290 < fine[2] < 350
-    for manner in chain(*drawn):
-        assert manner.first == (cooling.LOW if manner.ending == cooling.FINE else cooling.WARM)
-        assert manner.soft in cooling.SOFT
+    for packing, ending, first, most in (
+        (False, cooling.FINE, cooling.WARM, 400),
+        (True, cooling.PACKED, cooling.LOW, 350),
+    ):
+        drawn = [
+            [cooling.draw_manner(cooling.WARM, stale, packing, rng) for _ in range(400)] for stale in (0.0, 0.5, 9.0)
+        ]
+        fine = [sum(manner.ending == ending for manner in manners) for manners in drawn]
+        assert fine[0] == 0
+        assert 160 < fine[1] < 240 < 290 < fine[2] <= most
+        for manner in chain(*drawn):
+            assert manner in [
+                cooling.Manner(*each)
+                for soft in cooling.SOFT
+                for each in ((cooling.WARM, soft, cooling.COARSE), (first, soft, ending))
+            ]
 
 
 def test_tours_that_cost_nothing_have_a_temperature_and_an_aim():

@@ -326,7 +326,7 @@ def ablation(args: argparse.Namespace) -> None:
     print(f"\n== ablation: {seconds:g} CPU s, {args.seeds} seeds, mean gap [%] on {len(cases)} instances ==")
     for label in (*ABLATIONS, *CONSTANTS):
         search = by_solver("memetic", **ABLATIONS.get(label, {}))
-        with patch.multiple(cooling, **CONSTANTS.get(label, {})):
+        with patch.dict(vars(cooling), CONSTANTS.get(label, {})):
             means = [fmean(gaps_of(search, case, best, seconds, args.seeds)) for case, best in cases]
         print(f"{label:<40}{fmean(means):>8.2f}   {' '.join(f'{g:.2f}' for g in means)}", flush=True)
 

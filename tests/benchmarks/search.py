@@ -60,7 +60,8 @@ CONSTANTS: dict[str, dict[str, Any]] = {  # ingredients that are constants of co
     "no cap in the end (p-norm throughout)": {
         name: getattr(cooling, name)._replace(settled=0.0) for name in ("COARSE", "FINE", "PACKED")
     },
-    "no fine annealings": {"FINE": cooling.COARSE, "MOST_PACKED": 0.0},
+    "no fine annealings": {"FINE": cooling.COARSE, "MOST_PACKED": 0.0, "MOST_STIRRED": 0.0},
+    "no stirring": {"MOST_STIRRED": 0.0},
 }
 ABLATIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic
     "all": {},

@@ -5,7 +5,7 @@ each annealing: a soft norm makes room in crowds of long tours, a sharp one find
 In the end what counts is the excess over a cap just below the best known longest tour, and the annealing goes on to
 temperatures below the small shares of a tour by which good packings differ. A fine annealing has a cap nearer to that
 tour and a colder end. Where all UAVs start at one place packing is all there is: there fine annealings also begin low,
-and the cap counts sooner.
+the cap counts sooner, and a stirring begins so low that it only passes through packings like the one it began with.
 """
 
 from __future__ import annotations
@@ -20,16 +20,17 @@ from formulations.routing.search.energy import SHARP, TINY, Aim
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.tours import Tours
 
-HOT, WARM, MILD, LOW = 0.7, 0.15, 0.1, 0.05
-"""Temperatures in mean legs where a fresh annealing begins, a child's, a relieved member's; at most LOW if PACKED."""
+HOT, WARM, MILD, LOW, GENTLE = 0.7, 0.15, 0.1, 0.05, 0.01
+"""Temperatures in mean legs where a fresh annealing begins, a child's, a relieved member's; at most LOW if PACKED;
+that of a stirred member."""
 COLD = 0.007
 """The last temperature in mean legs, at most."""
 EVEN, PEAKED = 0.5, 0.02
 """Share ε of the mean tour in the energy at HOT and in the end."""
 SOFT = (8.0, 2.0)
 """p = max_k C_k / (soft · temperature), soft one of SOFT."""
-MOST_PACKED = 0.8
-"""Share of PACKED annealings, at most."""
+MOST_STIRRED, MOST_PACKED = 0.4, 0.67
+"""Share of stirrings, and of PACKED annealings among the others, at most."""
 
 
 class Ending(NamedTuple):
@@ -54,6 +55,13 @@ class Manner(NamedTuple):
     first: float
     soft: float
     ending: Ending
+
+
+def draw_stirring(staleness: float, rng: NDArray[np.uint64]) -> Manner | None:
+    """Return the manner of a stirring, with probability staleness / 2 but MOST_STIRRED at most, else None."""
+    if uniform(rng) >= min(MOST_STIRRED, 0.5 * staleness):
+        return None
+    return Manner(GENTLE, SOFT[below(rng, len(SOFT))], PACKED)
 
 
 def draw_manner(first: float, staleness: float, packing: bool, rng: NDArray[np.uint64]) -> Manner:

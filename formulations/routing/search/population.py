@@ -9,8 +9,9 @@ nothing is new, the more annealings are fine (cooling.py).
 
 With several depots it is a matter of which UAV serves which crowd of tasks: members are compared by a norm, which sees
 all crowds whose tours are too long. Where all UAVs start at one place (`packing`) tours can be packed tightly: members
-are compared by what exceeds the best known longest tour, in which many tours nearly as long as that are no fault, and
-where nothing is new most annealings are fine.
+are compared by what exceeds the best known longest tour, in which many tours nearly as long as that are no fault; and
+where nothing is new most annealings are fine, many of them a stirring: a good member as it is, annealed from a
+temperature so low that it keeps most of itself. The basins of good packings lie near each other.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ MEMBERS = 8
 """Members at most."""
 CHILD, RELIEF = 0.5, 0.15
 """Lengths of the stages of a child and of a relief, in those of a founder."""
-BARREN, BARREN_PACKING = 3, 6
+BARREN, BARREN_PACKING = 3, 9
 """Stages in a row without a new member, for each founder, after which the population starts over; and when packing."""
 ALL_FINE = 1
 """As many, when packing, after which annealings are fine as often as they may be; else that is BARREN."""
@@ -44,6 +45,8 @@ FEWEST, A_TASK, ENOUGH = 10_000, 250, 25_000
 """Steps of a founder, at least: FEWEST, or A_TASK for each task up to ENOUGH; small instances gain more by starts."""
 FOCUS, BRIEFEST = 5.0, 10_000
 """Steps of a focus on s tasks of w tours, in s² / w; at least."""
+STIR = 40_000
+"""Steps of a stirring."""
 STRINGS = 0.2
 """Share of ruins by strings in a PACKED annealing, in that of the others: packing is moving single tasks."""
 RELIEVED = 0.3
@@ -131,12 +134,14 @@ class Population:
             self._fresh, self._barren = 1, 0
             self.founder = min(2.0 * self.founder, 1.0 / 3.0)
         self._part = None
-        if self._fresh < self.founders or len(self.members) < 2:
-            self._newcomer, first, length = self._constructed(), cooling.HOT, self.founder
-        else:
-            self._newcomer, first, length = self._renewed()
         staleness = self._barren / ((ALL_FINE if self.packing else BARREN) * self.founders)
-        self._manner = cooling.draw_manner(first, staleness, self.packing, self.rng)
+        stirring = cooling.draw_stirring(staleness, self.rng) if self.packing and self.members else None
+        if stirring is not None:
+            self._newcomer, self._manner, length = self.stirred(), stirring, STIR * self._step
+        else:
+            founding = self._fresh < self.founders or len(self.members) < 2
+            self._newcomer, first, length = self._founder() if founding else self._renewed()
+            self._manner = cooling.draw_manner(first, staleness, self.packing, self.rng)
         self._fittest = self._copy(self._newcomer)
         self._begin, self.end = now, self._fitting(length, now)
 
@@ -187,6 +192,16 @@ class Population:
             del self.members[worst]
         self.members.append(self._copy(newcomer))
         return True
+
+    def _founder(self) -> tuple[Tours, float, float]:
+        """Return a newcomer from scratch, its first temperature and the length of its stage."""
+        return self._constructed(), cooling.HOT, self.founder
+
+    def stirred(self) -> Tours:
+        """Return a copy of the fitter of two random members."""
+        i, j = below(self.rng, len(self.members)), below(self.rng, len(self.members))
+        a, b = self.members[i], self.members[j]
+        return self._copy(a if fitness(a.cost, self.known) <= fitness(b.cost, self.known) else b)
 
     def _renewed(self) -> tuple[Tours, float, float]:
         """Return a newcomer made from members, its first temperature and the length of its stage."""

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from formulations.routing.search import cooling
 from formulations.routing.search import crossover as mixing
 from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import Habits
@@ -144,3 +145,19 @@ def test_fitness_is_measured_by_the_best_known_longest_tour_where_all_start_at_o
     )
     assert together.known == together.best.cost.max()
     assert apart.known == 0.0
+
+
+@pytest.mark.parametrize(("positions", "stirs"), [([(0, 0)] * 3, True), (SPREAD, False)])
+def test_where_all_start_at_one_place_good_members_are_stirred_once_nothing_new_comes(positions, stirs):
+    population = Population(ground(8, positions)[1], Habits(6, 0.5, 0.1, 4), DEEP, 1.0, seeded(8), None)
+    population.plan(STEP / 100, 1.0)
+    now, stirred = 0.0, 0
+    while now < 1.0:
+        population.advance(now, 20)
+        now = population.end
+        population.next_stage(now)
+        if population._manner.first == cooling.GENTLE:
+            stirred += 1
+            routes = rings.to_routes(population._newcomer)
+            assert routes in [rings.to_routes(member) for member in population.members]
+    assert (stirred > 0) == stirs

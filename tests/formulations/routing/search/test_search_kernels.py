@@ -280,20 +280,30 @@ def test_annealings_are_fine_the_more_often_the_longer_nothing_new_was_found_and
     rng = seeded(4)
     for packing, ending, first, most in (
         (False, cooling.FINE, cooling.WARM, 400),
-        (True, cooling.PACKED, cooling.LOW, 350),
+        (True, cooling.PACKED, cooling.LOW, 300),
     ):
         drawn = [
             [cooling.draw_manner(cooling.WARM, stale, packing, rng) for _ in range(400)] for stale in (0.0, 0.5, 9.0)
         ]
         fine = [sum(manner.ending == ending for manner in manners) for manners in drawn]
         assert fine[0] == 0
-        assert 160 < fine[1] < 240 < 290 < fine[2] <= most
+        assert 160 < fine[1] < 240 < fine[2] <= most
         for manner in chain(*drawn):
             assert manner in [
                 cooling.Manner(*each)
                 for soft in cooling.SOFT
                 for each in ((cooling.WARM, soft, cooling.COARSE), (first, soft, ending))
             ]
+
+
+def test_stirrings_come_the_more_often_the_longer_nothing_new_was_found_and_begin_gently():
+    rng = seeded(6)
+    drawn = [[cooling.draw_stirring(stale, rng) for _ in range(400)] for stale in (0.0, 0.4, 9.0)]
+    none, some, most = (sum(manner is not None for manner in manners) for manners in drawn)
+    assert none == 0
+    assert 50 < some < 110 < 130 < most < 190
+    for manner in chain(*drawn):
+        assert manner is None or manner in [cooling.Manner(cooling.GENTLE, s, cooling.PACKED) for s in cooling.SOFT]
 
 
 def test_tours_that_cost_nothing_have_a_temperature_and_an_aim():

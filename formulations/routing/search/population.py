@@ -135,7 +135,7 @@ class Population:
             self.founder = min(2.0 * self.founder, 1.0 / 3.0)
         self._part = None
         staleness = self._barren / ((ALL_FINE if self.packing else BARREN) * self.founders)
-        stirring = cooling.draw_stirring(staleness, self.rng) if self.packing and self.members else None
+        stirring = cooling.draw_stirring(staleness, self.rng) if self.packing else None
         if stirring is not None:
             self._newcomer, self._manner, length = self.stirred(), stirring, STIR * self._step
         else:

@@ -137,7 +137,7 @@ class Population:
         staleness = self._barren / ((ALL_FINE if self.packing else BARREN) * self.founders)
         stirring = cooling.draw_stirring(staleness, self.rng) if self.packing else None
         if stirring is not None:
-            self._newcomer, self._manner, length = self.stirred(), stirring, STIR * self._step
+            self._newcomer, self._manner, length = self._stirred(), stirring, STIR * self._step
         else:
             founding = self._fresh < self.founders or len(self.members) < 2
             self._newcomer, first, length = self._founder() if founding else self._renewed()
@@ -197,12 +197,6 @@ class Population:
         """Return a newcomer from scratch, its first temperature and the length of its stage."""
         return self._constructed(), cooling.HOT, self.founder
 
-    def stirred(self) -> Tours:
-        """Return a copy of the fitter of two random members."""
-        i, j = below(self.rng, len(self.members)), below(self.rng, len(self.members))
-        a, b = self.members[i], self.members[j]
-        return self._copy(a if fitness(a.cost, self.known) <= fitness(b.cost, self.known) else b)
-
     def _renewed(self) -> tuple[Tours, float, float]:
         """Return a newcomer made from members, its first temperature and the length of its stage."""
         if self.ground.size[1] > 2 and uniform(self.rng) < self.shares.focuses:
@@ -229,6 +223,12 @@ class Population:
         tours = self._copy(self.members[below(self.rng, len(self.members))])
         relieve(self.ground.costs, self.ground.near, tours, self.rng)
         return tours
+
+    def _stirred(self) -> Tours:
+        """Return a copy of the fitter of two random members."""
+        i, j = below(self.rng, len(self.members)), below(self.rng, len(self.members))
+        a, b = self.members[i], self.members[j]
+        return self._copy(a if fitness(a.cost, self.known) <= fitness(b.cost, self.known) else b)
 
     def child(self) -> Tours:
         """Return the child of two random members."""

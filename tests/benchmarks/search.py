@@ -24,7 +24,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from statistics import fmean
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
@@ -33,7 +33,8 @@ import numpy as np
 import formulations.recorder
 import formulations.routing.search.pace
 from formulations.registry import make_solver
-from formulations.routing.search import cooling
+from formulations.routing.search import cooling, population
+from formulations.routing.search.recreate import WIDTH
 from formulations.solver import Limits
 from instances import Instance, Routes, check_routes, makespan
 from instances.families import generate
@@ -56,12 +57,14 @@ PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`
     (60, 2): (3056.716, 3045.643, 3006.693, 3003.286, 2802.143, 2831.332, 3119.675, 3103.277, 2948.174, 2855.437),
     (60, 4): (1708.692, 1650.808, 1627.962, 1629.712),
 }
-CONSTANTS: dict[str, dict[str, Any]] = {  # ingredients that are constants of cooling.py
-    "no cap in the end (p-norm throughout)": {
-        name: getattr(cooling, name)._replace(settled=0.0) for name in ("COARSE", "FINE", "PACKED")
-    },
-    "no fine annealings": {"FINE": cooling.COARSE, "MOST_PACKED": 0.0, "MOST_STIRRED": 0.0},
-    "no stirring": {"MOST_STIRRED": 0.0},
+CONSTANTS: dict[str, tuple[ModuleType, dict[str, Any]]] = {  # ingredients that are constants of a module
+    "no cap in the end (p-norm throughout)": (
+        cooling,
+        {name: getattr(cooling, name)._replace(settled=0.0) for name in ("COARSE", "FINE", "PACKED")},
+    ),
+    "no fine annealings": (cooling, {"FINE": cooling.COARSE, "MOST_PACKED": 0.0, "MOST_STIRRED": 0.0}),
+    "no stirring": (cooling, {"MOST_STIRRED": 0.0}),
+    "no wide recreation": (population, {"NEAR_TASKS": WIDTH}),
 }
 ABLATIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic
     "all": {},
@@ -325,12 +328,14 @@ def peers(args: argparse.Namespace) -> None:
 
 def ablation(args: argparse.Namespace) -> None:
     """What each ingredient is worth."""
-    cases = public("multi_he43", "single_he77", only=args.only or ("md10", "md25", "md40", "lin318_5"))
+    sources = ("multi_he43", "single_he77", "single_mtsplib")
+    cases = public(*sources, only=args.only or ("md10", "md25", "md40", "lin318_5", "rat99_5"))
     seconds = args.seconds or 10.0
     print(f"\n== ablation: {seconds:g} CPU s, {args.seeds} seeds, mean gap [%] on {len(cases)} instances ==")
     for label in (*ABLATIONS, *CONSTANTS):
         search = by_solver("memetic", **ABLATIONS.get(label, {}))
-        with patch.dict(vars(cooling), CONSTANTS.get(label, {})):
+        module, values = CONSTANTS.get(label, (cooling, {}))
+        with patch.dict(vars(module), values):
             means = [fmean(gaps_of(search, case, best, seconds, args.seeds)) for case, best in cases]
         print(f"{label:<40}{fmean(means):>8.2f}   {' '.join(f'{g:.2f}' for g in means)}", flush=True)
 

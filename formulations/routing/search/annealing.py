@@ -14,7 +14,7 @@ from formulations.routing.search.cuts import blank_bench, cut
 from formulations.routing.search.energy import SHARP, Aim, energy, fitness
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below, uniform
-from formulations.routing.search.recreate import recreate, shuffle
+from formulations.routing.search.recreate import WIDTH, recreate, shuffle
 from formulations.routing.search.ruin import put_back, ruin_adjacent, ruin_strings
 from formulations.routing.search.tours import Tours, copy_tours, sum_costs, unlink
 
@@ -26,13 +26,15 @@ QUENCH = 0.1
 
 class Habits(NamedTuple):
     """removals: tasks taken out by one ruin, at most; strings: share of ruins by strings, the others are adjacent
-    removals; cuts: share of steps that cut long pieces instead of ruining; powers: how many of POWERS are drawn from.
+    removals; cuts: share of steps that cut long pieces instead of ruining; powers: how many of POWERS are drawn from;
+    width: near tasks whose two sides a recreation looks at, for each task.
     """
 
     removals: int
     strings: float
     cuts: float
     powers: int
+    width: int = WIDTH
 
 
 @njit(cache=True, nogil=True)
@@ -106,7 +108,7 @@ def anneal(
             count = ruin_adjacent(costs, near.tasks, tours, rng, removals, gone, stood)
         queue[:count] = gone[:count]
         shuffle(queue, count, rng)
-        recreate(costs, near, tours, queue, count, POWERS[below(rng, habits.powers)], rng)
+        recreate(costs, near, tours, queue, count, POWERS[below(rng, habits.powers)], habits.width, rng)
         then = energy(tours.cost, aim)
         if then < now - temperature * math.log(1.0 - uniform(rng)):
             now = then

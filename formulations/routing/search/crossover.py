@@ -14,7 +14,7 @@ from formulations.routing.search.annealing import POWERS
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below
-from formulations.routing.search.recreate import recreate, shuffle
+from formulations.routing.search.recreate import WIDTH, recreate, shuffle
 from formulations.routing.search.tours import Tours, link, sum_costs, unlink
 
 
@@ -95,4 +95,4 @@ def crossover(
             count = lay_over(costs, child, donor, order[i], h, homeless, count)
     sum_costs(child)
     shuffle(homeless, count, rng)
-    recreate(costs, near, child, homeless, count, POWERS[below(rng, len(POWERS))], rng)
+    recreate(costs, near, child, homeless, count, POWERS[below(rng, len(POWERS))], WIDTH, rng)

@@ -11,7 +11,8 @@ With several depots it is a matter of which UAV serves which crowd of tasks: mem
 all crowds whose tours are too long. Where all UAVs start at one place (`packing`) tours can be packed tightly: members
 are compared by what exceeds the best known longest tour, in which many tours nearly as long as that are no fault; and
 where nothing is new most annealings are fine, many of them a stirring: a good member as it is, annealed from a
-temperature so low that it keeps most of itself. The basins of good packings lie near each other.
+temperature so low that it keeps most of itself. The basins of good packings lie near each other. And a task may have to
+go to a tour that passes none of its nearest tasks: recreations look at all near tasks.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from formulations.routing.search.energy import fitness
 from formulations.routing.search.focus import MOST, Part, around_longest, part_of, put_back
 from formulations.routing.search.ground import Ground
 from formulations.routing.search.intensify import intensify
+from formulations.routing.search.neighbours import NEAR_TASKS
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.relief import relieve
@@ -77,11 +79,12 @@ class Population:
         rng: NDArray[np.uint64],
         start: Tours | None,
     ) -> None:
-        self.ground, self.habits, self.shares, self.kicks, self.rng = ground, habits, shares, kicks, rng
+        self.packing = bool(np.all(ground.place == 0))
+        self.habits = habits._replace(width=NEAR_TASKS) if self.packing else habits
+        self.ground, self.shares, self.kicks, self.rng = ground, shares, kicks, rng
         self.members: list[Tours] = []
         self.founder, self.founders = 1.0, 1
         self.stages = 0
-        self.packing = bool(np.all(ground.place == 0))
         self._fresh, self._barren = 0, 0
         self._part: Part | None = None
         self._newcomer = start if start is not None else self._constructed()

@@ -23,7 +23,7 @@ from formulations.routing.search.tours import Tours, insertion_change, link
 BLINK = 0.01
 """Probability of overlooking a place, at most one for each task."""
 WIDTH = 12
-"""Near tasks whose two sides are looked at."""
+"""Near tasks whose two sides are looked at, usually."""
 TIE = 1e-4
 """From p = SHARP: weight of the growth of a tour below the longest."""
 DEPOTS = 4
@@ -59,16 +59,18 @@ def best_place(
     v: int,
     p: int,
     scale: float,
+    width: int,
     blink: float,
     rng: NDArray[np.uint64],
 ) -> tuple[int, float]:
     """Return (node to put task v behind, change of that tour's cost [s]); the node is −1 where all was overlooked.
 
     1 / scale [s] is the longest tour that is left: it keeps powers in range, and from p = SHARP it is what counts.
+    width: near tasks whose two sides are looked at.
     """
     n_near = near.tasks.shape[1]
     n_depots = near.depots.shape[1]
-    n_tasks_seen = min(WIDTH, n_near)
+    n_tasks_seen = min(width, n_near)
     n_seen = n_tasks_seen + min(2 * DEPOTS, n_depots)
     overlooked = below(rng, int(n_seen / blink)) if blink > 0.0 else -1
     best, best_u, best_change = np.inf, -1, 0.0
@@ -97,16 +99,17 @@ def recreate(
     queue: NDArray[np.int32],
     count: int,
     p: int,
+    width: int,
     rng: NDArray[np.uint64],
 ) -> None:
-    """Put queue[:count] back into the tours, in that order, and book the costs."""
+    """Put queue[:count] back into the tours, in that order, and book the costs; `width` as in best_place."""
     longest = tours.cost.max()
     scale = 1.0 / longest if longest > 0.0 else 1.0
     for i in range(count):
         v = queue[i]
-        u, change = best_place(costs, near, tours, v, p, scale, BLINK, rng)
+        u, change = best_place(costs, near, tours, v, p, scale, width, BLINK, rng)
         if u < 0:
-            u, change = best_place(costs, near, tours, v, p, scale, 0.0, rng)
+            u, change = best_place(costs, near, tours, v, p, scale, width, 0.0, rng)
         k = tours.tour[u]
         link(costs, tours, v, u)
         tours.cost[k] += change
@@ -127,4 +130,4 @@ def construct(costs: Costs, near: Neighbours, tours: Tours, rng: NDArray[np.uint
     queue = np.arange(n).astype(np.int32)
     shuffle(queue, n, rng)
     for i in range(n):
-        recreate(costs, near, tours, queue[i : i + 1], 1, 2, rng)
+        recreate(costs, near, tours, queue[i : i + 1], 1, 2, WIDTH, rng)

@@ -14,7 +14,7 @@ from formulations.routing.search.annealing import POWERS
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below, uniform
-from formulations.routing.search.recreate import recreate, shuffle
+from formulations.routing.search.recreate import WIDTH, recreate, shuffle
 from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink
 
 TRIES = 50
@@ -70,4 +70,4 @@ def relieve(costs: Costs, near: Neighbours, tours: Tours, rng: NDArray[np.uint64
     take_over(costs, tours, h, v, limit)
     sum_costs(tours)
     shuffle(homeless, count, rng)
-    recreate(costs, near, tours, homeless, count, POWERS[below(rng, len(POWERS))], rng)
+    recreate(costs, near, tours, homeless, count, POWERS[below(rng, len(POWERS))], WIDTH, rng)

@@ -11,6 +11,7 @@ from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import Habits
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.ground import survey
+from formulations.routing.search.neighbours import NEAR_TASKS
 from formulations.routing.search.population import Population, Shares
 from formulations.routing.search.randomness import seeded
 from instances import Instance, check_routes, tour_costs
@@ -145,6 +146,16 @@ def test_fitness_is_measured_by_the_best_known_longest_tour_where_all_start_at_o
     )
     assert together.known == together.best.cost.max()
     assert apart.known == 0.0
+
+
+def test_recreations_look_at_all_near_tasks_where_all_start_at_one_place():
+    habits = Habits(6, 0.5, 0.1, 4)
+    together, apart = (
+        Population(ground(6, positions)[1], habits, Shares(0.5, 0.5), 1.0, seeded(6), None)
+        for positions in ([(0, 0)] * 3, SPREAD)
+    )
+    assert together.habits.width == NEAR_TASKS > habits.width
+    assert apart.habits == habits
 
 
 @pytest.mark.parametrize(("positions", "stirs"), [([(0, 0)] * 3, True), (SPREAD, False)])

@@ -155,12 +155,22 @@ def test_best_place_is_the_best_of_all_places_where_the_lists_hold_all(p, seed):
         for i in range(len(route) + 1):
             tried = (*left[:k], (*route[:i], v, *route[i:]), *left[k + 1 :])
             norms.append(hurt(tour_costs(instance, tried), longest, p))
-    u, change = rebuilding.best_place(costs, near, tours, v, p, 1.0 / longest, 0.0, seeded(seed))
+    u, change = rebuilding.best_place(costs, near, tours, v, p, 1.0 / longest, 9, 0.0, seeded(seed))
     k = tours.tour[u]
     rings.link(costs, tours, v, u)
     tours.cost[k] += change
     assert tours.cost == pytest.approx(tour_costs(instance, rings.to_routes(tours)))
     assert hurt(tours.cost, longest, p) == pytest.approx(min(norms))
+
+
+def test_a_wider_recreation_sees_a_tour_that_passes_none_of_the_nearest_tasks():
+    x = np.array([0.0, 1.0, 2.0, -3.0, 9.0, -10.0])  # tasks 0 to 3, two depots far off
+    costs = both_ways(np.abs(x[:, None] - x))
+    near = neighbours(costs, 4, 3, 1)  # one depot, of the long tour
+    tours = rings.from_routes(costs, ((1, 2), (3,)))
+    tours.cost[0] += 10.0  # so long that at p = 5 the tour of the farthest task is the better
+    found = [rebuilding.best_place(costs, near, tours, 0, 5, 0.01, width, 0.0, seeded(1))[0] for width in (1, 2, 3)]
+    assert [tours.tour[u] for u in found] == [0, 0, 1]
 
 
 @given(seeds)
@@ -212,7 +222,7 @@ def test_undo_returns_to_the_tours_before_the_step():
     gone, stood = np.empty(6, np.int32), np.empty(6, np.int32)
     rng = seeded(5)
     count = ruining.ruin_adjacent(both_ways(instance.cost), near.tasks, tours, rng, 6, gone, stood)
-    rebuilding.recreate(both_ways(instance.cost), near, tours, gone[:count].copy(), count, 5, rng)
+    rebuilding.recreate(both_ways(instance.cost), near, tours, gone[:count].copy(), count, 5, 8, rng)
     undo(both_ways(instance.cost), tours, count, gone, stood, costs)
     assert rings.to_routes(tours) == routes
     assert tours.cost.tolist() == costs.tolist()

@@ -12,7 +12,7 @@ all crowds whose tours are too long. Where all UAVs start at one place (`packing
 are compared by what exceeds the best known longest tour, in which many tours nearly as long as that are no fault; and
 where nothing is new most annealings are fine, many of them a stirring: a good member as it is, annealed from a
 temperature so low that it keeps most of itself. The basins of good packings lie near each other. And a task may have to
-go to a tour that passes none of its nearest tasks: recreations look at all near tasks.
+go to a tour that passes none of its nearest tasks: the annealings' recreations look at all near tasks.
 """
 
 from __future__ import annotations

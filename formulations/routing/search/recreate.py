@@ -23,7 +23,7 @@ from formulations.routing.search.tours import Tours, insertion_change, link
 BLINK = 0.01
 """Probability of overlooking a place, at most one for each task."""
 WIDTH = 12
-"""Near tasks whose two sides are looked at, usually."""
+"""Near tasks whose two sides are looked at, but for the annealings of a population that packs (population.py)."""
 TIE = 1e-4
 """From p = SHARP: weight of the growth of a tour below the longest."""
 DEPOTS = 4

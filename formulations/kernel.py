@@ -8,9 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from instances import InputError
+from instances.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -33,13 +34,13 @@ class SquaredExponential:
         object.__setattr__(self, "length_scales", scales)
         object.__setattr__(self, "signal_sd", float(self.signal_sd))
 
-    def __call__(self, a: ArrayLike, b: ArrayLike) -> NDArray[np.float64]:
+    def __call__(self, a: ArrayLike, b: ArrayLike) -> Floats:
         """Return k(a_i, b_j) for points `a` (p, 2) and `b` (q, 2) [m], shape (p, q)."""
         scales = np.asarray(self.length_scales)
         p = np.asarray(a, dtype=float).reshape(-1, 2) / scales
         q = np.asarray(b, dtype=float).reshape(-1, 2) / scales
         # difference by difference, not the expanded square: coincident points give exactly σ_f²
-        exponent: NDArray[np.float64] = np.subtract.outer(p[:, 0], q[:, 0]) ** 2
+        exponent: Floats = np.subtract.outer(p[:, 0], q[:, 0]) ** 2
         exponent += np.subtract.outer(p[:, 1], q[:, 1]) ** 2
         exponent *= -0.5
         np.exp(exponent, out=exponent)

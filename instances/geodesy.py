@@ -16,11 +16,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from instances.arrays import Floats
 from instances.errors import InputError
-
-Floats = NDArray[np.float64]
 
 A = 6_378_137.0
 """Semi-major axis of WGS 84 [m]."""

@@ -9,8 +9,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from instances.arrays import Floats
 from instances.errors import InputError, naming
 
 MAX_NODES = 20_000
@@ -42,10 +43,10 @@ class Instance:
     """
 
     name: str
-    cost: NDArray[np.float64]
+    cost: Floats
     n_tasks: int
     n_depots: int
-    coordinates: NDArray[np.float64] | None = None
+    coordinates: Floats | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -123,7 +124,7 @@ def check_size(n_tasks: int, n_depots: int) -> None:
         )
 
 
-def _checked_cost(cost: ArrayLike, size: int, name: str) -> NDArray[np.float64]:
+def _checked_cost(cost: ArrayLike, size: int, name: str) -> Floats:
     try:
         c = np.array(cost, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -143,7 +144,7 @@ def _checked_cost(cost: ArrayLike, size: int, name: str) -> NDArray[np.float64]:
     return c
 
 
-def _checked_coordinates(coordinates: ArrayLike, size: int, name: str) -> NDArray[np.float64]:
+def _checked_coordinates(coordinates: ArrayLike, size: int, name: str) -> Floats:
     try:
         xy = np.array(coordinates, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):

@@ -19,11 +19,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.errors import InputError, suggestion
 
-ROUNDINGS: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {
+ROUNDINGS: dict[str, Callable[[Floats], Floats]] = {
     "none": lambda d: d,
     "nearest": lambda d: np.floor(d + 0.5),
     "up": np.ceil,
@@ -32,7 +32,7 @@ ROUNDINGS: dict[str, Callable[[NDArray[np.float64]], NDArray[np.float64]]] = {
 """Name of a rounding → what it does to the distances."""
 
 
-def metric_cost(metric: Mapping[str, Any], coordinates: NDArray[np.float64] | None) -> NDArray[np.float64]:
+def metric_cost(metric: Mapping[str, Any], coordinates: Floats | None) -> Floats:
     """Return ``cost[i, j]`` [s], shape (k, k), of `metric` on `coordinates` (k, 2) [m]; else InputError."""
     name = metric.get("metric")
     if not isinstance(name, str) or name not in METRICS:
@@ -47,7 +47,7 @@ def metric_cost(metric: Mapping[str, Any], coordinates: NDArray[np.float64] | No
     return compute(coordinates, **{key: metric[key] for key in keys if key in metric})
 
 
-def distances(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def distances(points: Floats) -> Floats:
     """Return |x_j − x_i|, shape (k, k), of `points` (k, 2); symmetric to the last bit."""
     squared = np.subtract.outer(points[:, 0], points[:, 0])
     np.multiply(squared, squared, out=squared)
@@ -64,7 +64,7 @@ def positive(value: Any, label: str) -> float:
     return float(value)
 
 
-def _euclidean(points: NDArray[np.float64], speed: Any = 1.0, rounding: Any = "none") -> NDArray[np.float64]:
+def _euclidean(points: Floats, speed: Any = 1.0, rounding: Any = "none") -> Floats:
     if not isinstance(rounding, str) or rounding not in ROUNDINGS:
         raise InputError(f"cost: unknown rounding {rounding!r} (known: {', '.join(ROUNDINGS)})")
     d = distances(points)
@@ -72,16 +72,14 @@ def _euclidean(points: NDArray[np.float64], speed: Any = 1.0, rounding: Any = "n
     return ROUNDINGS[rounding](d)
 
 
-def _att(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _att(points: Floats) -> Floats:
     r = distances(points)
     r /= np.sqrt(10.0)
     t = np.floor(r + 0.5)
     return np.where(t < r, t + 1.0, t)
 
 
-def _wind(
-    points: NDArray[np.float64], airspeed: Any = None, wind: Any = None, region: Any = None
-) -> NDArray[np.float64]:
+def _wind(points: Floats, airspeed: Any = None, wind: Any = None, region: Any = None) -> Floats:
     # here, not above: files without wind need neither shapely nor the wind fields
     from instances.environment.closed_form import cost_matrix
     from instances.environment.corner_paths import corner_path_costs
@@ -98,7 +96,7 @@ def _wind(
     return corner_path_costs(points, Region(polygon), v0, field)
 
 
-METRICS: dict[str, tuple[Callable[..., NDArray[np.float64]], tuple[str, ...]]] = {
+METRICS: dict[str, tuple[Callable[..., Floats], tuple[str, ...]]] = {
     "euclidean": (_euclidean, ("speed", "rounding")),
     "att": (_att, ()),
     "wind": (_wind, ("airspeed", "wind", "region")),

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from instances.arrays import Floats, Ints
 from instances.disk import read_bytes, write_aside
 from instances.environment.region import Region
 from instances.environment.wind import WindField
@@ -29,8 +29,6 @@ from instances.errors import InputError
 if TYPE_CHECKING:
     from instances.instance import Instance
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 ENDING = ".paths.json.gz"
 NEAR = 5e-3

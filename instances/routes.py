@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.instance import Instance
 
 Routes = tuple[tuple[int, ...], ...]
@@ -45,7 +45,7 @@ def check_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> list[st
     return faults
 
 
-def tour_costs(instance: Instance, routes: Sequence[Sequence[int]]) -> NDArray[np.float64]:
+def tour_costs(instance: Instance, routes: Sequence[Sequence[int]]) -> Floats:
     """Return C_k [s] of each UAV, shape (m,) (paper, eq. costsum); 0 for a UAV that stays home."""
     costs = np.zeros(len(routes))
     for k, route in enumerate(routes):

@@ -24,9 +24,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from shapely.geometry import MultiPolygon, Polygon, mapping
 
+from instances.arrays import Floats
 from instances.disk import read_toml, write_aside
 from instances.environment.region import Region, polygons, read_geojson
 from instances.environment.wind import WindField, wind_from_toml
@@ -65,10 +66,10 @@ class Scenario:
 
     name: str
     region: Region
-    depots: NDArray[np.float64]
+    depots: Floats
     airspeed: float
     wind: WindField | None = None
-    tasks: NDArray[np.float64] | None = None
+    tasks: Floats | None = None
     n_tasks: int = 0
     no_fly: Sequence[Polygon] = ()
     terrain: Path | None = None
@@ -107,7 +108,7 @@ class Scenario:
             raise InputError("region: the no-fly zones leave nothing of it")
         return home[0] if home else parts[0]
 
-    def _check_reached(self, label: str, points: NDArray[np.float64], free: Region) -> None:
+    def _check_reached(self, label: str, points: Floats, free: Region) -> None:
         """Raise InputError where a point lies in a part of the region that no path leads to."""
         away = np.flatnonzero(~free.contains(points))
         parts = self.region.parts_without(list(self.no_fly)) if len(away) else []
@@ -119,7 +120,7 @@ class Scenario:
                 )
 
     @property
-    def points(self) -> NDArray[np.float64]:
+    def points(self) -> Floats:
         """Tasks, then depots, (n+m, 2) [m]: the instance's coordinates; InputError where tasks are not placed."""
         if self.tasks is None:
             raise InputError(f"scenario {self.name}: its {self.n_tasks} tasks are not placed yet")
@@ -218,7 +219,7 @@ def _read_polygons(path: Path) -> list[Polygon]:
         return [Region(zone).polygon for zone in zones]  # each must be valid
 
 
-def _points(value: ArrayLike, label: str, region: Region) -> NDArray[np.float64]:
+def _points(value: ArrayLike, label: str, region: Region) -> Floats:
     """Return points (k, 2) [m] in `region`, k ≥ 1."""
     if isinstance(value, Sequence):
         for i, point in enumerate(value):

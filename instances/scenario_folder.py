@@ -11,11 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
+from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.environment.radio import RadioMap
 from instances.environment.terrain import Terrain
 from instances.environment.wind_grid import Grid
-from instances.formats.netcdf import Floats, Variable, read_grids, write_grids
+from instances.formats.netcdf import Variable, read_grids, write_grids
 from instances.scenario import Scenario, scenario_of, write_scenario
 from instances.toml_text import toml_text
 

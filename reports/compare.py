@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from reports.metrics import contradictions, penalised, time_to_proof
 from reports.statistics import ALPHA, bootstrap_interval, holm, signed_rank
 from reports.statistics.pairwise import enough
@@ -79,7 +79,7 @@ def _medians(runs: pd.DataFrame, values: pd.Series) -> pd.Series:
     return values.groupby(runs["digest"]).median().sort_index()
 
 
-def _relative(now: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
+def _relative(now: Floats, before: Floats) -> Floats:
     """Return (now − before) / before; infinite where only one is, 0 where both are or nothing changed."""
     finite = np.isfinite(now) & np.isfinite(before)
     change = np.where(now > before, np.inf, np.where(now < before, -np.inf, 0.0))

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.environment.radio import RadioMap
 from instances.environment.terrain import Terrain
@@ -22,8 +21,6 @@ from instances.formats.netcdf import read_grids
 from instances.instance import Instance
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
-
-Floats = NDArray[np.float64]
 
 FOLDERS = ("environment", "place", "costs", "routes", "flight", "map", "compare")
 

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 from matplotlib import colormaps
 from matplotlib.image import imsave
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, draw_field
 from reports.figures.flight import colour_of, draw_flight, draw_plans
 from reports.figures.map import draw_judged, draw_stages, signal_range
@@ -20,8 +20,6 @@ from reports.figures.mission import draw_comparison, draw_progress
 from reports.figures.svg import Drawn, inline_svg
 from reports.figures.wind import draw_wind
 from reports.mission import Products
-
-Floats = NDArray[np.float64]
 
 
 def sections(products: Products) -> tuple[dict[str, Any], list[Drawn]]:

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from instances import InputError
+from instances.arrays import Floats
 from instances.files import read_instance
 from reports.figures.style import COLOURS, styles
 from reports.figures.surroundings import surroundings
@@ -155,9 +155,9 @@ def _by_interest(runs: pd.DataFrame) -> list[int]:
     return [int(i) for i in order.sort_values(["_fine", "_turn"], kind="stable").index]
 
 
-def _thinned(trace: NDArray[np.float64]) -> NDArray[np.float64]:
+def _thinned(trace: Floats) -> Floats:
     """Return at most `TRACE_POINTS` of the trace's points: first, last, and evenly between."""
     if len(trace) <= TRACE_POINTS:
         return trace
-    kept: NDArray[np.float64] = trace[np.unique(np.linspace(0, len(trace) - 1, TRACE_POINTS).astype(int))]
+    kept: Floats = trace[np.unique(np.linspace(0, len(trace) - 1, TRACE_POINTS).astype(int))]
     return kept

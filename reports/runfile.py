@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from instances import InputError
+from instances.arrays import Floats
 
 SCHEMA = 1
 STATUSES = ("OPTIMAL", "FEASIBLE", "INFEASIBLE", "NO_SOLUTION", "KILLED", "ERROR")
-"""The values of a run's status; what each means is said in `formulations.solver.Status`."""
+"""The values of a run's status; what each means is said in `formulations.routing.solver.Status`."""
 
 _NUMBERS = (
     "time_limit", "objective", "bound", "elapsed", "tolerance", "claimed_objective",
@@ -114,7 +114,7 @@ def _routes(value: Any) -> list[list[int]] | None:
     return value
 
 
-def _trace(value: Any) -> NDArray[np.float64]:
+def _trace(value: Any) -> Floats:
     if not value:
         return np.empty((0, 3))
     try:

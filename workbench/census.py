@@ -7,7 +7,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from formulations.solver import Status
+from formulations.routing.solver import Status
 from reports.placement_store import PROBLEM_FILE
 from workbench.store import Store
 

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import lru_cache
 
-from formulations.solver import Status
+from formulations.routing.solver import Status
 from instances import InputError, Instance
 from workbench.job import Job, folder_of
 from workbench.machine import environment, environment_digest, usable_memory

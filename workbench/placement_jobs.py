@@ -27,7 +27,7 @@ from typing import Any
 
 from shapely.geometry import mapping
 
-from formulations.solver import Limits
+from formulations.routing.solver import Limits
 from formulations.task_location.placement import PlacementProblem
 from formulations.task_location.registry import make_method, method_class, option_defaults
 from instances.environment.region import Region, single_polygon

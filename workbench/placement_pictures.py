@@ -5,20 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.task_location.criterion import Criterion
 from formulations.task_location.how_many import Recommendation, Trial
 from formulations.task_location.placement import Placement, PlacementProblem
 from formulations.task_location.tour import along
 from formulations.task_location.uncertainty import posterior_sd
+from instances.arrays import Floats
 from instances.environment.region import Region
 from reports.figures.placement import draw_placement
 from reports.figures.placement_study import Curves, Tour, draw_study
 from reports.figures.svg import save_figure
 
 PIXELS = 161
-Array = NDArray[np.float64]
 
 
 def draw(problem: PlacementProblem, placement: Placement, path: Path) -> None:
@@ -64,7 +63,7 @@ def draw_trials(
     save_figure(drawn.figure, path)
 
 
-def sd_map(region: Region, criterion: Criterion, readings: Array) -> tuple[Array, Array, Array]:
+def sd_map(region: Region, criterion: Criterion, readings: Floats) -> tuple[Floats, Floats, Floats]:
     """Return x (p,), y (q,) [m] and the posterior sd (q, p) over the region's bounding box, NaN outside the region."""
     x0, y0, x1, y1 = region.bounds
     pixel = max(x1 - x0, y1 - y0) / (PIXELS - 1)

@@ -7,7 +7,7 @@ import sys
 import time
 from typing import Any
 
-from formulations.solver import Limits
+from formulations.routing.solver import Limits
 from formulations.task_location.placement import place
 from formulations.task_location.registry import make_method
 from workbench.placement_jobs import Task

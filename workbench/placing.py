@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.kernel import SquaredExponential
 from formulations.task_location.criterion import Criterion, convention
 from formulations.task_location.placement import Placement
+from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.environment.region import Region
 from instances.errors import InputError
@@ -66,7 +66,7 @@ def length_scales_of(text: str) -> tuple[float, float]:
     return scales[0], scales[-1]
 
 
-def tests_of(text: str | list[list[float]], region: Region) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+def tests_of(text: str | list[list[float]], region: Region) -> tuple[Floats, Floats | None]:
     """Return test points inside `region` and their weights: ``COLUMNSxROWS`` cell centres, a CSV file, or its rows.
 
     The file has columns x, y [m] and, where not all points count alike, weight.
@@ -89,9 +89,7 @@ def tests_of(text: str | list[list[float]], region: Region) -> tuple[NDArray[np.
     return _inside(rows_of_tests(Path(text)), region, text)
 
 
-def _inside(
-    rows: NDArray[np.float64], region: Region, where: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+def _inside(rows: Floats, region: Region, where: str) -> tuple[Floats, Floats | None]:
     points = rows[:, :2]
     inside = region.contains(points) if len(points) else np.zeros(0, dtype=bool)
     if not inside.any():
@@ -99,7 +97,7 @@ def _inside(
     return points[inside], rows[inside, 2] if rows.shape[1] == 3 else None
 
 
-def rows_of_tests(path: Path) -> NDArray[np.float64]:
+def rows_of_tests(path: Path) -> Floats:
     """Return x, y [m] and, where given, weight of a CSV file, (m, 2) or (m, 3); InputError names a line."""
     rows = csv.DictReader(io.StringIO(read_text(path)))
     columns = set(rows.fieldnames or ())

@@ -7,7 +7,7 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
-from formulations.solver import Status
+from formulations.routing.solver import Status
 from instances import Instance, Routes, as_routes
 from instances.best_known import best_known
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
-from formulations.solver import Event, Limits, Status, ignore
+from formulations.routing.solver import Event, Limits, Status, ignore
 from instances import Instance, Routes, as_routes, makespan, tour_costs
 from workbench.child import Ending, run_child
 from workbench.job import Job

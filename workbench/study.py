@@ -31,8 +31,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from formulations.registry import make_solver, option_defaults
-from formulations.solver import Limits
+from formulations.routing.registry import make_solver, option_defaults
+from formulations.routing.solver import Limits
 from instances.errors import InputError, suggestion
 from workbench.job import Job
 from workbench.making import check_family

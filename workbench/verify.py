@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from formulations.solver import Status
+from formulations.routing.solver import Status
 from instances import Instance, check_routes
 
 ROUNDING = 1e-9

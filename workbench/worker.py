@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from formulations.registry import make_solver
-from formulations.solver import Event, Limits, Result, Status
+from formulations.routing.registry import make_solver
+from formulations.routing.solver import Event, Limits, Result, Status
 from instances import Instance, Routes, as_routes
 
 

@@ -16,6 +16,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from instances.arrays import Floats, Ints
+
 WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
 
 TURNS = np.array([[1, 0, 1], [-1, 0, -1], [1, 0, -1], [-1, 0, 1], [-1, 1, -1], [1, -1, 1]], dtype=np.int8)
@@ -114,12 +116,12 @@ def advance(x: float, y: float, h: float, turn: int, length: float, radius: floa
 
 @njit(cache=True)
 def poses_along(
-    starts: NDArray[np.float64],
+    starts: Floats,
     turns: NDArray[np.int8],
-    segments: NDArray[np.float64],
-    travelled: NDArray[np.float64],
+    segments: Floats,
+    travelled: Floats,
     radius: float,
-    poses: NDArray[np.float64],
+    poses: Floats,
 ) -> None:
     """Write into `poses` (k, 3) the pose after `travelled[i]` metres of path i.
 
@@ -137,7 +139,7 @@ def poses_along(
 
 
 @njit(cache=True)
-def heading_costs(points: NDArray[np.float64], headings: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+def heading_costs(points: Floats, headings: Floats, radius: float) -> Floats:
     """Return Dubins lengths [m] of each leg of a closed tour for all heading pairs, shape (w, H, H).
 
     points : waypoints [m] in flying order, shape (w, 2); the last leg returns to the first.
@@ -156,7 +158,7 @@ def heading_costs(points: NDArray[np.float64], headings: NDArray[np.float64], ra
 
 
 @njit(cache=True)
-def closed_programme(cost: NDArray[np.float64]) -> tuple[float, NDArray[np.int64]]:
+def closed_programme(cost: Floats) -> tuple[float, Ints]:
     """Return the least length [m] and the heading choice of each waypoint of a closed tour, shape (w,).
 
     A dynamic programme along the tour for each heading of the first waypoint, which the tour must end with.

@@ -14,12 +14,11 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from formulations.mapping import dubins
 from instances import InputError
-
-Array = NDArray[np.float64]
+from instances.arrays import Floats, Ints
 
 HEADINGS = 16
 """Candidate headings a waypoint: 16 add 0.3 % to a tour's Euclidean length at r_min = 50 m, more hardly help."""
@@ -39,9 +38,9 @@ class Flight:
     speed : v [m/s].
     """
 
-    starts: Array
-    words: NDArray[np.int64]
-    segments: Array
+    starts: Floats
+    words: Ints
+    segments: Floats
     radius: float
     speed: float
 
@@ -55,7 +54,7 @@ class Flight:
         """Time of flight [s]."""
         return self.length / self.speed
 
-    def poses(self, travelled: ArrayLike) -> Array:
+    def poses(self, travelled: ArrayLike) -> Floats:
         """Return the poses (x, y, heading) after `travelled` metres of the tour, shape (k, 3).
 
         Distances beyond the tour's length are its end.
@@ -70,7 +69,7 @@ class Flight:
         )
         return poses
 
-    def measurements(self, period: float) -> tuple[Array, Array]:
+    def measurements(self, period: float) -> tuple[Floats, Floats]:
         """Return times [s], shape (k,), and positions [m], shape (k, 2), of a measurement every `period` seconds.
 
         The first is one period after take-off; a tour shorter than the period has none.
@@ -100,7 +99,7 @@ class Flight:
         )
 
 
-def plan_flight(legs: list[Array], *, speed: float = 100.0, radius: float = 50.0) -> Flight:
+def plan_flight(legs: list[Floats], *, speed: float = 100.0, radius: float = 50.0) -> Flight:
     """Return the Dubins tour along a closed reference path.
 
     legs : the reference path leg by leg, depot → task → … → depot, each a polyline [m] of shape (k, 2) that begins
@@ -122,11 +121,11 @@ def plan_flight(legs: list[Array], *, speed: float = 100.0, radius: float = 50.0
     return Flight(starts, words, np.array([f[1:] for f in flown]), radius, speed)
 
 
-def _legs(starts: Array) -> list[tuple[Array, Array]]:
+def _legs(starts: Floats) -> list[tuple[Floats, Floats]]:
     return list(zip(starts, np.roll(starts, -1, axis=0), strict=True))
 
 
-def reference_waypoints(legs: list[Array], stray: float) -> tuple[Array, Array]:
+def reference_waypoints(legs: list[Floats], stray: float) -> tuple[Floats, Floats]:
     """Return waypoints [m] on the closed reference path, shape (w, 2), and their tangents [rad], shape (w,).
 
     Every leg's start (depot or task) is one; within a leg, as few points of the path as keep the straight lines

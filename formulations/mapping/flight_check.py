@@ -11,12 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
 from formulations.mapping.flight import Flight
-
-Array = NDArray[np.float64]
+from instances.arrays import Floats
 
 STEP = 2.0
 """Distance between samples of the track [m]."""
@@ -41,7 +40,7 @@ class FlightCheck:
 
 
 def check_flight(
-    flight: Flight, legs: Sequence[Array], tasks: ArrayLike, no_fly: Sequence[Polygon] = (), step: float = STEP
+    flight: Flight, legs: Sequence[Floats], tasks: ArrayLike, no_fly: Sequence[Polygon] = (), step: float = STEP
 ) -> FlightCheck:
     """Measure `flight` against its reference path `legs`, the tasks (k, 2) [m] it is to pass, and the zones."""
     if flight.length == 0.0:

@@ -20,20 +20,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import cholesky, solve_triangular
 
 from formulations.kernel import SquaredExponential
-
-Array = NDArray[np.float64]
+from instances.arrays import Floats
 
 
 @dataclass(frozen=True)
 class Posterior:
     """The map at its points: `mean` and `sd` in the field's unit, shape (p,), and the mean level μ."""
 
-    mean: Array
-    sd: Array
+    mean: Floats
+    sd: Floats
     level: float
 
 
@@ -67,7 +66,7 @@ class GaussianProcess:
         self._Ve = np.zeros(len(self.points))
 
     @property
-    def samples(self) -> tuple[Array, Array]:
+    def samples(self) -> tuple[Floats, Floats]:
         """Positions [m], shape (N, 2), and values, shape (N,), seen so far."""
         return self._X[: self._count], self._y[: self._count]
 

@@ -11,18 +11,17 @@ import itertools
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
+from instances.arrays import Floats
 from instances.environment.region import Region
-
-Array = NDArray[np.float64]
 
 ROUNDS = 40
 """Rounds of balancing the cuts."""
 
 
-def lanes(region: Region, count: int, along: int, inset: float = 0.5) -> Array:
+def lanes(region: Region, count: int, along: int, inset: float = 0.5) -> Floats:
     """Return the track over `count` lanes as waypoints (k, 2) [m]; `along` is 0 for lanes west–east, 1 south–north.
 
     The outer lanes lie half a spacing inside the region's bounding box, the ends of lanes `inset` spacings inside the
@@ -31,7 +30,7 @@ def lanes(region: Region, count: int, along: int, inset: float = 0.5) -> Array:
     low, high = np.array(region.bounds[:2]), np.array(region.bounds[2:])
     across = 1 - along
     spacing = (high[across] - low[across]) / count
-    track: list[Array] = []
+    track: list[Floats] = []
     for number in range(count):
         at = low[across] + (number + 0.5) * spacing
         ends = np.empty((2, 2))
@@ -45,7 +44,7 @@ def lanes(region: Region, count: int, along: int, inset: float = 0.5) -> Array:
     return np.concatenate(track)
 
 
-def _shortened(ends: Array, along: int, margin: float) -> Array:
+def _shortened(ends: Floats, along: int, margin: float) -> Floats:
     room = 0.5 * (ends[1, along] - ends[0, along])
     inner = ends.copy()
     inner[0, along] += min(margin, 0.9 * room)
@@ -53,14 +52,14 @@ def _shortened(ends: Array, along: int, margin: float) -> Array:
     return inner
 
 
-def lawnmower_tours(region: Region, depots: ArrayLike, count: int, along: int, inset: float = 0.5) -> list[Array]:
+def lawnmower_tours(region: Region, depots: ArrayLike, count: int, along: int, inset: float = 0.5) -> list[Floats]:
     """Return each UAV's closed tour over its share of `count` lanes, waypoints (k, 2) [m] from depot to depot."""
     homes = np.asarray(depots, dtype=float).reshape(-1, 2)
     track = lanes(region, count, along, inset)
     travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(track, axis=0).T))])
     m = len(homes)
     share = np.full(m, travelled[-1] / m)
-    best: tuple[float, list[Array]] = (np.inf, [])
+    best: tuple[float, list[Floats]] = (np.inf, [])
     for _ in range(ROUNDS):
         cuts = np.concatenate([[0.0], np.cumsum(share)])
         stretches = [_stretch(track, travelled, a, b) for a, b in itertools.pairwise(cuts)]
@@ -75,25 +74,25 @@ def lawnmower_tours(region: Region, depots: ArrayLike, count: int, along: int, i
     return best[1]
 
 
-def length_of(tour: Array) -> float:
+def length_of(tour: Floats) -> float:
     """Return the length [m] of a polyline (k, 2)."""
     return float(np.hypot(*np.diff(tour, axis=0).T).sum())
 
 
-def _stretch(track: Array, travelled: Array, a: float, b: float) -> Array:
+def _stretch(track: Floats, travelled: Floats, a: float, b: float) -> Floats:
     """Return the part of the track from `a` to `b` metres, shape (k, 2)."""
     inner = track[(travelled > a) & (travelled < b)]
     ends = np.array([[np.interp(s, travelled, track[:, axis]) for axis in (0, 1)] for s in (a, b)])
     return np.concatenate([ends[:1], inner, ends[1:]])
 
 
-def _assigned(stretches: list[Array], homes: Array) -> list[Array]:
+def _assigned(stretches: list[Floats], homes: Floats) -> list[Floats]:
     """Return closed tours, one a home, each over one stretch, of least total length."""
     reach = np.array([[np.hypot(*(s[0] - h)) + np.hypot(*(s[-1] - h)) for s in stretches] for h in homes])
     _, which = linear_sum_assignment(reach)
     return [np.concatenate([h[None], stretches[k], h[None]]) for h, k in zip(homes, which, strict=True)]
 
 
-def _place(tour: Array, stretches: list[Array]) -> int:
+def _place(tour: Floats, stretches: list[Floats]) -> int:
     """Return which stretch a tour flies."""
     return next(k for k, s in enumerate(stretches) if len(s) == len(tour) - 2 and np.array_equal(s, tour[1:-1]))

@@ -9,18 +9,15 @@ explain the level. By the envelope theorem ∂/∂θ = ½ rᵀC⁻¹ (∂C/∂θ
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.linalg import cho_solve, cholesky
 from scipy.optimize import minimize
 
 from formulations.kernel import SquaredExponential
+from instances.arrays import Floats
 
-Array = NDArray[np.float64]
 
-
-def log_likelihood(
-    kernel: SquaredExponential, noise_sd: float, X: Array, y: Array
-) -> tuple[float, NDArray[np.float64]]:
+def log_likelihood(kernel: SquaredExponential, noise_sd: float, X: Floats, y: Floats) -> tuple[float, Floats]:
     """Return log p(y | X) [nats] and its gradient by log σ_f, log l_x, log l_y, shape (3,)."""
     K = kernel(X, X)
     C = K.copy()
@@ -57,7 +54,7 @@ def fit_hyperparameters(
         X, y = X[chosen], y[chosen]
     start = np.log([kernel.signal_sd, *kernel.length_scales])
 
-    def negative(theta: Array) -> tuple[float, Array]:
+    def negative(theta: Floats) -> tuple[float, Floats]:
         value, gradient = log_likelihood(_kernel(theta), noise_sd, X, y)
         return -value, -gradient
 
@@ -66,6 +63,6 @@ def fit_hyperparameters(
     return _kernel(found.x) if np.isfinite(found.fun) else kernel
 
 
-def _kernel(theta: Array) -> SquaredExponential:
+def _kernel(theta: Floats) -> SquaredExponential:
     signal, lx, ly = np.exp(theta)
     return SquaredExponential(float(signal), (float(lx), float(ly)))

@@ -11,16 +11,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight
 from formulations.mapping.gaussian_process import GaussianProcess, Posterior
 from formulations.mapping.likelihood import fit_hyperparameters
 from instances import InputError
+from instances.arrays import Floats, Ints
 
-Array = NDArray[np.float64]
-Field = Callable[[Array], Array]
+Field = Callable[[Floats], Floats]
 """Value of the field at points [m] of shape (k, 2), shape (k,)."""
 
 Z95 = 1.959963984540054
@@ -87,16 +87,16 @@ class Survey:
     """
 
     ticks: tuple[Tick, ...]
-    positions: Array
-    values: Array
-    uavs: NDArray[np.int64]
-    times: Array
+    positions: Floats
+    values: Floats
+    uavs: Ints
+    times: Floats
 
 
 def fly_survey(
     flights: Sequence[Flight],
     field: Field,
-    points: Array,
+    points: Floats,
     *,
     kernel: SquaredExponential,
     noise_sd: float = 1.0,
@@ -135,7 +135,7 @@ def fly_survey(
     return Survey(tuple(ticks), position, value, uav, when)
 
 
-def _schedule(flights: Sequence[Flight], period: float) -> list[tuple[float, NDArray[np.int64], Array]]:
+def _schedule(flights: Sequence[Flight], period: float) -> list[tuple[float, Ints, Floats]]:
     """Return (time [s], UAVs measuring, their positions [m]) of every tick, in order."""
     if not period > 0:
         raise InputError(f"the sensing period must be positive, got {period} s")

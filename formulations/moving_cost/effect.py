@@ -10,12 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.moving_cost.field import search_field
 from formulations.moving_cost.method import Query
-
-Floats = NDArray[np.float64]
+from instances.arrays import Floats
 
 
 @dataclass(frozen=True)

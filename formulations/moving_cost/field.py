@@ -18,14 +18,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.fft import dctn, idctn
 
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.errors import InputError
-
-Floats = NDArray[np.float64]
 
 CELLS = 160
 """Cells along the region's longer side."""

@@ -25,11 +25,9 @@ from formulations.moving_cost.free_space import FreeSpace, free_space, segment_f
 from formulations.moving_cost.graph import BLOCKED, FREE, UNKNOWN, Graph, build_graph, near_pairs, standard_radius
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from formulations.moving_cost.tree import paths_of_trees, require_reached
+from instances.arrays import Floats, Ints
 from instances.errors import InputError
 from instances.paths import path_costs
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

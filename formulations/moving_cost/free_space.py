@@ -13,11 +13,9 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 from numba import njit
-from numpy.typing import NDArray
 
+from instances.arrays import Bools, Floats
 from instances.environment.region import Region
-
-Floats = NDArray[np.float64]
 
 CELLS = 96
 """Cells of the clearance grid along the longer side."""
@@ -184,7 +182,7 @@ def _segment_free_exact(ax: float, ay: float, ux: float, uy: float, length: floa
 
 
 @njit(cache=True)
-def segments_free(a: Floats, b: Floats, space: FreeSpace) -> NDArray[np.bool_]:
+def segments_free(a: Floats, b: Floats, space: FreeSpace) -> Bools:
     """Whether each straight segment `a` → `b`, (k, 2) [m], stays in free space, shape (k,)."""
     out = np.empty(len(a), dtype=np.bool_)
     for k in range(len(a)):

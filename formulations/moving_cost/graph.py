@@ -17,12 +17,10 @@ from scipy.spatial import cKDTree
 
 from formulations.moving_cost.field import SearchField
 from formulations.moving_cost.free_space import FreeSpace, segments_free
+from instances.arrays import Floats, Ints
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.errors import InputError
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 UNKNOWN, FREE, BLOCKED = 0, 1, 2
 

@@ -6,9 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.paths import Paths
@@ -28,7 +26,7 @@ class Query:
     terminals (N, 2) [m], tasks first, then depots; v0 [m/s]; region without its no-fly zones.
     """
 
-    terminals: NDArray[np.float64]
+    terminals: Floats
     region: Region
     wind: WindField
     v0: float
@@ -38,7 +36,7 @@ class Query:
 class MovingCosts:
     """`cost[i, j]` [s] of the path from terminal i to terminal j, the `paths` themselves, and the method's figures."""
 
-    cost: NDArray[np.float64]
+    cost: Floats
     paths: Paths
     statistics: Mapping[str, Any] = field(default_factory=dict)
 

@@ -16,17 +16,15 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from formulations.moving_cost.field import Vorticity, vorticity_at
-
-Floats = NDArray[np.float64]
+from instances.arrays import Bools, Floats
 
 GAUSS_1, GAUSS_2 = 0.5 - 0.5 / math.sqrt(3.0), 0.5 + 0.5 / math.sqrt(3.0)
 
 
 @njit(cache=True)
-def newton_step(p: Floats, held: NDArray[np.bool_], field: Vorticity, v0: float) -> tuple[Floats, Floats, Floats]:
+def newton_step(p: Floats, held: Bools, field: Vorticity, v0: float) -> tuple[Floats, Floats, Floats]:
     """Gradient g [1], normals and Newton offsets y [m] of the nodes of `p`; held nodes do not move."""
     n = len(p)
     normal = np.zeros((n, 2))
@@ -64,7 +62,7 @@ def newton_step(p: Floats, held: NDArray[np.bool_], field: Vorticity, v0: float)
 
 
 @njit(cache=True)
-def _thomas(diagonal: Floats, off: Floats, g: Floats, held: NDArray[np.bool_], y: Floats) -> bool:
+def _thomas(diagonal: Floats, off: Floats, g: Floats, held: Bools, y: Floats) -> bool:
     """Solve the tridiagonal H y = −g over the nodes not held; False where H is not safely positive definite."""
     n = len(g)
     upper, right = np.zeros(n), np.zeros(n)

@@ -18,14 +18,11 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from formulations.moving_cost.field import Vorticity
 from formulations.moving_cost.free_space import FreeSpace, clearance_at, point_free, segment_free
 from formulations.moving_cost.newton import newton_step
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from instances.arrays import Bools, Floats, Ints
 
 STEPS = 60
 """Newton steps at most, and one more for every corner there is to wrap around; a path that has not settled by then
@@ -123,7 +120,7 @@ def _pin(p: Floats, corner: Ints, c: int, space: FreeSpace) -> tuple[Floats, Int
 
 
 @njit(cache=True)
-def _stop_at_edges(old: Floats, new: Floats, edge: Ints, held: NDArray[np.bool_], space: FreeSpace) -> None:
+def _stop_at_edges(old: Floats, new: Floats, edge: Ints, held: Bools, space: FreeSpace) -> None:
     """Move nodes of `new` that entered an obstacle back to where they crossed its edge, and note the edge."""
     for k in range(1, len(new) - 1):
         if held[k]:
@@ -156,7 +153,7 @@ def _stop_at_edges(old: Floats, new: Floats, edge: Ints, held: NDArray[np.bool_]
 
 
 @njit(cache=True)
-def _held(p: Floats, corner: Ints, edge: Ints, g: Floats, normal: Floats, space: FreeSpace) -> NDArray[np.bool_]:
+def _held(p: Floats, corner: Ints, edge: Ints, g: Floats, normal: Floats, space: FreeSpace) -> Bools:
     """Nodes that do not move: ends, pins, and nodes on an edge that the gradient pushes into it."""
     held = corner >= 0
     held[0] = held[-1] = True

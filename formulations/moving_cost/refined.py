@@ -14,7 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
 from formulations.moving_cost.field import SearchField, search_field
@@ -25,11 +24,9 @@ from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progr
 from formulations.moving_cost.polish import polish_all
 from formulations.moving_cost.pool import Pool
 from formulations.moving_cost.tree import shortest_path_trees
+from instances.arrays import Floats
 from instances.errors import InputError
 from instances.paths import Paths, path_costs
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 REACH = 3.2
 """Connection radius of the lattice in spacings: 36 neighbours."""

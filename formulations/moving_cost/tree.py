@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from formulations.moving_cost.method import Query
+from instances.arrays import Floats, Ints
 from instances.errors import InputError
 from instances.paths import Paths
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def shortest_path_trees(matrix: csr_array, starts: Ints) -> tuple[Floats, Ints]:

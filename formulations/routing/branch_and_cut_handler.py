@@ -12,14 +12,14 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pyscipopt import Conshdlr, Eventhdlr, Heur
 from pyscipopt.scip import PY_SCIP_EVENTTYPE, PY_SCIP_HEURTIMING, PY_SCIP_RESULT, Solution
 
-from formulations.recorder import Recorder
 from formulations.routing.branch_and_cut_model import ScipModel
+from formulations.routing.recorder import Recorder
 from formulations.routing.separation import subtours, two_cycles
 from formulations.routing.subtours import find_subtours, repair
+from instances.arrays import Bools, Floats, Ints
 
 LEAST = 0.02
 """A fractional cut must be violated by more than this to be worth a row."""
@@ -55,7 +55,7 @@ def guarded(otherwise: dict[str, Any]) -> Callable[[Callable[..., Any]], Callabl
     return wrap
 
 
-def routed_once(used: list[NDArray[np.bool_]]) -> bool:
+def routed_once(used: list[Bools]) -> bool:
     """Return whether the arcs of the UAVs keep const1–const4: SCIP also asks about solutions that break its rows."""
     balanced = all((arcs.sum(axis=0) == arcs.sum(axis=1)).all() and arcs[-1].sum() <= 1 for arcs in used)
     return balanced and bool((np.sum([arcs[:, :-1].sum(axis=0) for arcs in used], axis=0) == 1).all())
@@ -77,7 +77,7 @@ class SubtourHandler(Conshdlr):
         i, j = (min(node, n) for node in arc)
         return i * (n + 1) + j
 
-    def theta(self, solution: Solution | None) -> list[NDArray[np.float64]]:
+    def theta(self, solution: Solution | None) -> list[Floats]:
         """Return θ of each UAV in a solution (None: of the relaxation), shape (n+1, n+1), its depot last."""
         size, value = self.shared.model.instance.n_tasks + 1, self.shared.model.scip.getSolVal
         matrices = []
@@ -140,7 +140,7 @@ class SubtourHandler(Conshdlr):
         """Lock every θ and y both ways."""
         self.shared.model.lock(locktype, nlockspos, nlocksneg)
 
-    def subtours_of(self, theta: list[NDArray[np.float64]]) -> list[list[int]]:
+    def subtours_of(self, theta: list[Floats]) -> list[list[int]]:
         """Return the subtours of an integer solution and offer its routes, subtours spliced into tours."""
         instance = self.shared.model.instance
         n = instance.n_tasks
@@ -153,7 +153,7 @@ class SubtourHandler(Conshdlr):
             self.shared.recorder.incumbent(repair(instance, arcs_of))
         return [S for k, arcs in enumerate(arcs_of) for S in find_subtours(arcs, n + k, n)]
 
-    def add(self, found: list[tuple[NDArray[np.bool_], NDArray[np.int64]]], kind: str, *, force: bool) -> bool:
+    def add(self, found: list[tuple[Bools, Ints]], kind: str, *, force: bool) -> bool:
         """Add the cuts of the sets found, for every UAV; return whether SCIP saw that nothing is left."""
         cutoff = False
         for k, (sets, visited) in enumerate(found):

@@ -29,7 +29,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from formulations.recorder import Recorder
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
@@ -38,9 +37,10 @@ from formulations.routing.columns.pricing import Column, Effort
 from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.tree import Incumbent, Tree
 from formulations.routing.columns.warming import warm_up
+from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.simple_bounds import SIMPLE
-from formulations.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes, tour_costs
 
 TOLERANCE = 1e-7

@@ -27,13 +27,13 @@ from typing import ClassVar
 import numpy as np
 from ortools.sat.python import cp_model
 
-from formulations.recorder import Recorder
 from formulations.routing.cpsat import Values, search
 from formulations.routing.greedy import greedy_routes
+from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts, scale_costs
+from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
 from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, used_arcs
 from formulations.routing.subtours import walk
-from formulations.solver import Limits, Observer, Result, Solver, ignore
 from instances import Instance, Routes, as_routes
 
 MOST_LITERALS = 150_000

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from ortools.sat.python import cp_model
 
-from formulations.recorder import Recorder
+from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts
 
 Values = Callable[[cp_model.IntVar], int]

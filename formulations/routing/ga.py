@@ -25,19 +25,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from formulations.recorder import Recorder
 from formulations.routing.ga_operators import (
-    Floats,
-    Ints,
     best_cost_route_crossover,
     evaluate,
     inter_depot_mutation,
     intra_depot_mutation,
 )
-from formulations.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.recorder import Recorder
+from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes, as_routes
+from instances.arrays import Bools, Floats, Ints
 
 
 @dataclass(frozen=True)
@@ -128,7 +126,7 @@ class GeneticAlgorithm(Solver):
         return people
 
     def _next(
-        self, people: Population, cost: Floats, candidates: NDArray[np.bool_], rng: np.random.Generator, generation: int
+        self, people: Population, cost: Floats, candidates: Bools, rng: np.random.Generator, generation: int
     ) -> Population:
         inter = generation % self.inter_every == 0
         return Population(
@@ -184,7 +182,7 @@ def random_chromosome(instance: Instance, rng: np.random.Generator) -> Routes:
     return as_routes(order[depot[order] == k] for k in range(instance.n_depots))
 
 
-def border_line(instance: Instance, border: float) -> NDArray[np.bool_]:
+def border_line(instance: Instance, border: float) -> Bools:
     """Return which depots are candidates of each task, shape (n, m): no farther than (1 + border) × the nearest."""
     distance = depot_distance(instance)
     return distance <= (1.0 + border) * distance.min(axis=1, keepdims=True)
@@ -211,7 +209,7 @@ def next_generation(
     sizes: Ints,
     totals: Floats,
     fitness: Floats,
-    candidates: NDArray[np.bool_],
+    candidates: Bools,
     tournament: int,
     tournament_rate: float,
     elite: int,

@@ -11,10 +11,8 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from instances.arrays import Bools, Floats, Ints
 
 
 @njit(cache=True)
@@ -41,7 +39,7 @@ def evaluate(cost: Floats, perm: Ints, sizes: Ints, totals: Floats, n: int) -> f
 
 @njit(cache=True)
 def insert_best(
-    cost: Floats, perm: Ints, sizes: Ints, totals: Floats, task: int, allowed: NDArray[np.bool_], n: int
+    cost: Floats, perm: Ints, sizes: Ints, totals: Floats, task: int, allowed: Bools, n: int
 ) -> None:  # pragma: no cover
     """Insert `task` at its best place over the allowed depots: least C_max, then least added cost.
 
@@ -69,7 +67,7 @@ def insert_best(
 
 
 @njit(cache=True)
-def remove_marked(cost: Floats, perm: Ints, sizes: Ints, totals: Floats, marked: NDArray[np.bool_], n: int) -> None:
+def remove_marked(cost: Floats, perm: Ints, sizes: Ints, totals: Floats, marked: Bools, n: int) -> None:
     """Take the marked tasks out of a chromosome."""  # pragma: no cover
     read = write = 0
     for k in range(len(sizes)):
@@ -144,7 +142,7 @@ def intra_depot_mutation(
 
 @njit(cache=True)
 def inter_depot_mutation(
-    cost: Floats, rng: Any, perm: Ints, sizes: Ints, totals: Floats, candidates: NDArray[np.bool_], n: int
+    cost: Floats, rng: Any, perm: Ints, sizes: Ints, totals: Floats, candidates: Bools, n: int
 ) -> None:  # pragma: no cover
     """Inter-depot mutation: move a random border-line task to its best place at another of its candidate depots."""
     border = np.flatnonzero(candidates.sum(axis=1) > 1)
@@ -166,7 +164,7 @@ def inter_depot_mutation(
 
 @njit(cache=True)
 def move_task(
-    cost: Floats, perm: Ints, sizes: Ints, totals: Floats, task: int, allowed: NDArray[np.bool_], n: int
+    cost: Floats, perm: Ints, sizes: Ints, totals: Floats, task: int, allowed: Bools, n: int
 ) -> None:  # pragma: no cover
     """Take `task` out and put it to its best place over the allowed depots."""
     marked = np.zeros(n, dtype=np.bool_)

@@ -20,7 +20,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from formulations.recorder import Recorder
+from formulations.routing.recorder import Recorder
 from formulations.routing.search.construction import (
     CHEAPEST,
     REGRET,
@@ -31,7 +31,7 @@ from formulations.routing.search.construction import (
 )
 from formulations.routing.search.costs import both_ways
 from formulations.routing.search.tours import Tours, empty_tours, to_routes
-from formulations.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 from instances.errors import suggestion
 

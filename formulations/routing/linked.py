@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from multiprocessing.connection import Connection
 
-from formulations.recorder import Recorder
-from formulations.solver import Limits, Observer
+from formulations.routing.recorder import Recorder
+from formulations.routing.solver import Limits, Observer
 from instances import Instance, Routes
 
 

@@ -17,14 +17,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from formulations.recorder import Recorder
 from formulations.routing import strengthening
 from formulations.routing.cpsat import Values, search
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.paper_model import PaperModel
+from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import scale_costs
+from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
 from formulations.routing.subtours import Arc, find_subtours, repair
-from formulations.solver import Limits, Observer, Result, Solver, ignore
 from instances import Instance, Routes
 
 MOST_THETA = 60_000

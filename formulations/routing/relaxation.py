@@ -26,11 +26,11 @@ from typing import Any
 import cvxpy
 import numpy as np
 from cvxpy.constraints.zero import Equality
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, vstack
 
 from formulations.routing.separation import subtours
 from instances import Instance
+from instances.arrays import Floats
 
 cp: Any = cvxpy  # mypy does not see the names cvxpy makes as it is imported
 
@@ -49,7 +49,7 @@ class Relaxed:
     """
 
     bound: float
-    theta: NDArray[np.float64]
+    theta: Floats
     rounds: int
     cuts: int
     complete: bool
@@ -112,7 +112,7 @@ class _Relaxation:
         """Return eq. const6, depot-linked, for the sets found so far: y_vk − Σ_{i∉S,j∈S} θ_ijk ≤ 0."""
         return [vstack(rows) @ cp.vec(self.theta[k], order="C") <= 0 for k, rows in enumerate(self.cuts) if rows]
 
-    def separate(self, theta: NDArray[np.float64]) -> bool:
+    def separate(self, theta: Floats) -> bool:
         """Add the cuts that θ violates; return whether there are any."""
         before = sum(map(len, self.cuts))
         for k in self.D:

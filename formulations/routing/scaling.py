@@ -23,9 +23,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from instances import Instance
+from instances.arrays import Ints
 
 UNIT_ROUNDOFF = 2.0**-53
 BITS = 24
@@ -43,7 +43,7 @@ class ScaledCosts:
     rounding : relative error allowed for a tour summed in floating point.
     """
 
-    cost: NDArray[np.int64]
+    cost: Ints
     exponent: int
     upper: int
     tolerance: float

@@ -17,15 +17,14 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+
+from instances.arrays import Bools, Floats, Ints
 
 _ARC = 1e-9  # θ below this is no arc
 
 
 @njit(cache=True)
-def two_cycles(
-    theta: NDArray[np.float64], least: float
-) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:  # pragma: no cover - compiled
+def two_cycles(theta: Floats, least: float) -> tuple[Bools, Ints]:  # pragma: no cover - compiled
     """Return the violated sets S = {i, j} of one UAV, as `subtours` does."""
     n = len(theta) - 1
     y = theta[:, :n].sum(axis=0)
@@ -44,9 +43,7 @@ def two_cycles(
 
 
 @njit(cache=True)
-def subtours(
-    theta: NDArray[np.float64], least: float
-) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:  # pragma: no cover - compiled
+def subtours(theta: Floats, least: float) -> tuple[Bools, Ints]:  # pragma: no cover - compiled
     """Return the sets S violated by more than `least`, shape (cuts, n), and the v of each.
 
     theta : θ of one UAV, shape (n+1, n+1), its depot last. Of every flow that falls short the smallest S and the
@@ -95,8 +92,8 @@ def subtours(
 
 @njit(cache=True)
 def _neighbours(
-    theta: NDArray[np.float64],
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:  # pragma: no cover - compiled
+    theta: Floats,
+) -> tuple[Ints, Ints]:  # pragma: no cover - compiled
     """Return for each node the nodes it shares an arc with, and their number."""
     size = len(theta)
     near = np.empty((size, size), dtype=np.int64)
@@ -111,14 +108,14 @@ def _neighbours(
 
 @njit(cache=True)
 def _search(
-    residual: NDArray[np.float64],
-    near: NDArray[np.int64],
-    degree: NDArray[np.int64],
+    residual: Floats,
+    near: Ints,
+    degree: Ints,
     first: int,
     last: int,
     forwards: bool,
-    parent: NDArray[np.int64],
-    queue: NDArray[np.int64],
+    parent: Ints,
+    queue: Ints,
 ) -> None:  # pragma: no cover - compiled
     """Search breadth-first from `first` until `last`; parent < 0 where not reached. Backwards: against the arcs."""
     parent[:] = -1
@@ -139,9 +136,7 @@ def _search(
 
 
 @njit(cache=True)
-def _augment(
-    residual: NDArray[np.float64], parent: NDArray[np.int64], first: int, last: int
-) -> float:  # pragma: no cover - compiled
+def _augment(residual: Floats, parent: Ints, first: int, last: int) -> float:  # pragma: no cover - compiled
     """Send as much as fits along the path found; return how much."""
     amount = np.inf
     j = last

@@ -20,6 +20,7 @@ from scipy.optimize import linear_sum_assignment
 
 from formulations.routing.ways import ways_between_tasks, ways_from_depot
 from instances import Instance
+from instances.arrays import Floats
 
 
 def farthest(instance: Instance, upper: float) -> float:
@@ -63,7 +64,7 @@ SIMPLE: dict[str, Callable[[Instance, float], float]] = {
 }
 
 
-def cheapest_arborescence(cost: NDArray[np.float64]) -> float:
+def cheapest_arborescence(cost: Floats) -> float:
     """Return the cost of the cheapest arborescence from the last node that spans all nodes.
 
     cost : ``cost[i, j]`` of the arc i → j; the diagonal is ignored.

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.csgraph import floyd_warshall
 
 from formulations.routing.paper_model import PaperModel
 from instances import Instance, Routes
+from instances.arrays import Ints
 
 
 def shared_depots(instance: Instance) -> list[list[int]]:
@@ -64,7 +64,7 @@ def symmetry(paper: PaperModel, instance: Instance) -> None:
             paper.model.add(first <= last)
 
 
-def shortest_ways(costs: NDArray[np.int64], n_tasks: int, k: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def shortest_ways(costs: Ints, n_tasks: int, k: int) -> tuple[Ints, Ints]:
     """Return the cheapest ways (over any tasks) from depot k to each task and back, shape (n,) each.
 
     Costs need not obey the triangle inequality, so the direct arc is no bound, but the cheapest way is.

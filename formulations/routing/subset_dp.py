@@ -23,11 +23,11 @@ from typing import ClassVar
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
-from formulations.recorder import Recorder
-from formulations.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.recorder import Recorder
+from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
 from instances import Instance, Routes
+from instances.arrays import Floats
 
 LARGEST = 22
 """Tasks beyond which the tables pass about a gigabyte and the partition a minute."""
@@ -88,7 +88,7 @@ class SubsetDp(Solver):
         return recorder.result("proof", proved=True, tolerance=tolerance, subsets=1 << instance.n_tasks)
 
 
-def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> NDArray[np.float64] | None:
+def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> Floats | None:
     """Return t_k(S) [s] for every set S of tasks (bit i is task i), shape (2ⁿ,); None when the clock runs out."""
     n, c = instance.n_tasks, instance.cost
     to_task, home = c[n + k, :n].copy(), c[:n, n + k].copy()
@@ -130,7 +130,7 @@ def _extend_paths(low, high, to_task, between, home, path, tour):  # type: ignor
         tour[s] = best_tour
 
 
-def _partition_tables(tours: list[NDArray[np.float64]], recorder: Recorder) -> list[NDArray[np.float64]] | None:
+def _partition_tables(tours: list[Floats], recorder: Recorder) -> list[Floats] | None:
     """Return g_1..g_m; entries not below the incumbent may be too high, and only g_m(T) is filled in g_m."""
     best = [tours[0]]
     bits = min(_BLOCK_BITS, tours[0].size.bit_length() - 1)
@@ -175,7 +175,7 @@ def _convolve(low, high, bits, first, second, first_low, second_low, cutoff, out
             part = (part - 1) & block
 
 
-def _recover(instance: Instance, tours: list[NDArray[np.float64]], best: list[NDArray[np.float64]]) -> Routes:
+def _recover(instance: Instance, tours: list[Floats], best: list[Floats]) -> Routes:
     """Walk back from g_m(T): the part R of each UAV, then its cheapest order."""
     rest = tours[0].size - 1
     parts = [0] * len(tours)

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from instances import Instance, Routes, as_routes
+from instances.arrays import Floats
 
 Arc = tuple[int, int]
 
@@ -66,13 +66,13 @@ def repair(instance: Instance, arcs_of: Sequence[Sequence[Arc]]) -> Routes:
     return as_routes(tours)
 
 
-def _length(cost: NDArray[np.float64], cycle: Sequence[int]) -> float:
+def _length(cost: Floats, cycle: Sequence[int]) -> float:
     at = np.array(cycle)
     return float(cost[at, np.roll(at, -1)].sum())
 
 
 def _best_splice(
-    cost: NDArray[np.float64], tour: Sequence[int], cycle: Sequence[int], length: float, k: int
+    cost: Floats, tour: Sequence[int], cycle: Sequence[int], length: float, k: int
 ) -> tuple[int, int, int, float]:
     """Return (k, place, opening, length of the tour) of the best splice of `cycle` into `tour` (its depot first)."""
     a = np.array(tour)

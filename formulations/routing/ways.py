@@ -7,10 +7,11 @@ does. Floyd and Warshall's recursion over the tasks, then out of and back to a d
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from instances.arrays import Floats
 
 
-def ways_between_tasks(cost: NDArray[np.float64], n_tasks: int) -> NDArray[np.float64]:
+def ways_between_tasks(cost: Floats, n_tasks: int) -> Floats:
     """Return the cost of the cheapest way from each task to each, over tasks only, shape (n, n), rounded down."""
     way = cost[:n_tasks, :n_tasks].copy()
     for through in range(n_tasks):
@@ -18,9 +19,7 @@ def ways_between_tasks(cost: NDArray[np.float64], n_tasks: int) -> NDArray[np.fl
     return way * (1 - (n_tasks + 2) * 2.0**-52)
 
 
-def ways_from_depot(
-    cost: NDArray[np.float64], between: NDArray[np.float64], k: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def ways_from_depot(cost: Floats, between: Floats, k: int) -> tuple[Floats, Floats]:
     """Return the cheapest ways from depot k (node number) to each task and back, shape (n,) each, rounded down."""
     n = len(between)
     out = (cost[k, :n, None] + between).min(axis=0)

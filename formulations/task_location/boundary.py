@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from formulations.task_location.criterion import Array
+from instances.arrays import Floats
 from instances.environment.region import Region
 
 
@@ -16,7 +16,7 @@ def is_rectangle(region: Region) -> bool:
     return abs(region.area - box) <= 1e-12 * box
 
 
-def distance_gradient(region: Region, points: Array) -> Array:
+def distance_gradient(region: Region, points: Floats) -> Floats:
     """Return ∇s at `points`, shape (n, 2), dimensionless: the unit vector that leads inwards.
 
     0 on the border itself, where it is not defined.

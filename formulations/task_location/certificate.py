@@ -31,8 +31,9 @@ import shapely
 from formulations.kernel import SquaredExponential
 from formulations.task_location.blas import one_thread
 from formulations.task_location.boundary import is_rectangle
-from formulations.task_location.criterion import Array, Criterion
+from formulations.task_location.criterion import Criterion
 from formulations.task_location.supremum import supremum
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
 
@@ -59,13 +60,13 @@ class Theta:
     log_smallest : Σ_{i≤n} log θ_i.
     """
 
-    rows: Array
-    weights: Array
+    rows: Floats
+    weights: Floats
     floor: float
     log_smallest: float
 
     @classmethod
-    def of_design(cls, prior: Array, design: Array, n: int, noise: float) -> Theta:
+    def of_design(cls, prior: Floats, design: Floats, n: int, noise: float) -> Theta:
         """Return Θ of `design` (N,) on nodes with prior covariance `prior` (N, N)."""
         root = np.sqrt(design)
         values, vectors = np.linalg.eigh(root[:, None] * prior * root)
@@ -80,12 +81,12 @@ class Theta:
         floor = max(1.0 / (rest + noise), float(np.max(1.0 / shifted, initial=0.0)))
         return cls(rows, 1.0 / shifted, floor, -float(np.log(shifted).sum()) + (n - k) * math.log(floor))
 
-    def heights(self, covariance: Array, variance: float) -> Array:
+    def heights(self, covariance: Floats, variance: float) -> Floats:
         """Return h(x) from k(x_j, x), shape (N, p), and σ_f²; shape (p,)."""
         squares = (self.rows @ covariance) ** 2
         return np.asarray((self.weights - self.floor) @ squares + variance * self.floor)
 
-    def expansion(self, nodes: Array, points: Array, kernel: SquaredExponential) -> tuple[Array, Array]:
+    def expansion(self, nodes: Floats, points: Floats, kernel: SquaredExponential) -> tuple[Floats, Floats]:
         """Return h and (∂²h/∂x², ∂²h/∂y²) at `points` (p, 2), shapes (p,) and (p, 2)."""
         covariance = kernel(nodes, points)
         along = self.rows @ covariance  # v_iᵀφ(x)
@@ -148,7 +149,7 @@ def information_gain_bound(criterion: Criterion, region: Region, n: int, *, upda
     return Certificate(bound + ROUNDING * abs(bound), "information gain, continuous", done)
 
 
-def _split(values: Array, total: float, n: int) -> tuple[int, float]:
+def _split(values: Floats, total: float, n: int) -> tuple[int, float]:
     """Return Nikolov's k < n and r = Σ_{i>k} λ_i/(n − k) for eigenvalues in descending order."""
     left = total
     for k in range(min(n, len(values))):
@@ -160,7 +161,7 @@ def _split(values: Array, total: float, n: int) -> tuple[int, float]:
     return k, float(values[k:].sum()) / (n - k)
 
 
-def design_nodes(region: Region, scales: Array) -> Array:
+def design_nodes(region: Region, scales: Floats) -> Floats:
     """Return nodes for a design: a lattice, three points a length scale (13 to 21 a side), and the border."""
     x0, y0, x1, y1 = region.bounds
     sides = np.array([x1 - x0, y1 - y0])

@@ -30,12 +30,11 @@ from functools import cached_property
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from formulations.kernel import SquaredExponential
+from instances.arrays import Floats
 from instances.errors import InputError, suggestion
-
-Array = NDArray[np.float64]
 
 
 class Convention(StrEnum):
@@ -87,12 +86,12 @@ class Criterion:
     """
 
     kernel: SquaredExponential
-    tests: Array
-    weights: Array | None = None
+    tests: Floats
+    weights: Floats | None = None
     noise_sd: float = 1.0
     test_noise_sd: float | None = None
     convention: Convention = Convention.BOTH_NOISY
-    _eigenpairs: tuple[Array, Array] | None = field(default=None, repr=False)
+    _eigenpairs: tuple[Floats, Floats] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         for label in ("noise_sd", "test_noise_sd"):
@@ -114,7 +113,7 @@ class Criterion:
         return dataclasses.replace(self, convention=Convention(convention), _eigenpairs=self._spectrum)
 
     @property
-    def scales(self) -> Array:
+    def scales(self) -> Floats:
         """(l_x, l_y) [m], shape (2,)."""
         return np.asarray(self.kernel.length_scales)
 
@@ -131,7 +130,7 @@ class Criterion:
         return (self.noise_sd if self.test_noise_sd is None else self.test_noise_sd) ** 2
 
     @cached_property
-    def _spectrum(self) -> tuple[Array, Array]:
+    def _spectrum(self) -> tuple[Floats, Floats]:
         """Eigenvalues λ (r,) and vectors U (m, r) of W^½ K_o W^½, those above 1e-13 of the largest.
 
         Leaving out λ_j costs I at most what reading the projection u_jᵀ x_o would add: the value stays a lower bound.
@@ -147,7 +146,7 @@ class Criterion:
         return values[kept], np.ascontiguousarray(vectors[:, kept])
 
     @cached_property
-    def whitening(self) -> Array:
+    def whitening(self) -> Floats:
         """The matrix (Λ + σ_o²)^(−½) Uᵀ W^½, shape (r, m): φ(x) = whitening · k(P_o, x); r = 0 for IG."""
         if self.convention is Convention.INFORMATION_GAIN:
             return np.zeros((0, len(self.tests)))
@@ -155,7 +154,7 @@ class Criterion:
         values, vectors = self._spectrum
         return np.asarray(vectors.T * np.sqrt(self.weights) / np.sqrt(values + self.test_noise)[:, None])
 
-    def features(self, points: Array) -> Array:
+    def features(self, points: Floats) -> Floats:
         """Return φ(x_i) as columns, shape (r, n)."""
         return np.asarray(self.whitening @ self.kernel(self.tests, points))
 
@@ -167,7 +166,7 @@ class Criterion:
         noise = self.noise * np.eye(len(p))
         return 0.5 * (log_det(prior + noise) - log_det(self.posterior(prior, phi, phi) + noise))
 
-    def posterior(self, prior: Array, left: Array, right: Array) -> Array:
+    def posterior(self, prior: Floats, left: Floats, right: Floats) -> Floats:
         """Return c from k and the features of its arguments, shape of `prior`; 0 for IG, which leaves nothing open."""
         if self.convention is Convention.INFORMATION_GAIN:
             return np.zeros_like(prior)
@@ -183,12 +182,12 @@ class Criterion:
         return 0.5 * log_det(np.eye(len(prior)) + prior / self.test_noise)
 
 
-def log_det(matrix: Array) -> float:
+def log_det(matrix: Floats) -> float:
     """Return log det of a symmetric positive definite matrix."""
     return 2.0 * float(np.log(np.diagonal(np.linalg.cholesky(matrix))).sum())
 
 
-def _checked_tests(tests: ArrayLike) -> Array:
+def _checked_tests(tests: ArrayLike) -> Floats:
     try:
         p = np.array(tests, dtype=float)
     except (TypeError, ValueError):
@@ -205,7 +204,7 @@ def _checked_tests(tests: ArrayLike) -> Array:
     return p
 
 
-def _checked_weights(weights: ArrayLike, count: int) -> Array:
+def _checked_weights(weights: ArrayLike, count: int) -> Floats:
     w = np.array(weights, dtype=float).reshape(-1)
     if len(w) != count:
         raise InputError(f"weights: there are {len(w)} for {count} test points")

@@ -18,7 +18,8 @@ from functools import cached_property
 
 import numpy as np
 
-from formulations.task_location.criterion import Array, Criterion
+from formulations.task_location.criterion import Criterion
+from instances.arrays import Floats
 
 
 class Expansion:
@@ -27,7 +28,7 @@ class Expansion:
     points : (n, 2) [m].
     """
 
-    def __init__(self, criterion: Criterion, points: Array) -> None:
+    def __init__(self, criterion: Criterion, points: Floats) -> None:
         self._criterion = criterion
         self._posterior = criterion.posterior
         self._scales = criterion.scales
@@ -39,12 +40,12 @@ class Expansion:
         self._to_tests = variance * np.exp(-0.5 * (self._test_gaps[0] ** 2 + self._test_gaps[1] ** 2))
 
     @cached_property
-    def _basis(self) -> Array:
+    def _basis(self) -> Floats:
         """φ(p_i), shape (r, n)."""
         return np.asarray(self._criterion.whitening @ self._to_tests)
 
     @cached_property
-    def _slopes(self) -> tuple[list[Array], list[Array], list[Array]]:
+    def _slopes(self) -> tuple[list[Floats], list[Floats], list[Floats]]:
         """∂k, ∂φ and ∂c with respect to z_i of the first argument, for d = x, y."""
         prior = [-gap * self._prior for gap in self._gaps]
         stacked = self._criterion.whitening @ np.hstack([-gap * self._to_tests for gap in self._test_gaps])
@@ -52,7 +53,7 @@ class Expansion:
         return prior, basis, [self._posterior(p, b, self._basis) for p, b in zip(prior, basis, strict=True)]
 
     @cached_property
-    def _inverses(self) -> tuple[Array, Array, float]:
+    def _inverses(self) -> tuple[Floats, Floats, float]:
         """(K + σ²I)⁻¹, (C + σ²I)⁻¹ and I."""
         noise = self._criterion.noise * np.eye(len(self._prior))
         prior, log_prior = _inverse(self._prior + noise)
@@ -65,7 +66,7 @@ class Expansion:
         return self._inverses[2]
 
     @cached_property
-    def gradient(self) -> Array:
+    def gradient(self) -> Floats:
         """∇I [nats/m], shape (n, 2)."""
         prior, posterior, _ = self._inverses
         prior_slopes, _, posterior_slopes = self._slopes
@@ -76,7 +77,7 @@ class Expansion:
         return np.stack(parts, axis=1) / self._scales
 
     @cached_property
-    def hessian(self) -> Array:
+    def hessian(self) -> Floats:
         """∇²I [nats/m²], shape (2n, 2n), unknowns in the order x_0, y_0, x_1, y_1, …"""
         n = len(self._prior)
         gaps, far = self._gaps, self._test_gaps
@@ -101,7 +102,7 @@ class Expansion:
         return np.asarray(result.reshape(2 * n, 2 * n) / scales / scales[:, None])
 
 
-def _block(inverse: Array, slope_d: Array, slope_e: Array, mixed: Array, own: Array) -> Array:
+def _block(inverse: Floats, slope_d: Floats, slope_e: Floats, mixed: Floats, own: Floats) -> Floats:
     """Return H[(·, d), (·, e)] of ½ log det, shape (n, n), by the formula at the top."""
     left = slope_d @ inverse
     block = inverse * mixed - left * (slope_e @ inverse).T - inverse * (left @ slope_e.T)
@@ -109,7 +110,7 @@ def _block(inverse: Array, slope_d: Array, slope_e: Array, mixed: Array, own: Ar
     return np.asarray(block)
 
 
-def _inverse(matrix: Array) -> tuple[Array, float]:
+def _inverse(matrix: Floats) -> tuple[Floats, float]:
     """Return the inverse and log det of a symmetric positive definite matrix."""
     factor = np.linalg.cholesky(matrix)
     half = np.linalg.inv(factor)

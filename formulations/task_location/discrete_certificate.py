@@ -23,12 +23,13 @@ from scipy.optimize import minimize_scalar
 
 from formulations.task_location.blas import one_thread
 from formulations.task_location.certificate import ROUNDING, Certificate, Theta
-from formulations.task_location.criterion import Array, Criterion
+from formulations.task_location.criterion import Criterion
+from instances.arrays import Floats
 from instances.errors import InputError
 
 
 @one_thread()
-def discrete_certificate(criterion: Criterion, sites: Array, n: int, *, rounds: int = 60) -> Certificate:
+def discrete_certificate(criterion: Criterion, sites: Floats, n: int, *, rounds: int = 60) -> Certificate:
     """Return an upper bound on I of every n distinct `sites` (N, 2) [m], under the criterion's convention.
 
     rounds : steps of the ascent; more make the bound tighter, never wrong.
@@ -56,7 +57,7 @@ def discrete_certificate(criterion: Criterion, sites: Array, n: int, *, rounds: 
     return Certificate(best + ROUNDING * abs(best), "criterion b, the candidate sites only", rounds)
 
 
-def base_vector(covariance: Array, noise: float, order: NDArray[np.intp]) -> Array:
+def base_vector(covariance: Floats, noise: float, order: NDArray[np.intp]) -> Floats:
     """Return the greedy base vector of g(S) = log det(I + C_S/σ²): b_i = g(up to i) − g(before i), in `order`.
 
     One Cholesky factor of the reordered matrix gives all increments: log of its squared diagonal.
@@ -68,7 +69,7 @@ def base_vector(covariance: Array, noise: float, order: NDArray[np.intp]) -> Arr
     return base
 
 
-def _capped(weights: Array, n: int) -> Array:
+def _capped(weights: Floats, n: int) -> Floats:
     """Return `weights` scaled to the sum n with none above 1."""
     capped = np.zeros(len(weights), dtype=bool)
     for _ in range(len(weights)):
@@ -80,7 +81,7 @@ def _capped(weights: Array, n: int) -> Array:
     return np.ones(len(weights))
 
 
-def _bound(theta: Theta, prior: Array, base: Array, n: int, noise: float, variance: float) -> float:
+def _bound(theta: Theta, prior: Floats, base: Floats, n: int, noise: float, variance: float) -> float:
     """Return half of the right side of (2), with the best m."""
     gain = theta.heights(prior, variance) + noise * theta.floor
 

@@ -28,10 +28,11 @@ from scipy.optimize import Bounds, minimize
 
 from formulations.kernel import SquaredExponential
 from formulations.task_location.certificate import certificate
-from formulations.task_location.criterion import Array, Criterion, log_det
+from formulations.task_location.criterion import Criterion, log_det
 from formulations.task_location.placement import lattice
 from formulations.task_location.supremum import supremum
 from formulations.task_location.uncertainty import posterior_sd
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
 
@@ -48,7 +49,7 @@ class Coverage:
     at_least : no fewer tasks can keep the limit. greedy : how many the greedy choice alone needed.
     """
 
-    points: Array
+    points: Floats
     worst_sd: float
     at_least: int
     greedy: int
@@ -79,7 +80,7 @@ def fewest_tasks(
     return Coverage(points, worst, tasks_needed(region, kernel, noise_sd, max_sd, len(points)), greedy)
 
 
-def _descended(spread: _Spread, limit: float, rng: np.random.Generator, tries: int) -> Array:
+def _descended(spread: _Spread, limit: float, rng: np.random.Generator, tries: int) -> Floats:
     """Return few tasks within `limit` at the watch points: greedy, then one fewer as long as that succeeds."""
     points = _greedy(spread.kernel, spread.noise_sd, spread.watch, limit)
     while len(points) > 1:
@@ -90,11 +91,11 @@ def _descended(spread: _Spread, limit: float, rng: np.random.Generator, tries: i
     return points
 
 
-def worst_sd(region: Region, kernel: SquaredExponential, noise_sd: float, points: Array) -> float:
+def worst_sd(region: Region, kernel: SquaredExponential, noise_sd: float, points: Floats) -> float:
     """Return a proved upper bound on the posterior sd anywhere in `region`, tight to some 1e-4 (relative)."""
     inverse = np.linalg.inv(np.linalg.cholesky(kernel(points, points) + noise_sd**2 * np.eye(len(points))))
 
-    def expansion(places: Array) -> tuple[Array, Array]:
+    def expansion(places: Floats) -> tuple[Floats, Floats]:
         covariance = kernel(points, places)
         along = inverse @ covariance
         second = np.empty((len(places), 2))
@@ -132,7 +133,7 @@ def tasks_needed(region: Region, kernel: SquaredExponential, noise_sd: float, ma
     return low
 
 
-def watch_points(region: Region, kernel: SquaredExponential) -> Array:
+def watch_points(region: Region, kernel: SquaredExponential) -> Floats:
     """Return a lattice of eight points a length scale (21 to 61 a side) and the border at the same spacing."""
     x0, y0, x1, y1 = region.bounds
     per_axis = int(np.clip(math.ceil(8 * max((x1 - x0), (y1 - y0)) / min(kernel.length_scales)) + 1, 21, 61))
@@ -141,7 +142,7 @@ def watch_points(region: Region, kernel: SquaredExponential) -> Array:
     return np.concatenate([lattice(region, per_axis), border])
 
 
-def _greedy(kernel: SquaredExponential, noise_sd: float, sites: Array, limit: float) -> Array:
+def _greedy(kernel: SquaredExponential, noise_sd: float, sites: Floats, limit: float) -> Floats:
     """Return sites of highest variance, one after another, until all are under `limit`."""
     variance = np.full(len(sites), kernel.signal_sd**2)
     rows = np.zeros((MOST_TASKS, len(sites)))
@@ -157,7 +158,7 @@ def _greedy(kernel: SquaredExponential, noise_sd: float, sites: Array, limit: fl
     return sites[chosen]
 
 
-def _one_fewer(spread: _Spread, points: Array, limit: float, rng: np.random.Generator, tries: int) -> Array | None:
+def _one_fewer(spread: _Spread, points: Floats, limit: float, rng: np.random.Generator, tries: int) -> Floats | None:
     """Return one point fewer within `limit` at the watch points, or None where the search finds none."""
     without = [np.delete(points, i, axis=0) for i in range(len(points))]
     least = min(without, key=lambda rest: float(spread.sd(rest).max()))
@@ -173,15 +174,15 @@ def _one_fewer(spread: _Spread, points: Array, limit: float, rng: np.random.Gene
 class _Spread:
     """The posterior variance at the watch points as a function of the tasks."""
 
-    def __init__(self, region: Region, kernel: SquaredExponential, noise_sd: float, watch: Array) -> None:
+    def __init__(self, region: Region, kernel: SquaredExponential, noise_sd: float, watch: Floats) -> None:
         self.region, self.kernel, self.noise_sd, self.watch = region, kernel, noise_sd, watch
         self._scales = np.asarray(kernel.length_scales)
 
-    def sd(self, points: Array) -> Array:
+    def sd(self, points: Floats) -> Floats:
         """Return the posterior sd at the watch points."""
         return posterior_sd(self.kernel, self.noise_sd, points, self.watch)
 
-    def lowered(self, begin: Array) -> Array:
+    def lowered(self, begin: Floats) -> Floats:
         """Return `begin` moved to where J is lower, inside the region."""
         x0, y0, x1, y1 = self.region.bounds
         n = len(begin)
@@ -200,7 +201,7 @@ class _Spread:
             points = self.region.snap(done.x.reshape(-1, 2) * self._scales)
         return points
 
-    def norm(self, z: Array, power: float) -> tuple[float, Array]:
+    def norm(self, z: Floats, power: float) -> tuple[float, Floats]:
         """Return log J and its gradient at z = P / l, flat."""
         points = z.reshape(-1, 2) * self._scales
         to_watch, among = self.kernel(points, self.watch), self.kernel(points, points)

@@ -12,8 +12,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from formulations.task_location.criterion import Array, Convention, Criterion
+from formulations.task_location.criterion import Convention, Criterion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
+from instances.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Greedy(PlacementMethod):
         return self.status
 
 
-def greedy_choice(criterion: Criterion, candidates: Array, count: int) -> list[int]:
+def greedy_choice(criterion: Criterion, candidates: Floats, count: int) -> list[int]:
     """Return the indices of `count` candidates, in greedy order."""
     phi = criterion.features(candidates)
     own = criterion.kernel.signal_sd**2
@@ -56,7 +57,7 @@ def greedy_choice(criterion: Criterion, candidates: Array, count: int) -> list[i
     return chosen
 
 
-def posterior_variance(criterion: Criterion, phi: Array) -> Array:
+def posterior_variance(criterion: Criterion, phi: Floats) -> Floats:
     """Return c(x_i, x_i) from the features φ(x_i), shape (N,); 0 for IG."""
     if criterion.convention is Convention.INFORMATION_GAIN:
         return np.zeros(phi.shape[1])

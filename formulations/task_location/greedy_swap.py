@@ -12,9 +12,10 @@ from typing import ClassVar
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from formulations.task_location.criterion import Array, Criterion
+from formulations.task_location.criterion import Criterion
 from formulations.task_location.greedy import greedy_choice, posterior_variance
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
+from instances.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class GreedySwap(PlacementMethod):
 class Exchange:
     """Replaces chosen candidates by better ones; keeps k(chosen, all) and c(chosen, all) up to date."""
 
-    def __init__(self, criterion: Criterion, candidates: Array, chosen: list[int]) -> None:
+    def __init__(self, criterion: Criterion, candidates: Floats, chosen: list[int]) -> None:
         self.chosen = list(chosen)
         self._criterion, self._candidates = criterion, candidates
         self._phi = criterion.features(candidates)
@@ -75,7 +76,7 @@ class Exchange:
         return True
 
 
-def _left(own: Array, rows: Array, taken: list[int], noise: float) -> Array:
+def _left(own: Floats, rows: Floats, taken: list[int], noise: float) -> Floats:
     """Return the variance left at every candidate by noisy readings at `taken`, of which `rows` are the kernel rows."""
     if not taken:
         return own

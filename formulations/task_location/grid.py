@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from formulations.task_location.criterion import Array
 from formulations.task_location.placement import (
     PlacementMethod,
     PlacementProblem,
@@ -16,6 +15,7 @@ from formulations.task_location.placement import (
     Progress,
     lattice,
 )
+from instances.arrays import Floats
 from instances.environment.region import Region
 
 
@@ -32,7 +32,7 @@ class Grid(PlacementMethod):
         return self.status
 
 
-def regular_points(region: Region, n: int, scales: Array) -> Array:
+def regular_points(region: Region, n: int, scales: Floats) -> Floats:
     """Return n cell centres of a lattice over the bounding box, (n, 2) [m].
 
     Of all lattices with exactly n centres inside, the one with the squarest cells (by `scales`), up to 3 : 1; where

@@ -23,10 +23,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from formulations.mapping.lawnmower import lanes
-from formulations.task_location.criterion import Array, Criterion
+from formulations.task_location.criterion import Criterion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, lattice, place
 from formulations.task_location.tour import along, closed_tour, tour_length
 from formulations.task_location.uncertainty import information_gain, posterior_sd
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
 
@@ -43,7 +44,7 @@ class Trial:
     per_km [nats/km] : MI2 more than the trial before, for every km of tour more; None where the tour is no longer.
     """
 
-    points: Array
+    points: Floats
     order: list[int]
     length: float
     mutual_information: float
@@ -126,7 +127,7 @@ def trials(
     return done
 
 
-def lawnmower_tracks(region: Region, criterion: Criterion, step: float, most: int = 25) -> Array:
+def lawnmower_tracks(region: Region, criterion: Criterion, step: float, most: int = 25) -> Floats:
     """Return length [m] and IG [nats] of closed lawnmower tracks of 1 to `most` lanes, ascending, shape (most, 2)."""
     found = []
     for count in range(1, most + 1):
@@ -137,14 +138,14 @@ def lawnmower_tracks(region: Region, criterion: Criterion, step: float, most: in
     return np.array(sorted(found))
 
 
-def _at(tracks: Array, length: float) -> float | None:
+def _at(tracks: Floats, length: float) -> float | None:
     """Return the information of a track of `length` between those tried, or None outside them."""
     if not tracks[0, 0] <= length <= tracks[-1, 0]:
         return None
     return float(np.interp(length, tracks[:, 0], tracks[:, 1]))
 
 
-def planning_noise(criterion: Criterion, points: Array, target: float) -> float | None:
+def planning_noise(criterion: Criterion, points: Floats, target: float) -> float | None:
     """Return σ_T with IG(points; σ_T) = `target` [nats], or None where none between 1e-6 and 1e3 does."""
     eigenvalues = np.maximum(np.linalg.eigvalsh(criterion.kernel(points, points)), 0.0)
 

@@ -11,10 +11,10 @@ from typing import ClassVar
 import numpy as np
 from scipy.optimize import Bounds, minimize
 
-from formulations.task_location.criterion import Array
 from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
 from formulations.task_location.starts import starts
+from instances.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class LBfgsB(PlacementMethod):
         )
         status = PlacementStatus.HEURISTIC
 
-        def negative(z: Array) -> tuple[float, Array]:
+        def negative(z: Floats) -> tuple[float, Floats]:
             progress.check()
             here = Expansion(problem.criterion, z.reshape(-1, 2) * scales)
             return -here.value, -(here.gradient * scales).ravel()

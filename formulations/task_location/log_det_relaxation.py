@@ -12,13 +12,14 @@ from __future__ import annotations
 import cvxpy as cp
 import numpy as np
 
-from formulations.task_location.criterion import Array, Criterion
+from formulations.task_location.criterion import Criterion
+from instances.arrays import Floats
 from instances.errors import InputError
 
 MOST_SITES = 36
 
 
-def log_det_relaxation(criterion: Criterion, sites: Array, n: int) -> tuple[float, Array]:
+def log_det_relaxation(criterion: Criterion, sites: Floats, n: int) -> tuple[float, Floats]:
     """Return the relaxation's optimum [nats] (to the solver's 1e-7 or so) and w, shape (N,)."""
     if len(sites) > MOST_SITES:
         raise InputError(f"log_det relaxation: meant for at most {MOST_SITES} sites, got {len(sites)}")

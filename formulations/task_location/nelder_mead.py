@@ -17,8 +17,9 @@ from typing import ClassVar
 import numpy as np
 from scipy.optimize import minimize
 
-from formulations.task_location.criterion import Array, Convention, Criterion
+from formulations.task_location.criterion import Convention, Criterion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
+from instances.arrays import Floats
 from instances.errors import InputError
 
 FORMS = ("reduced", "literal")
@@ -44,7 +45,7 @@ class NelderMead(PlacementMethod):
         scales = criterion.scales
         worth = JointForm(criterion).value if self.form == "literal" else criterion.value
 
-        def negative(z: Array) -> float:
+        def negative(z: Floats) -> float:
             points = region.snap(z.reshape(-1, 2) * scales)
             value = worth(points)
             progress.offer(points, value)
@@ -66,7 +67,7 @@ class JointForm:
         assert criterion.weights is not None
         self._test_noise = criterion.test_noise / criterion.weights
 
-    def value(self, points: Array) -> float:
+    def value(self, points: Floats) -> float:
         """Return I [nats] for `points` (n, 2) [m]."""
         criterion, n = self._criterion, len(points)
         every = np.concatenate([points, criterion.tests])

@@ -28,10 +28,11 @@ import casadi as ca
 import numpy as np
 
 from formulations.task_location.boundary import distance_gradient, is_rectangle
-from formulations.task_location.criterion import Array, Criterion
+from formulations.task_location.criterion import Criterion
 from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
 from formulations.task_location.starts import greedy_start
+from instances.arrays import Floats
 from instances.environment.region import Region
 
 HOP = 0.65
@@ -119,7 +120,7 @@ class Model:
         self._options = options
         self._solver = ca.nlpsol("placement", "ipopt", self._build, options)
 
-    def solve(self, begin: Array, seconds: float) -> tuple[Array, bool]:
+    def solve(self, begin: Floats, seconds: float) -> tuple[Floats, bool]:
         """Return the end of one start, shape (n, 2) [m], and whether IPOPT calls it locally solved."""
         solver = self._solver
         if math.isfinite(seconds):
@@ -141,7 +142,7 @@ class Model:
 class _Callback(ca.Callback):
     """A numpy function of the unknowns as a casadi function; it returns an array, or the nonzeros of `sparsity`."""
 
-    def __init__(self, name: str, function: Callable[[Array], Any], n: int, sparsity: ca.Sparsity) -> None:
+    def __init__(self, name: str, function: Callable[[Floats], Any], n: int, sparsity: ca.Sparsity) -> None:
         ca.Callback.__init__(self)
         self._function, self._n, self._sparsity = function, n, sparsity
         self.construct(name, {})
@@ -171,7 +172,7 @@ def objective(criterion: Criterion, n: int) -> tuple[_Callback, _Callback, _Call
     both = np.tile(scales, n)
     last: tuple[bytes, Expansion] | None = None
 
-    def at(z: Array) -> Expansion:
+    def at(z: Floats) -> Expansion:
         nonlocal last
         key = z.tobytes()
         if last is None or last[0] != key:
@@ -185,13 +186,13 @@ def objective(criterion: Criterion, n: int) -> tuple[_Callback, _Callback, _Call
     )
 
 
-def inside(region: Region, scales: Array, n: int) -> list[_Callback]:
+def inside(region: Region, scales: Floats, n: int) -> list[_Callback]:
     """Return s(p_i) in length scales, shape (n, 1), and its Jacobian (n, 2n) as casadi functions of z = x / l."""
     unit = float(scales.min())
     points = np.arange(n)
     sparsity = ca.Sparsity.triplet(n, 2 * n, np.repeat(points, 2).tolist(), list(range(2 * n)))
 
-    def slope(z: Array) -> ca.DM:
+    def slope(z: Floats) -> ca.DM:
         return ca.DM(sparsity, (distance_gradient(region, z * scales) * scales / unit).ravel())
 
     return [

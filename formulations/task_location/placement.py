@@ -17,9 +17,10 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from formulations.solver import Limits
+from formulations.routing.solver import Limits
 from formulations.task_location.blas import one_thread
-from formulations.task_location.criterion import Array, Convention, Criterion
+from formulations.task_location.criterion import Convention, Criterion
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
 
@@ -66,7 +67,7 @@ class PlacementProblem:
             )
 
     @cached_property
-    def candidates(self) -> Array:
+    def candidates(self) -> Floats:
         """Candidate sites, shape (k, 2) [m]; a point of the interior is added where the lattice misses the region."""
         sites = lattice(self.region, self.candidates_per_axis)
         if len(sites):
@@ -75,7 +76,7 @@ class PlacementProblem:
         return np.array([[inside.x, inside.y]])
 
 
-def lattice(region: Region, per_axis: int) -> Array:
+def lattice(region: Region, per_axis: int) -> Floats:
     """Return the points of a per_axis × per_axis lattice over the bounding box that lie in `region`, (k, 2) [m]."""
     x0, y0, x1, y1 = region.bounds
     xs, ys = np.linspace(x0, x1, per_axis), np.linspace(y0, y1, per_axis)
@@ -90,9 +91,9 @@ class OutOfTime(Exception):  # noqa: N818 - a signal, not an error
 class Progress:
     """The clock, the best points and the trace that every method keeps the same way."""
 
-    def __init__(self, limits: Limits, observe: Callable[[float, float, Array], None] | None = None) -> None:
+    def __init__(self, limits: Limits, observe: Callable[[float, float, Floats], None] | None = None) -> None:
         self.limits = limits
-        self.best: Array | None = None
+        self.best: Floats | None = None
         self.value = -math.inf
         self.trace: list[tuple[float, float]] = []
         self._observe = observe
@@ -108,7 +109,7 @@ class Progress:
         """Wall clock left [s], never negative."""
         return max(0.0, self.limits.time - self.elapsed)
 
-    def offer(self, points: Array, value: float) -> bool:
+    def offer(self, points: Floats, value: float) -> bool:
         """Keep, trace and stream `points` worth `value` [nats] where they beat the best so far."""
         if not value > self.value:
             return False
@@ -156,7 +157,7 @@ class Placement:
     trace : (elapsed [s], criterion that was maximised [nats]), improvements only.
     """
 
-    points: Array
+    points: Floats
     mutual_information: float
     method: str
     status: PlacementStatus
@@ -208,7 +209,7 @@ def place(
     seed: int = 0,
     limits: Limits | None = None,
     certificate: float | None = None,
-    observe: Callable[[float, float, Array], None] | None = None,
+    observe: Callable[[float, float, Floats], None] | None = None,
 ) -> Placement:
     """Run `method` on `problem` and return its best points, checked and worth recomputed.
 
@@ -245,7 +246,7 @@ def place(
     )
 
 
-def checked_points(problem: PlacementProblem, points: Array, name: str) -> Array:
+def checked_points(problem: PlacementProblem, points: Floats, name: str) -> Floats:
     """Return `points` made read-only; RuntimeError where they are not n points of the region."""
     if points.shape != (problem.n_tasks, 2):
         raise RuntimeError(f"{name} offered points of shape {points.shape} for {problem.n_tasks} tasks")

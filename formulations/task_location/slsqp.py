@@ -15,10 +15,10 @@ import numpy as np
 from scipy.optimize import Bounds, minimize
 
 from formulations.task_location.boundary import distance_gradient, is_rectangle
-from formulations.task_location.criterion import Array
 from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
 from formulations.task_location.starts import starts
+from instances.arrays import Floats
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Slsqp(PlacementMethod):
         box = Bounds(np.tile(np.array([x0, y0]) / scales, n), np.tile(np.array([x1, y1]) / scales, n))
         status = PlacementStatus.HEURISTIC
 
-        def negative(z: Array) -> tuple[float, Array]:
+        def negative(z: Floats) -> tuple[float, Floats]:
             progress.check()
             here = Expansion(criterion, z.reshape(-1, 2) * scales)
             return -here.value, -(here.gradient * scales).ravel()
@@ -73,7 +73,7 @@ class Slsqp(PlacementMethod):
         return status
 
 
-def _jacobian(rows: Array) -> Array:
+def _jacobian(rows: Floats) -> Floats:
     """Return the (n, 2n) matrix whose row i holds rows[i] in the columns of point i."""
     n = len(rows)
     jacobian = np.zeros((n, n, 2))

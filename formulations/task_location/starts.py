@@ -8,16 +8,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from formulations.solver import Limits
-from formulations.task_location.criterion import Array
+from formulations.routing.solver import Limits
 from formulations.task_location.greedy_swap import GreedySwap
 from formulations.task_location.placement import PlacementProblem, Progress, lattice
+from instances.arrays import Floats
 
 COARSE = 21
 """Points a side of the lattice for the greedy start."""
 
 
-def greedy_start(problem: PlacementProblem) -> Array:
+def greedy_start(problem: PlacementProblem) -> Floats:
     """Return the greedy choice after exchanges (n, 2) [m].
 
     It is over a coarse lattice where that has room for the tasks: the local method does the rest.
@@ -30,7 +30,7 @@ def greedy_start(problem: PlacementProblem) -> Array:
     return inner.best
 
 
-def starts(problem: PlacementProblem, count: int, seed: int) -> Iterator[Array]:
+def starts(problem: PlacementProblem, count: int, seed: int) -> Iterator[Floats]:
     """Yield `count` starts (n, 2) [m]: the greedy choice after exchanges first, then uniform random points."""
     yield greedy_start(problem)
     rng = np.random.default_rng(seed)

@@ -21,7 +21,7 @@ from collections.abc import Callable
 import numpy as np
 import shapely
 
-from formulations.task_location.criterion import Array
+from instances.arrays import Floats
 from instances.environment.region import Region
 
 STRAIGHT = 2 * (math.sqrt(15) + 3 * math.sqrt(3))
@@ -34,9 +34,9 @@ MOST_CORNERS = 250_000
 
 
 def supremum(
-    expansion: Callable[[Array], tuple[Array, Array]],
+    expansion: Callable[[Floats], tuple[Floats, Floats]],
     region: Region,
-    scales: Array,
+    scales: Floats,
     magnitude: float,
     tolerance: float = 3e-4,
 ) -> float:
@@ -75,7 +75,7 @@ def supremum(
         cells, counts = (2 * cells[high][:, None] + CORNERS).reshape(-1, 2), 2 * counts
 
 
-def _in_parts(expansion: Callable[[Array], tuple[Array, Array]], points: Array) -> tuple[Array, Array]:
+def _in_parts(expansion: Callable[[Floats], tuple[Floats, Floats]], points: Floats) -> tuple[Floats, Floats]:
     """Evaluate `expansion` some thousand points at a time, so that what it needs stays in the cache."""
     parts = [expansion(part) for part in np.array_split(points, max(1, len(points) // 2000))]
     return np.concatenate([h for h, _ in parts]), np.concatenate([c for _, c in parts])

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.registry import make_solver
-from formulations.solver import Limits
-from formulations.task_location.criterion import Array
+from formulations.routing.registry import make_solver
+from formulations.routing.solver import Limits
 from instances import Instance
+from instances.arrays import Floats
 
 SOLVER = "ruin-recreate"
 ITERATIONS = 20_000
 
 
-def closed_tour(points: Array, *, seed: int = 0, solver: str = SOLVER) -> list[int]:
+def closed_tour(points: Floats, *, seed: int = 0, solver: str = SOLVER) -> list[int]:
     """Return the order in which a short closed tour visits `points` (n, 2) [m], from point 0."""
     n = len(points)
     if n < 4:
@@ -32,13 +32,13 @@ def closed_tour(points: Array, *, seed: int = 0, solver: str = SOLVER) -> list[i
     return [0, *(int(order[task]) for task in result.routes[0])]
 
 
-def tour_length(points: Array, order: list[int]) -> float:
+def tour_length(points: Floats, order: list[int]) -> float:
     """Return the length [m] of the closed tour through `points` in `order`."""
     stops = points[[*order, order[0]]]
     return float(np.linalg.norm(np.diff(stops, axis=0), axis=1).sum())
 
 
-def along(points: Array, order: list[int], spacing: float) -> Array:
+def along(points: Floats, order: list[int], spacing: float) -> Floats:
     """Return places every `spacing` [m] along the closed tour, shape (k, 2) [m], the first at the first task."""
     stops = points[[*order, order[0]]]
     passed = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(stops, axis=0), axis=1))])

@@ -9,10 +9,11 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from formulations.kernel import SquaredExponential
-from formulations.task_location.criterion import Array, log_det
+from formulations.task_location.criterion import log_det
+from instances.arrays import Floats
 
 
-def posterior_sd(kernel: SquaredExponential, noise_sd: float, readings: Array, places: Array) -> Array:
+def posterior_sd(kernel: SquaredExponential, noise_sd: float, readings: Floats, places: Floats) -> Floats:
     """Return the posterior sd at `places` (k, 2) [m] after readings at `readings` (n, 2) [m], shape (k,)."""
     variance = np.full(len(places), kernel.signal_sd**2)
     if len(readings):
@@ -23,6 +24,6 @@ def posterior_sd(kernel: SquaredExponential, noise_sd: float, readings: Array, p
     return np.sqrt(np.maximum(variance, 0.0))
 
 
-def information_gain(kernel: SquaredExponential, noise_sd: float, readings: Array) -> float:
+def information_gain(kernel: SquaredExponential, noise_sd: float, readings: Floats) -> float:
     """Return IG = ½ log det(I + K/σ_n²) [nats] of readings at `readings` (n, 2) [m]."""
     return 0.5 * log_det(np.eye(len(readings)) + kernel(readings, readings) / noise_sd**2)

@@ -20,8 +20,9 @@ ends by at most R(1 − cos φ): this is the cost over open country, without wal
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from instances.arrays import Floats
 from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
 from instances.errors import InputError
 
@@ -43,7 +44,7 @@ def vorticity(wind: WindField | None) -> float:
     raise InputError(f"wind: there is no closed form for a {type(wind).__name__}, only for uniform, shear and rotation")
 
 
-def pair_costs(a: ArrayLike, b: ArrayLike, airspeed: float, wind: WindField | None) -> NDArray[np.float64]:
+def pair_costs(a: ArrayLike, b: ArrayLike, airspeed: float, wind: WindField | None) -> Floats:
     """Return the cost [s] of the cheapest path a → b over open country, shape (k,), for `a`, `b` (k, 2) [m].
 
     InputError where a pair is too far apart for its arc: κd/2 > 1.
@@ -66,7 +67,7 @@ def pair_costs(a: ArrayLike, b: ArrayLike, airspeed: float, wind: WindField | No
     return costs
 
 
-def cost_matrix(points: ArrayLike, airspeed: float, wind: WindField | None) -> NDArray[np.float64]:
+def cost_matrix(points: ArrayLike, airspeed: float, wind: WindField | None) -> Floats:
     """Return ``cost[i, j]`` [s], shape (k, k), of the cheapest paths between `points` (k, 2) [m] over open country.
 
     Raises
@@ -88,7 +89,7 @@ def cost_matrix(points: ArrayLike, airspeed: float, wind: WindField | None) -> N
     return cost
 
 
-def check_wind(points: NDArray[np.float64], airspeed: float, wind: WindField | None) -> None:
+def check_wind(points: Floats, airspeed: float, wind: WindField | None) -> None:
     """Raise InputError where `wind` may reach `airspeed` in the bounding box of `points`, or where an arc bulges out.
 
     |w| is convex for a linear field, so its corners decide for the box.

@@ -15,8 +15,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from instances.arrays import Bools, Floats
 from instances.environment.closed_form import vorticity
 from instances.environment.region import Region
 from instances.environment.wind import WindField
@@ -26,9 +27,7 @@ TOLERANCE = 1e-9
 """Touching a wall within this fraction of the region's diameter is no crossing."""
 
 
-def corner_path_costs(
-    points: ArrayLike, region: Region, airspeed: float, wind: WindField | None
-) -> NDArray[np.float64]:
+def corner_path_costs(points: ArrayLike, region: Region, airspeed: float, wind: WindField | None) -> Floats:
     """Return ``cost[i, j]`` [s], shape (k, k), between `points` (k, 2) [m] along straight legs inside `region`.
 
     Raises
@@ -68,7 +67,7 @@ def corner_path_costs(
     return cost
 
 
-def turning_corners(region: Region) -> NDArray[np.float64]:
+def turning_corners(region: Region) -> Floats:
     """Return the corners a taut string can bend around, shape (c, 2) [m]: reflex ones, and the convex ones of holes."""
     found = []
     oriented = shapely.geometry.polygon.orient(region.polygon)  # outer ring anticlockwise, holes clockwise
@@ -80,7 +79,7 @@ def turning_corners(region: Region) -> NDArray[np.float64]:
     return np.concatenate(found)
 
 
-def sees(points: NDArray[np.float64], region: Region) -> NDArray[np.bool_]:
+def sees(points: Floats, region: Region) -> Bools:
     """Return which straight legs between `points` (k, 2) [m] of the region stay inside, shape (k, k).
 
     A leg leaves the region where it crosses a wall: its ends lie on different sides of the wall's line, and the wall's
@@ -112,7 +111,7 @@ def sees(points: NDArray[np.float64], region: Region) -> NDArray[np.bool_]:
     return visible
 
 
-def _sees_exactly(a: NDArray[np.float64], b: NDArray[np.float64], region: Region) -> NDArray[np.bool_]:
+def _sees_exactly(a: Floats, b: Floats, region: Region) -> Bools:
     """Return which legs `a` → `b` stay inside, shape (len(a), len(b)), also where ends are corners of the region."""
     x0, y0, x1, y1 = region.bounds
     roomy = shapely.buffer(region.polygon, TOLERANCE * float(np.hypot(x1 - x0, y1 - y0)), join_style="mitre")
@@ -123,9 +122,7 @@ def _sees_exactly(a: NDArray[np.float64], b: NDArray[np.float64], region: Region
     return covered | (a[:, None] == b[None, :]).all(axis=2)  # a leg of no length is no line to shapely
 
 
-def _leg_costs(
-    a: NDArray[np.float64], b: NDArray[np.float64], airspeed: float, wind: WindField | None
-) -> NDArray[np.float64]:
+def _leg_costs(a: Floats, b: Floats, airspeed: float, wind: WindField | None) -> Floats:
     """Return the cost [s] of the straight legs a → b, shape (len(a), len(b))."""
     cost = np.empty((len(a), len(b)))
     for i, start in enumerate(a):

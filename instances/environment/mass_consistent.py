@@ -27,11 +27,10 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.fft import dstn
 
+from instances.arrays import Floats
 from instances.environment.terrain import Terrain
 from instances.environment.wind_grid import Grid
 from instances.errors import InputError
-
-Floats = NDArray[np.float64]
 
 PROFILES = ("uniform", "log", "power")
 

@@ -22,13 +22,11 @@ from typing import Literal
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.radio import RadioMap, RadioSource
 from instances.environment.terrain import Terrain
 from instances.errors import InputError, suggestion
-
-Floats = NDArray[np.float64]
 
 EFFECTIVE_EARTH = 4.0 / 3.0 * 6_371_000.0
 """a_e [m] for the median refractivity gradient."""

@@ -10,11 +10,10 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from instances.arrays import Floats
 from instances.errors import InputError, suggestion
-
-Floats = NDArray[np.float64]
 
 SPEED_OF_LIGHT = 299_792_458.0
 """[m/s]"""

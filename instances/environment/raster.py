@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class AsciiGrid:
 
     origin: tuple[float, float]
     spacing: float
-    values: NDArray[np.float64]
+    values: Floats
     crs: str
 
 
@@ -138,7 +138,7 @@ class Raster:
 
     origin: tuple[float, float]
     spacing: tuple[float, float]
-    values: NDArray[np.float64]
+    values: Floats
     crs: str
 
 

@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from shapely.geometry import Polygon, mapping, shape
 from shapely.ops import nearest_points
 from shapely.validation import explain_validity
 
+from instances.arrays import Bools, Floats
 from instances.disk import read_text, write_aside
 from instances.errors import InputError, naming
 
@@ -84,22 +85,22 @@ class Region:
         return float(x0), float(y0), float(x1), float(y1)
 
     @cached_property
-    def rings(self) -> list[NDArray[np.float64]]:
+    def rings(self) -> list[Floats]:
         """Outer ring, then holes; each closed, shape (k, 2) [m]."""
         return [np.asarray(r.coords)[:, :2] for r in (self.polygon.exterior, *self.polygon.interiors)]
 
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+    def contains(self, points: ArrayLike) -> Bools:
         """Return which of `points` (k, 2) [m] lie inside or on the border, shape (k,)."""
         p = np.asarray(points, dtype=float).reshape(-1, 2)
         return np.asarray(shapely.covers(self.polygon, shapely.points(p)), dtype=bool)
 
-    def signed_distance(self, points: ArrayLike) -> NDArray[np.float64]:
+    def signed_distance(self, points: ArrayLike) -> Floats:
         """Return the distance to the border [m], positive inside and negative outside, shape (k,)."""
         p = np.asarray(points, dtype=float).reshape(-1, 2)
         d = np.asarray(shapely.distance(self.polygon.boundary, shapely.points(p)))
         return np.where(self.contains(p), d, -d)
 
-    def snap(self, points: ArrayLike) -> NDArray[np.float64]:
+    def snap(self, points: ArrayLike) -> Floats:
         """Return `points` (k, 2) [m] with those outside moved to the nearest point of the region (up to rounding)."""
         p = np.array(points, dtype=float).reshape(-1, 2)
         for i in np.flatnonzero(~self.contains(p)):
@@ -107,7 +108,7 @@ class Region:
             p[i] = near.x, near.y
         return p
 
-    def sample(self, count: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    def sample(self, count: int, rng: np.random.Generator) -> Floats:
         """Return `count` points uniform in the region, shape (count, 2) [m]."""
         x0, y0, x1, y1 = self.bounds
         # thin regions need many tries a point; a million at a time keeps the memory small
@@ -118,7 +119,7 @@ class Region:
             found = np.concatenate([found, p[self.contains(p)]])
         return found[:count]
 
-    def cell_centres(self, columns: int, rows: int) -> NDArray[np.float64]:
+    def cell_centres(self, columns: int, rows: int) -> Floats:
         """Return the centres of columns × rows equal cells of the bounding box, those inside, shape (k, 2) [m]."""
         x0, y0, x1, y1 = self.bounds
         xs = x0 + (np.arange(columns) + 0.5) * (x1 - x0) / columns

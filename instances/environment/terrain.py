@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from instances.arrays import Floats
 from instances.environment.raster import METRES, coordinate, open_netcdf, projection, read_ascii_grid, read_geotiff
 from instances.errors import InputError
-
-Floats = NDArray[np.float64]
 
 ELEVATIONS = (
     "surface_altitude",

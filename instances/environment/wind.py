@@ -15,11 +15,10 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from instances.arrays import Floats
 from instances.errors import InputError, suggestion
-
-Floats = NDArray[np.float64]
 
 KINDS = {
     "uniform": "instances.environment.wind:Uniform",

@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from instances.environment.wind import Floats, only_fields, points_of
+from instances.arrays import Floats
+from instances.environment.wind import only_fields, points_of
 from instances.errors import InputError
 
 GAUSS = 0.5 / math.sqrt(3.0)
@@ -89,8 +90,8 @@ class Grid:
 
     origin: tuple[float, float]
     spacing: tuple[float, float]
-    u: NDArray[np.float64]
-    v: NDArray[np.float64]
+    u: Floats
+    v: Floats
     source: str = ""
     crs: str = ""
 

@@ -22,9 +22,10 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from instances.arrays import Floats
 from instances.environment.mass_consistent import Inflow, solve_flow
 from instances.environment.terrain import Terrain, mountains, read_terrain
-from instances.environment.wind import Floats, number, only_fields, pair
+from instances.environment.wind import number, only_fields, pair
 from instances.environment.wind_grid import Grid
 from instances.errors import InputError, suggestion
 

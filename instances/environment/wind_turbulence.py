@@ -18,7 +18,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
 
-from instances.environment.wind import Floats, number, only_fields, points_of
+from instances.arrays import Floats
+from instances.environment.wind import number, only_fields, points_of
 from instances.errors import InputError
 
 FIELDS = ("rms", "length_scale", "seed", "modes")

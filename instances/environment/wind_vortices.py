@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from instances.environment.wind import Floats, number, only_fields, pair, points_of
+from instances.arrays import Floats
+from instances.environment.wind import number, only_fields, pair, points_of
 from instances.errors import InputError
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.families.parameter import Parameter, Values
 
@@ -20,7 +20,7 @@ SITE = 0.05
 """Radius of the site of clustered depots, as a fraction of the region's diameter."""
 
 
-def place_depots(region: Region, count: int, rng: np.random.Generator, values: Values) -> NDArray[np.float64]:
+def place_depots(region: Region, count: int, rng: np.random.Generator, values: Values) -> Floats:
     """Return `count` depots in the region, shape (count, 2) [m]."""
     if values["depots"] == "spread":
         return _far_apart(region.sample(CANDIDATES * count, rng), count)
@@ -32,7 +32,7 @@ def place_depots(region: Region, count: int, rng: np.random.Generator, values: V
     return _inside(region, lambda size: site + radius * _disc(size, rng), count)
 
 
-def _far_apart(candidates: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+def _far_apart(candidates: Floats, count: int) -> Floats:
     """Return `count` of the candidates, each the farthest from those before it (Gonzalez 1985)."""
     chosen = [0]
     distance = np.full(len(candidates), np.inf)
@@ -42,7 +42,7 @@ def _far_apart(candidates: NDArray[np.float64], count: int) -> NDArray[np.float6
     return candidates[chosen]
 
 
-def _inside(region: Region, draw: Callable[[int], NDArray[np.float64]], count: int) -> NDArray[np.float64]:
+def _inside(region: Region, draw: Callable[[int], Floats], count: int) -> Floats:
     """Return `count` drawn points, those outside the region drawn again."""
     points = draw(count)
     while (outside := ~region.contains(points)).any():
@@ -50,6 +50,6 @@ def _inside(region: Region, draw: Callable[[int], NDArray[np.float64]], count: i
     return points
 
 
-def _disc(size: int, rng: np.random.Generator) -> NDArray[np.float64]:
+def _disc(size: int, rng: np.random.Generator) -> Floats:
     radius, angle = np.sqrt(rng.uniform(0, 1, size)), rng.uniform(0, 2 * np.pi, size)
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])

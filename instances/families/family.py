@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError, suggestion
 from instances.families.depots import place_depots
@@ -28,7 +28,7 @@ class Family:
     parameters: tuple[Parameter, ...]
     region: Callable[[Values], Region]
     """Parameters → the region."""
-    tasks: Callable[[Region, int, np.random.Generator, Values], NDArray[np.float64]]
+    tasks: Callable[[Region, int, np.random.Generator, Values], Floats]
     """Region, n, random numbers, parameters → task points (n, 2) [m]."""
     walls: bool = False
     """Whether legs keep inside the region (`corner_paths`) or fly over open country (`closed_form`)."""

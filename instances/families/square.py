@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
 from instances.families import depots, winds
@@ -19,12 +19,12 @@ def square(values: Values) -> Region:
     return Region.rectangle(values["size"], values["size"])
 
 
-def uniform_tasks(region: Region, count: int, rng: np.random.Generator, values: Values) -> NDArray[np.float64]:
+def uniform_tasks(region: Region, count: int, rng: np.random.Generator, values: Values) -> Floats:
     """Return `count` points uniform in the region."""
     return region.sample(count, rng)
 
 
-def clustered_tasks(region: Region, count: int, rng: np.random.Generator, values: Values) -> NDArray[np.float64]:
+def clustered_tasks(region: Region, count: int, rng: np.random.Generator, values: Values) -> Floats:
     """Return `count` points, each normal around one of the centres, redrawn where outside the region."""
     centres = region.sample(values["clusters"], rng)
     home = centres[rng.integers(0, len(centres), count)]
@@ -34,7 +34,7 @@ def clustered_tasks(region: Region, count: int, rng: np.random.Generator, values
     return points
 
 
-def ring_tasks(region: Region, count: int, rng: np.random.Generator, values: Values) -> NDArray[np.float64]:
+def ring_tasks(region: Region, count: int, rng: np.random.Generator, values: Values) -> Floats:
     """Return `count` points uniform in the annulus of the given mean radius and width about the square's centre."""
     inner, outer = values["radius"] - values["width"] / 2, values["radius"] + values["width"] / 2
     if inner < 0 or outer > values["size"] / 2:

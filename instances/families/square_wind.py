@@ -15,8 +15,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.environment.wind import Rotation
 from instances.families.family import Family
@@ -33,13 +33,13 @@ WIND = Rotation(RATE, (SIZE / 2 - VELOCITY[1] / RATE, SIZE / 2 + VELOCITY[0] / R
 """The sum of the uniform wind and the rotation."""
 
 
-def points(n_tasks: int, n_depots: int, seed: int) -> NDArray[np.float64]:
+def points(n_tasks: int, n_depots: int, seed: int) -> Floats:
     """Return tasks, then depots, shape (n+m, 2) [m]."""
     rng = np.random.default_rng(1000 * n_tasks + 100 * n_depots + seed)
     return rng.uniform(0, SIZE, (n_tasks + n_depots, 2))
 
 
-def straight_cost(p: NDArray[np.float64]) -> NDArray[np.float64]:
+def straight_cost(p: Floats) -> Floats:
     """Return ``cost[i, j]`` [s], shape (k, k), of straight legs between `p` (k, 2) [m]."""
     q = p - SIZE / 2
     dx, dy = q[None, :, 0] - q[:, None, 0], q[None, :, 1] - q[:, None, 1]

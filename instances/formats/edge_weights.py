@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.errors import InputError, suggestion
 
 METRIC_OF: dict[str, dict[str, Any]] = {
@@ -46,7 +46,7 @@ def metric_of(edge_weight_type: str) -> dict[str, Any]:
     return METRIC_OF[edge_weight_type]
 
 
-def explicit_weights(lines: list[str], edge_weight_format: str, size: int) -> NDArray[np.float64]:
+def explicit_weights(lines: list[str], edge_weight_format: str, size: int) -> Floats:
     """Return the (size, size) matrix in the `lines` of an EDGE_WEIGHT_SECTION; line breaks mean nothing in TSPLIB."""
     if edge_weight_format not in FORMATS:
         raise InputError(

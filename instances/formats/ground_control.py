@@ -16,9 +16,9 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
+from instances.arrays import Floats
 from instances.disk import write_aside
 from instances.geodesy import TangentPlane
 
@@ -35,7 +35,7 @@ class Tour:
     """
 
     name: str
-    points: NDArray[np.float64]
+    points: Floats
     tasks: Sequence[int | None]
     altitude: float
     speed: float
@@ -55,7 +55,7 @@ def write_tour(tour: Tour, plane: TangentPlane, path: Path | str, no_fly: Sequen
     write_aside(path, text)
 
 
-def _geojson(tour: Tour, positions: NDArray[np.float64]) -> dict[str, Any]:
+def _geojson(tour: Tour, positions: Floats) -> dict[str, Any]:
     """Return a line of the whole tour, then its waypoints in flying order; longitude comes first, then altitude."""
     coordinates = [[lon, lat, tour.altitude] for lat, lon in positions.tolist()]
     line = {
@@ -78,7 +78,7 @@ def _kind(order: int, task: int | None) -> str:
     return "depot" if order == 0 else "path" if task is None else "task"
 
 
-def _kml(tour: Tour, positions: NDArray[np.float64]) -> str:
+def _kml(tour: Tour, positions: Floats) -> str:
     written = [f"{lon:.8f},{lat:.8f},{tour.altitude:g}" for lat, lon in positions.tolist()]
     mode = "<altitudeMode>absolute</altitudeMode>"
     places = "".join(
@@ -95,7 +95,7 @@ def _kml(tour: Tour, positions: NDArray[np.float64]) -> str:
     )
 
 
-def _plan(tour: Tour, positions: NDArray[np.float64], zones: Sequence[NDArray[np.float64]]) -> dict[str, Any]:
+def _plan(tour: Tour, positions: Floats, zones: Sequence[Floats]) -> dict[str, Any]:
     home = [*positions[0].tolist(), tour.altitude]
     commands = [(22, home), *((16, [*p, tour.altitude]) for p in positions[1:].tolist()), (16, home), (20, None)]
     items = [_item(number, command, place) for number, (command, place) in enumerate(commands, 1)]

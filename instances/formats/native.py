@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.disk import as_text, read_bytes, write_aside
 from instances.errors import InputError, naming, suggestion
 from instances.instance import Instance, check_size
@@ -118,7 +118,7 @@ def _check_schema(schema: Any) -> None:
         raise InputError(f"schema {_short(schema)} is of a newer version; this one reads up to {SCHEMA}")
 
 
-def _rows(value: Any, label: str, count: int, width: int) -> NDArray[np.float64]:
+def _rows(value: Any, label: str, count: int, width: int) -> Floats:
     """Return `count` rows of `width` numbers; json has told numbers, texts and truth values apart: so do we."""
     if not isinstance(value, list):
         raise InputError(f"{label} must be a list of rows, got {_short(value)}")
@@ -138,7 +138,7 @@ def _rows(value: Any, label: str, count: int, width: int) -> NDArray[np.float64]
         raise InputError(f"{label} holds a number too large for float64") from None
 
 
-def _row_lines(array: NDArray[np.float64]) -> str:
+def _row_lines(array: Floats) -> str:
     return "[\n" + ",\n".join(json.dumps(row, separators=(",", ":")) for row in array.tolist()) + "\n]"
 
 

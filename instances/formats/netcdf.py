@@ -11,13 +11,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import netcdf_file
 
+from instances.arrays import Floats
 from instances.disk import read_bytes, write_aside
 from instances.errors import InputError
-
-Floats = NDArray[np.float64]
 
 AXES = {
     "x": {"standard_name": "projection_x_coordinate", "units": "m"},

@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 import vrplib
-from numpy.typing import NDArray
 
+from instances.arrays import Floats, Ints
 from instances.disk import read_text
 from instances.errors import InputError, naming
 from instances.formats.edge_weights import explicit_weights, metric_of
@@ -187,7 +187,7 @@ def _depot_lines(lines: list[str], size: int) -> tuple[list[int], list[int] | No
     return places, counts or None
 
 
-def _coordinates(sections: Mapping[str, list[str]], size: int) -> NDArray[np.float64] | None:
+def _coordinates(sections: Mapping[str, list[str]], size: int) -> Floats | None:
     """Return the coordinates (size, 2) in file order, None where the file has none."""
     name = "NODE_COORD" if "NODE_COORD" in sections else "DISPLAY_DATA"
     if name not in sections:
@@ -217,10 +217,10 @@ def _cost(
     specs: Mapping[str, str],
     sections: Mapping[str, list[str]],
     size: int,
-    place: NDArray[np.int64],
-    coordinates: NDArray[np.float64] | None,
+    place: Ints,
+    coordinates: Floats | None,
     provenance: dict[str, Any],
-) -> NDArray[np.float64]:
+) -> Floats:
     """Return the cost matrix in our node order; a metric is noted in `provenance`."""
     kind = specs.get("EDGE_WEIGHT_TYPE", "EXPLICIT" if "EDGE_WEIGHT" in sections else None)
     if kind is None:
@@ -246,7 +246,7 @@ def _cost(
     return cost
 
 
-def _check_weights(weights: NDArray[np.float64]) -> None:
+def _check_weights(weights: Floats) -> None:
     """Complain in the file's own node numbers."""
     off_diagonal = ~np.eye(len(weights), dtype=bool)
     for bad, what in ((np.isnan(weights), "not a number"), (np.isinf(weights), "infinite"), (weights < 0, "negative")):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib import rc_context
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from reports.figures.style import FAINT, RC, gap_scale, legend_below, new_figure, plain, styles
 from reports.figures.svg import Drawn
 from reports.metrics.integrals import finished_traces
@@ -83,13 +83,13 @@ def convergence_panels(runs: pd.DataFrame) -> Drawn:
     return Drawn("convergence-panels", "Convergence with quartiles", caption, figure)
 
 
-def _times(runs: pd.DataFrame) -> NDArray[np.float64]:
+def _times(runs: pd.DataFrame) -> Floats:
     earliest = min((trace[0, 0] for trace in runs["trace"] if len(trace)), default=SOONEST)
     last = max(float(runs["time_limit"].max()), 2 * SOONEST)
     return np.geomspace(min(max(earliest, SOONEST), last / 2), last, POINTS)
 
 
-def _quartiles(runs: pd.DataFrame, times: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+def _quartiles(runs: pd.DataFrame, times: Floats) -> dict[str, Floats]:
     """Return lower quartile, median, upper quartile of the gap at each time, shape (3, times), for each method."""
     return {
         str(method): np.quantile(_gaps(group, times), [0.25, 0.5, 0.75], axis=0, method="nearest")
@@ -97,7 +97,7 @@ def _quartiles(runs: pd.DataFrame, times: NDArray[np.float64]) -> dict[str, NDAr
     }
 
 
-def _gaps(runs: pd.DataFrame, times: NDArray[np.float64]) -> NDArray[np.float64]:
+def _gaps(runs: pd.DataFrame, times: Floats) -> Floats:
     """Return the gap of each run at each time, shape (runs, times), infinite before the first routes."""
     gaps = np.full((len(runs), len(times)), np.inf)
     for i, (trace, best) in enumerate(zip(finished_traces(runs), runs["best"], strict=True)):

@@ -7,8 +7,8 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import PowerNorm
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.radio import RadioMap
 from instances.environment.region import Region
 from instances.environment.terrain import Terrain
@@ -53,7 +53,7 @@ def draw_field(field: RadioMap, region: Region, terrain: Terrain | None, source:
 
 def show(
     axes: Axes,
-    values: NDArray[np.float64],
+    values: Floats,
     extent: tuple[float, float, float, float],
     colours: str = SIGNAL,
     low: float | None = None,
@@ -75,12 +75,12 @@ def show(
     )
 
 
-def _nodes(terrain: Terrain) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _nodes(terrain: Terrain) -> tuple[Floats, Floats]:
     rows, columns = terrain.height.shape
     x = np.asarray(terrain.origin[0] + terrain.spacing[0] * np.arange(columns), dtype=np.float64)
     return x, np.asarray(terrain.origin[1] + terrain.spacing[1] * np.arange(rows), dtype=np.float64)
 
 
-def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float, float, float]:
+def _extent(x: Floats, y: Floats) -> tuple[float, float, float, float]:
     dx, dy = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     return float(x[0] - dx) / KM, float(x[-1] + dx) / KM, float(y[0] - dy) / KM, float(y[-1] + dy) / KM

@@ -7,15 +7,13 @@ import pandas as pd
 import shapely
 from matplotlib import rc_context
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.scenario import Scenario
 from reports.figures.style import COLOURS, FAINT, INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes, wind_arrows
-
-Floats = NDArray[np.float64]
 
 
 @rc_context(RC)

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 from matplotlib import rc_context
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.region import Region
 from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, show
 from reports.figures.flight import colour_of, stars
@@ -15,8 +15,6 @@ from reports.figures.style import INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
 from reports.mission import Maps
-
-Floats = NDArray[np.float64]
 
 EARLY = 0.2
 """Share of the mission's time at which its initial stage is drawn."""

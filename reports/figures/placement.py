@@ -9,14 +9,13 @@ from matplotlib import colormaps, rc_context
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.contour import QuadContourSet
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.region import Region
 from reports.figures.style import COLOURS, INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn, save_figure
 from reports.figures.wind import KM, map_axes
 
-Array = NDArray[np.float64]
 MAP = "Blues"
 """Light where little is left unknown; one hue, so that it also reads in grey."""
 
@@ -28,7 +27,7 @@ def save_placement(path: Path | str, drawn: Drawn) -> None:
 
 @rc_context(RC)
 def draw_placement(
-    region: Region, points: Array, tests: Array, sd: tuple[Array, Array, Array], prior_sd: float, title: str
+    region: Region, points: Floats, tests: Floats, sd: tuple[Floats, Floats, Floats], prior_sd: float, title: str
 ) -> Drawn:
     """Return the map of the posterior sd after readings at the tasks, and two cuts through it.
 
@@ -54,7 +53,7 @@ def draw_placement(
     )
 
 
-def uncertainty(axes: Axes, region: Region, sd: tuple[Array, Array, Array], prior_sd: float) -> QuadContourSet:
+def uncertainty(axes: Axes, region: Region, sd: tuple[Floats, Floats, Floats], prior_sd: float) -> QuadContourSet:
     """Draw the map of the posterior sd and the region's outline; return the shades for a colour bar."""
     map_axes(axes, region)
     xs, ys, values = sd
@@ -63,7 +62,7 @@ def uncertainty(axes: Axes, region: Region, sd: tuple[Array, Array, Array], prio
     return axes.contourf(xs / KM, ys / KM, np.ma.masked_invalid(values), levels=levels, colors=shades, zorder=1)
 
 
-def tasks(axes: Axes, points: Array) -> None:
+def tasks(axes: Axes, points: Floats) -> None:
     """Draw task locations as discs that stand out on light and dark."""
     size = float(np.clip(1200 / max(len(points), 1), 7, 34))
     axes.scatter(
@@ -82,7 +81,7 @@ def _shades(count: int) -> list[str]:
     return [to_hex(colormaps[MAP](0.06 + 0.86 * i / (count - 1))) for i in range(count)]
 
 
-def _cuts(axes: Axes, sd: tuple[Array, Array, Array], prior_sd: float) -> None:
+def _cuts(axes: Axes, sd: tuple[Floats, Floats, Floats], prior_sd: float) -> None:
     """Draw ±2 sd along the middle row and the middle column of the map, before and after."""
     xs, ys, values = sd
     lines = [

@@ -8,36 +8,34 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from instances.environment.region import Region
 from reports.figures.placement import tasks, uncertainty
 from reports.figures.style import COLOURS, FAINT, INK, RC, new_figure, plain
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM
 
-Array = NDArray[np.float64]
-
 
 class Tour(NamedTuple):
     """One tour to draw: tasks (n, 2) [m], order, posterior sd after it on a grid (x, y, sd (q, p)), words."""
 
-    points: Array
+    points: Floats
     order: Sequence[int]
-    sd: tuple[Array, Array, Array]
+    sd: tuple[Floats, Floats, Floats]
     words: str
 
 
 class Curves(NamedTuple):
     """What is drawn against n: MI1, MI2, a lawnmower's [nats], km of tour, share uncovered, σ_T; NaN where none."""
 
-    n: Array
-    mi1: Array
-    mi2: Array
-    lawnmower: Array
-    km: Array
-    uncovered: Array
-    planning_noise: Array
+    n: Floats
+    mi1: Floats
+    mi2: Floats
+    lawnmower: Floats
+    km: Floats
+    uncovered: Floats
+    planning_noise: Floats
 
 
 @rc_context(RC)

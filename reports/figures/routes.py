@@ -12,15 +12,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from instances import Instance, Routes, tour_costs
+from instances.arrays import Floats
 from instances.environment.region import Region
 from reports.figures.style import COLOURS, DASHES, FAINT, INK, PAPER, RC
 from reports.figures.surroundings import flown, surroundings
 from reports.figures.svg import save_figure
 
-Wind = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Wind = Callable[[Floats], Floats]
 """Wind velocity [m/s], shape (k, 2), at points [m], shape (k, 2)."""
 
 ARROWS_BELOW = 400
@@ -73,7 +73,7 @@ def _map(
     axes: Axes,
     instance: Instance,
     routes: Routes,
-    coordinates: NDArray[np.float64],
+    coordinates: Floats,
     region: Region | None,
     wind: Wind | None,
 ) -> None:
@@ -105,7 +105,7 @@ def _outline(region: Region, scale: float) -> PathPatch:
     return PathPatch(Outline.make_compound_path(*rings), facecolor=FAINT, alpha=0.14, edgecolor=INK, linewidth=0.8)
 
 
-def _wind_arrows(axes: Axes, wind: Wind, region: Region | None, corners: NDArray[np.float64], scale: float) -> None:
+def _wind_arrows(axes: Axes, wind: Wind, region: Region | None, corners: Floats, scale: float) -> None:
     """Draw the wind on a coarse grid and say how strong the strongest arrow is [m/s]."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     span = np.where(high > low, high - low, 1.0)
@@ -125,7 +125,7 @@ def _wind_arrows(axes: Axes, wind: Wind, region: Region | None, corners: NDArray
     axes.set_title(f"grey arrows: wind, up to {strongest:.2g} m/s", loc="left", fontsize=8)
 
 
-def _tour(axes: Axes, legs: list[NDArray[np.float64]], k: int, arrows: bool) -> None:
+def _tour(axes: Axes, legs: list[Floats], k: int, arrows: bool) -> None:
     """Draw the polylines `legs` of UAV k, with an arrow halfway along the longest straight part of each."""
     colour = COLOURS[k % len(COLOURS)]
     path = np.concatenate(legs)
@@ -140,7 +140,7 @@ def _tour(axes: Axes, legs: list[NDArray[np.float64]], k: int, arrows: bool) -> 
         )  # fmt: skip
 
 
-def _longest(leg: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _longest(leg: Floats) -> tuple[Floats, Floats]:
     i = int(np.hypot(*np.diff(leg, axis=0).T).argmax())
     return leg[i], leg[i + 1]
 

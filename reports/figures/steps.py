@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from instances.arrays import Floats
 from reports.figures.style import MARKERS, Style
 
 POINTS = 400
 """Steps drawn of one line; more cannot be told apart."""
 
 
-def cumulative(values: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def cumulative(values: ArrayLike) -> tuple[Floats, Floats]:
     """Return the finite `values` sorted and, beside each, the share of all values at or below it."""
     v = np.asarray(values, dtype=float)
     finite = np.sort(v[np.isfinite(v)])

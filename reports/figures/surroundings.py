@@ -8,14 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from instances import InputError, Instance
+from instances.arrays import Floats
 from instances.environment.corner_paths import corner_path_costs, turning_corners
 from instances.environment.region import Region, single_polygon
 from instances.environment.wind import WindField, wind_from_toml
-
-Points = NDArray[np.float64]
 
 
 def surroundings(instance: Instance) -> tuple[Region | None, WindField | None]:
@@ -31,7 +29,7 @@ def surroundings(instance: Instance) -> tuple[Region | None, WindField | None]:
         return None, None
 
 
-def flown(instance: Instance, stops: Sequence[int], region: Region | None) -> list[Points]:
+def flown(instance: Instance, stops: Sequence[int], region: Region | None) -> list[Floats]:
     """Return each leg between the nodes `stops` as a polyline (k, 2) [m]: straight, or bent around corners.
 
     A leg bends at those corners that lie on its cheapest way: c with cost(a, c) + cost(c, b) = cost(a, b).

@@ -7,8 +7,8 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
-from numpy.typing import NDArray
 
+from instances.arrays import Bools, Floats
 from instances.environment.region import Region
 from instances.environment.terrain import Terrain
 from instances.environment.wind import WindField
@@ -92,9 +92,7 @@ def wind_arrows(axes: Axes, wind: WindField, region: Region, colour: str = FAINT
     )
 
 
-def _raster(
-    region: Region, cells: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+def _raster(region: Region, cells: int) -> tuple[Floats, Floats, Floats, Bools]:
     """Return cell centres along x and y, all of them (k, 2) [m], and which lie in the region (rows, columns)."""
     x0, y0, x1, y1 = region.bounds
     size = max(x1 - x0, y1 - y0) / cells

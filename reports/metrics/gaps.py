@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from reports.proofs import RELATIVE_ROUNDING
 
 GAPS = ["gap_known", "gap_found", "gap_bound"]
@@ -51,7 +51,7 @@ def with_gaps(runs: pd.DataFrame) -> pd.DataFrame:
     return known
 
 
-def relative_gap(value: NDArray[np.float64], reference: NDArray[np.float64]) -> NDArray[np.float64]:
+def relative_gap(value: Floats, reference: Floats) -> Floats:
     """Return (value − reference) / reference; where the reference is 0, 0 for a value of 0, else infinite."""
     difference = value - reference
     at_zero = np.where(difference == 0, 0.0, np.where(np.isnan(difference), np.nan, np.inf))

@@ -14,11 +14,9 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from instances.arrays import Floats
 from reports.metrics.gaps import with_gaps
-
-Trace = NDArray[np.float64]
 
 
 def with_integrals(runs: pd.DataFrame) -> pd.DataFrame:
@@ -33,7 +31,7 @@ def with_integrals(runs: pd.DataFrame) -> pd.DataFrame:
     return known.assign(primal_integral=primal, primal_dual_integral=dual)
 
 
-def finished_traces(runs: pd.DataFrame) -> list[Trace]:
+def finished_traces(runs: pd.DataFrame) -> list[Floats]:
     """Return each run's trace with its end appended: at `elapsed` its value and bound; wrong claims have no trace."""
     ends = runs[["elapsed", "value", "bound"]].to_numpy(float)
     wrong = runs["recomputed"].notna() & runs["value"].isna() | (runs["fault"] != "")
@@ -48,7 +46,7 @@ def finished_traces(runs: pd.DataFrame) -> list[Trace]:
     return finished
 
 
-def primal_integral(trace: Trace, best: float, horizon: float) -> float:
+def primal_integral(trace: Floats, best: float, horizon: float) -> float:
     """Return P [s] of `trace` (k, 3) against `best` [s] up to `horizon` [s]."""
     if np.isnan(best):
         return float(horizon)
@@ -56,7 +54,7 @@ def primal_integral(trace: Trace, best: float, horizon: float) -> float:
     return _integral(trace[:, 0], _primal_gap(z, best), horizon)
 
 
-def primal_dual_integral(trace: Trace, horizon: float) -> float:
+def primal_dual_integral(trace: Floats, horizon: float) -> float:
     """Return G [s] of `trace` (k, 3) up to `horizon` [s]."""
     z = _running_best(trace[:, 1])
     b = -_running_best(-trace[:, 2])
@@ -67,19 +65,19 @@ def primal_dual_integral(trace: Trace, horizon: float) -> float:
     return _integral(trace[:, 0], np.clip(gap, 0.0, 1.0), horizon)
 
 
-def _primal_gap(z: Trace, best: float) -> Trace:
+def _primal_gap(z: Floats, best: float) -> Floats:
     known = np.isfinite(z)
     scale = np.maximum(np.abs(z), abs(best), where=known, out=np.ones_like(z))
     difference = np.subtract(z, best, where=known, out=np.ones_like(z))
     return np.clip(np.divide(np.abs(difference), scale, where=scale > 0, out=np.zeros_like(z)), 0.0, 1.0)
 
 
-def _running_best(values: Trace) -> Trace:
+def _running_best(values: Floats) -> Floats:
     """Return the least value so far, infinite before the first."""
     return np.minimum.accumulate(np.where(np.isnan(values), np.inf, values))
 
 
-def _integral(times: Trace, gaps: Trace, horizon: float) -> float:
+def _integral(times: Floats, gaps: Floats, horizon: float) -> float:
     """Integrate the step function that is 1 before times[0] and gaps[i] from times[i] on, over [0, horizon]."""
     edges = np.clip(np.concatenate([[0.0], times, [horizon]]), 0.0, horizon)
     return float(np.diff(edges) @ np.concatenate([[1.0], gaps]))

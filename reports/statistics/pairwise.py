@@ -14,9 +14,10 @@ from typing import Literal
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.stats import wilcoxon
 
+from instances.arrays import Floats
 from reports.statistics.bootstrap import bootstrap_interval
 
 ALPHA = 0.05
@@ -38,7 +39,7 @@ def pairwise(table: pd.DataFrame, alpha: float = ALPHA) -> pd.DataFrame:
     return found[COLUMNS]
 
 
-def _compared(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[int, int, int, int, float, float, float, float]:
+def _compared(a: Floats, b: Floats) -> tuple[int, int, int, int, float, float, float, float]:
     both = ~(np.isnan(a) | np.isnan(b))
     a, b = a[both], b[both]
     finite = np.isfinite(a) & np.isfinite(b)
@@ -48,7 +49,7 @@ def _compared(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[int, int,
     return (int(both.sum()), *counts, mean, *bootstrap_interval(difference), signed_rank(differences(a, b))[1])
 
 
-def differences(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def differences(a: Floats, b: Floats) -> Floats:
     """Return a − b with infinities (a method found nothing) as the largest difference of all; two of them tie."""
     finite = np.isfinite(a) & np.isfinite(b)
     found = np.subtract(a, b, out=np.zeros_like(a), where=finite)
@@ -61,7 +62,7 @@ def signed_rank(difference: ArrayLike) -> tuple[float, float]:
 
     Ranks of zeros are split between both sums. p is exact for up to 50 differences without zeros or ties, else normal.
     """
-    d: NDArray[np.float64] = np.asarray(difference, dtype=np.float64)
+    d: Floats = np.asarray(difference, dtype=np.float64)
     if not d.any():
         return len(d) * (len(d) + 1) / 4, 1.0
     plain = len(d) <= 50 and d.all() and len(np.unique(np.abs(d))) == len(d)
@@ -72,7 +73,7 @@ def signed_rank(difference: ArrayLike) -> tuple[float, float]:
     return float(found.statistic), float(found.pvalue)
 
 
-def holm(p: ArrayLike) -> NDArray[np.float64]:
+def holm(p: ArrayLike) -> Floats:
     """Return Holm's adjusted p-values, in the order given."""
     raw = np.asarray(p, dtype=float)
     order = np.argsort(raw, kind="stable")

@@ -13,7 +13,7 @@ import time
 from dataclasses import fields
 
 from formulations.routing.branch_and_cut import BranchAndCut
-from formulations.solver import Limits, Result, Status
+from formulations.routing.solver import Limits, Result, Status
 from instances import Instance
 from instances.families import generate
 

@@ -30,12 +30,12 @@ from unittest.mock import patch
 
 import numpy as np
 
-import formulations.recorder
+import formulations.routing.recorder
 import formulations.routing.search.pace
-from formulations.registry import make_solver
+from formulations.routing.registry import make_solver
 from formulations.routing.search import cooling, population
 from formulations.routing.search.recreate import WIDTH
-from formulations.solver import Limits
+from formulations.routing.solver import Limits
 from instances import Instance, Routes, check_routes, makespan
 from instances.families import generate
 from instances.files import read_instance, write_routes
@@ -361,7 +361,7 @@ def main() -> None:
     if args.quick:
         args.seeds, args.seconds, args.long = 1, args.seconds or 3.0, 30.0
     cpu = SimpleNamespace(perf_counter=time.process_time)
-    for module in (formulations.recorder, formulations.routing.search.pace):
+    for module in (formulations.routing.recorder, formulations.routing.search.pace):
         module.time = cpu  # type: ignore[attr-defined]
     for name in args.sections or [s for s in SECTIONS if s != "large"]:
         SECTIONS[name](args)

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from formulations.solver import Status
+from formulations.routing.solver import Status
 from instances import Instance, as_routes, tour_costs
 from instances.families import generate
 from workbench.job import Job

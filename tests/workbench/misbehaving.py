@@ -10,7 +10,7 @@ import time
 from dataclasses import dataclass
 from typing import ClassVar
 
-from formulations.solver import Event, Result, Solver, Status
+from formulations.routing.solver import Event, Result, Solver, Status
 from instances import Instance, Routes, makespan
 
 

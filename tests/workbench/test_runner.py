@@ -10,7 +10,7 @@ import numpy as np
 import psutil
 import pytest
 
-from formulations.solver import Limits, Status
+from formulations.routing.solver import Limits, Status
 from instances import Instance, makespan
 from workbench import child
 from workbench.child import InterruptedRunError, grace

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from formulations.solver import Status
+from formulations.routing.solver import Status
 from instances import InputError, Instance
 from workbench.census import census
 from workbench.execute import plan

@@ -29,7 +29,7 @@ def command(
     Exit code 1 where a bound contradicts that value.
     """
     from formulations.routing.bounds import lower_bounds
-    from formulations.solver import Limits
+    from formulations.routing.solver import Limits
     from instances.files import read_instance
 
     limits = Limits(time=time_limit)  # refuses nonsense before anything is read
@@ -54,8 +54,8 @@ def command(
 
 def _best(instance: Instance, routes: Path | None, seed: int) -> tuple[float, str, float]:
     """Return the cost to measure from [s], where it comes from, and what it may have been rounded down by [s]."""
-    from formulations.registry import make_solver
-    from formulations.solver import Limits
+    from formulations.routing.registry import make_solver
+    from formulations.routing.solver import Limits
     from instances import makespan
     from instances.best_known import best_known
     from instances.files import read_routes

@@ -124,7 +124,7 @@ def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, obj
 
 def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, dry_run: bool) -> tuple[Plan, Store]:
     """Make the instances, state what is asked in the store (unless only a dry run), and return what is to do."""
-    from formulations.solver import Status
+    from formulations.routing.solver import Status
     from workbench.execute import jobs_of, plan
     from workbench.settings import names
     from workbench.settings import shard as shard_of

@@ -52,7 +52,7 @@ def command(
     **setting: Any,
 ) -> None:
     """Choose task locations of most information in REGION (a GeoJSON polygon in metres), by default a 20 km square."""
-    from formulations.solver import Limits
+    from formulations.routing.solver import Limits
     from formulations.task_location.registry import make_method
     from workbench.placing import OUT_ENDINGS, check_target, criterion_of, region_of
     from workbench.settings import key_values

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from formulations.solver import Event
+    from formulations.routing.solver import Event
     from workbench.run import Run
 
 
@@ -41,7 +41,7 @@ def command(
     plot: Path | None,
 ) -> None:
     """Solve INSTANCE. Exit code 1 where that ends without routes, by a crash or by a kill."""
-    from formulations.solver import Status
+    from formulations.routing.solver import Status
     from instances.files import read_instance, read_routes, write_routes
     from workbench.job import Job, folder_of
     from workbench.runner import run

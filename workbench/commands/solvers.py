@@ -12,7 +12,7 @@ import click
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(as_json: bool) -> None:
     """List the solvers with their options and defaults, and why one is not available."""
-    from formulations.registry import solver_targets
+    from formulations.routing.registry import solver_targets
 
     found = {name: _described(name, about) for name, (_, about) in solver_targets().items()}
     if as_json:
@@ -28,7 +28,7 @@ def command(as_json: bool) -> None:
 
 
 def _described(name: str, about: str) -> dict[str, Any]:
-    from formulations.registry import option_defaults, solver_class, why_unavailable
+    from formulations.routing.registry import option_defaults, solver_class, why_unavailable
 
     reason = why_unavailable(name)
     if reason:

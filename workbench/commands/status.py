@@ -14,7 +14,7 @@ import click
 @click.pass_context
 def command(context: click.Context, folder: Path, as_json: bool) -> None:
     """Count what is stored in RUNS-DIR, by solver and status, and what is missing. Exit code 1 for damaged files."""
-    from formulations.solver import Status
+    from formulations.routing.solver import Status
     from workbench.census import census
 
     found = census(folder)

@@ -19,13 +19,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import shapely
-from numpy.typing import NDArray
 
 from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.gaussian_process import GaussianProcess
 from formulations.mapping.lawnmower import lawnmower_tours
 from formulations.mapping.survey import Survey
+from instances.arrays import Floats
 from instances.disk import write_aside
 from instances.environment.radio import RadioMap
 from instances.scenario import Scenario
@@ -117,7 +117,7 @@ def _lawnmower_along(mission: Mission, scenario: Scenario, length: float, along:
     return plan
 
 
-def _straight(mission: Mission, tour: NDArray[np.float64]) -> Flight:
+def _straight(mission: Mission, tour: Floats) -> Flight:
     """Return the flight over the corners of a closed tour."""
     moved = np.append(True, np.hypot(*np.diff(tour, axis=0).T) > 0)
     corners = tour[moved]
@@ -148,7 +148,7 @@ def _random(mission: Mission, scenario: Scenario, length: float, draw: int) -> P
     return plan
 
 
-def routed(mission: Mission, scenario: Scenario, points: NDArray[np.float64]) -> list[Flight]:
+def routed(mission: Mission, scenario: Scenario, points: Floats) -> list[Flight]:
     """Return the flights to `points`, by the mission's own moving costs and solver."""
     instance, paths = moving_costs(mission, scenario, points)
     routes = solve(mission, instance, mission.compare.time_limit, mission.compare.seed).routes

@@ -10,12 +10,10 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from formulations.moving_cost.costing import instance_of, query_of
 from formulations.moving_cost.effect import WindEffect
 from instances import Instance
+from instances.arrays import Floats
 from instances.files import read_instance, write_instance
 from instances.paths import Paths, check_paths, paths_file, read_paths, write_paths
 from instances.scenario import Scenario
@@ -40,7 +38,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     return f"{n * (n - 1)} paths by {mission.costs.method}, all confirmed; {effect.summary()}"
 
 
-def moving_costs(mission: Mission, scenario: Scenario, tasks: NDArray[np.float64]) -> tuple[Instance, Paths]:
+def moving_costs(mission: Mission, scenario: Scenario, tasks: Floats) -> tuple[Instance, Paths]:
     """Return the instance with these tasks and its paths, checked independently."""
     planned = widened(replace(scenario, tasks=tasks, n_tasks=len(tasks)), mission.clearance)
     instance, paths = instance_of(planned, mission.costs.method, mission.costs.options)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from formulations.moving_cost.registry import make_method as make_cost_method
-from formulations.registry import make_solver
+from formulations.routing.registry import make_solver
 from formulations.task_location.criterion import convention
 from formulations.task_location.registry import make_method as make_placement_method
 from instances.environment.propagation import MODELS

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.flight_check import FlightCheck, check_flight
 from instances import Instance, Routes
+from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.errors import InputError
 from instances.formats.ground_control import Tour, write_tour
@@ -30,8 +30,6 @@ from workbench.mission.costs import kept_costs
 from workbench.mission.place import zones_of
 from workbench.mission.routes import kept_routes
 from workbench.mission.settings import Mission
-
-Floats = NDArray[np.float64]
 
 TRACK_STEP = 0.2
 """Time between the poses of a track [s]."""

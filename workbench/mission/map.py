@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight
 from formulations.mapping.survey import Survey, Tick, fly_survey
+from instances.arrays import Bools, Floats
 from instances.disk import write_aside
 from instances.environment.radio import RadioMap
 from instances.environment.region import Region
@@ -25,8 +25,6 @@ from instances.scenario_folder import kept_field, kept_scenario
 from workbench.mission.flight import kept_flights
 from workbench.mission.place import scales_of
 from workbench.mission.settings import Mission
-
-Floats = NDArray[np.float64]
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -62,7 +60,7 @@ def frames(last: int, count: int) -> set[int]:
 class MapGrid:
     """The cells of a map: centres x (nx,) and y (ny,) [m], and which of them lie in the region, (ny, nx)."""
 
-    def __init__(self, x: Floats, y: Floats, inside: NDArray[np.bool_]) -> None:
+    def __init__(self, x: Floats, y: Floats, inside: Bools) -> None:
         self.x, self.y, self.inside = x, y, inside
 
     @classmethod

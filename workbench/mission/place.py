@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
 from formulations.kernel import SquaredExponential
@@ -22,6 +21,7 @@ from formulations.task_location.certificate import certificate
 from formulations.task_location.criterion import Convention, Criterion, convention
 from formulations.task_location.placement import Placement, PlacementProblem, place
 from formulations.task_location.registry import make_method
+from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.environment.region import Region
 from instances.errors import InputError
@@ -92,7 +92,7 @@ def scales_of(value: float | list[float]) -> tuple[float, float]:
     return (value[0], value[1]) if isinstance(value, list) else (value, value)
 
 
-def write_tasks(points: NDArray[np.float64], out: Path, said: dict[str, Any]) -> None:
+def write_tasks(points: Floats, out: Path, said: dict[str, Any]) -> None:
     """Write the products of this stage."""
     write_aside(out / "tasks.csv", "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in points.tolist()))
     features = [
@@ -103,7 +103,7 @@ def write_tasks(points: NDArray[np.float64], out: Path, said: dict[str, Any]) ->
     write_aside(out / "placement.json", json.dumps(said))
 
 
-def kept_tasks(folder: Path) -> NDArray[np.float64]:
+def kept_tasks(folder: Path) -> Floats:
     """Read the tasks (n, 2) [m] this stage wrote."""
     rows = list(csv.reader(io.StringIO(read_text(folder / "tasks.csv"))))[1:]
     return np.array(rows, dtype=float).reshape(-1, 2)

@@ -13,11 +13,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import incidence
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import Duals
+from instances.arrays import Bools, Floats, Ints
 
 _GLANCED, _TRIED = 50, 8
 """Candidates of either kind tried roughly and thoroughly; of those tried roughly, as many go on."""
@@ -31,7 +31,7 @@ _WHOLE = 1e-6
 """How far a share may be from a whole number."""
 
 
-def shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:
+def shares(master: Master, weight: Floats) -> Floats:
     """Return y_ki, how much of task i UAV k takes, shape (m, n)."""
     share = np.zeros((master.m, master.n))
     for p in np.flatnonzero(weight > 1e-9):
@@ -42,8 +42,8 @@ def shares(master: Master, weight: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def choose(
     master: Master,
-    allowed: NDArray[np.bool_],
-    far: NDArray[np.float64],
+    allowed: Bools,
+    far: Floats,
     gap: float,
     out_of_time: Callable[[], bool],
 ) -> tuple[int, int] | None:
@@ -69,13 +69,13 @@ def choose(
     return _pair(int(trials.best(thoroughly, _TRIAL, 1)[0]), master.n)
 
 
-def _set_by_one_tour(duals: Duals, share: NDArray[np.float64]) -> bool:
+def _set_by_one_tour(duals: Duals, share: Floats) -> bool:
     """Say whether one whole tour alone makes the relaxation as long as it is: no branch on the others raises it."""
     k = int(np.argmax(duals.sigma))
     return bool(duals.sigma[k] >= ALONE and np.abs(share[k] - share[k].round()).max() < _WHOLE)
 
 
-def _each_once(*candidates: NDArray[np.int64]) -> NDArray[np.int64]:
+def _each_once(*candidates: Ints) -> Ints:
     """Return all candidates, the first kind first: of those no better than others the earliest wins."""
     return np.array(list(dict.fromkeys(np.concatenate(candidates).tolist())), np.int64)
 
@@ -88,7 +88,7 @@ class _Trials:
         self.uav = np.array([column.uav for column in master.columns])
         self.holds = np.ascontiguousarray(incidence([column.tasks for column in master.columns], master.n).T)
 
-    def best(self, candidates: NDArray[np.int64], pivots: int, most: int) -> NDArray[np.int64]:
+    def best(self, candidates: Ints, pivots: int, most: int) -> Ints:
         """Return the `most` best candidates, best first; those not tried when time is up count for nothing."""
         scores = np.zeros(candidates.size)
         if candidates.size > most:
@@ -107,7 +107,7 @@ class _Trials:
         return score
 
 
-def _dearest(undecided: NDArray[np.bool_], share: NDArray[np.float64], price: NDArray[np.float64]) -> tuple[int, int]:
+def _dearest(undecided: Bools, share: Floats, price: Floats) -> tuple[int, int]:
     """Return the dearest undecided task and, of the UAVs that may take it, the one that takes most of it.
 
     Where nothing is shared the columns known do not make routes: tasks are left out, which makes them dear.
@@ -116,7 +116,7 @@ def _dearest(undecided: NDArray[np.bool_], share: NDArray[np.float64], price: ND
     return int(np.argmax(np.where(undecided[:, i], share[:, i], -1.0))), i
 
 
-def _promising(promise: NDArray[np.float64]) -> NDArray[np.int64]:
+def _promising(promise: Floats) -> Ints:
     """Return the few places, in the flat array, of greatest promise > 0."""
     best = np.argsort(-promise.ravel(), kind="stable")[:_GLANCED]
     return best[promise.ravel()[best] > 0.0]

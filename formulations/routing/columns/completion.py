@@ -23,6 +23,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from instances.arrays import Floats, Ints
+
 _SLACK = 1e-9  # of a bin: far more than rounding errors, in the direction that forbids less
 
 
@@ -34,11 +36,11 @@ class Memory:
     step : step[i, j, M] numbers the memory at j after i was left with memory M; 2^g where j ∈ M, forbidden.
     """
 
-    near: NDArray[np.int64]
+    near: Ints
     step: NDArray[np.int16]
 
     @classmethod
-    def nearest(cls, between: NDArray[np.float64], size: int) -> Memory:
+    def nearest(cls, between: Floats, size: int) -> Memory:
         """Remember at each task the `size` nearest others; `between` (n, n) [s] the cost of any one UAV."""
         n = between.shape[0]
         distance = np.minimum(between, between.T)
@@ -76,15 +78,15 @@ class Bins:
 
     width: float
     count: int
-    legs: NDArray[np.int64]
-    home: NDArray[np.int64]
+    legs: Ints
+    home: Ints
 
     @classmethod
-    def of(cls, between: NDArray[np.float64], home: NDArray[np.float64], cap: float, count: int) -> Bins:
+    def of(cls, between: Floats, home: Floats, cap: float, count: int) -> Bins:
         """Cut `cap` [s] into `count` bins; forbidden legs take count + 1."""
         width = cap / count
 
-        def whole(cost: NDArray[np.float64]) -> NDArray[np.int64]:
+        def whole(cost: Floats) -> Ints:
             bins = np.minimum(np.floor(cost / width - _SLACK), count + 1)
             return np.maximum(bins, 0).astype(np.int64)
 

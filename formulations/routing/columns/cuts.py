@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
+
+from instances.arrays import Bools, Floats, Ints
 
 Cut = tuple[int, int, int]
 
@@ -20,7 +21,7 @@ _VIOLATION = 0.03
 _PER_TASK = 4
 
 
-def incidence(tours: Sequence[Sequence[int]], n_tasks: int) -> NDArray[np.bool_]:
+def incidence(tours: Sequence[Sequence[int]], n_tasks: int) -> Bools:
     """Return which tour holds which task, a_ip, shape (p, n)."""
     holds = np.zeros((len(tours), n_tasks), np.bool_)
     for row, tasks in enumerate(tours):
@@ -28,9 +29,7 @@ def incidence(tours: Sequence[Sequence[int]], n_tasks: int) -> NDArray[np.bool_]
     return holds
 
 
-def separate(
-    tours: Sequence[Sequence[int]], weight: NDArray[np.float64], n_tasks: int, known: set[Cut], most: int
-) -> list[Cut]:
+def separate(tours: Sequence[Sequence[int]], weight: Floats, n_tasks: int, known: set[Cut], most: int) -> list[Cut]:
     """Return up to `most` new cuts that Σ weight·[two of S in the tour] ≤ 1 violates, the worst first."""
     used = np.flatnonzero(weight > 1e-6)
     triples, excess = _violated(incidence([tours[int(p)] for p in used], n_tasks), weight[used], _VIOLATION)
@@ -76,9 +75,7 @@ def _violated(holds, weight, least):  # type: ignore[no-untyped-def]
     return found, np.array(excess)
 
 
-def by_task(
-    cuts: Sequence[Cut], rho: NDArray[np.float64], n_tasks: int
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def by_task(cuts: Sequence[Cut], rho: Floats, n_tasks: int) -> tuple[Ints, Floats]:
     """Return for each task the other two tasks of its cuts, shape (n, q, 2), −1 where none, and their ρ, (n, q)."""
     member: list[list[tuple[int, int, float]]] = [[] for _ in range(n_tasks)]
     for (i, j, k), price in zip(cuts, rho, strict=True):

@@ -8,15 +8,15 @@ tours over one set of tasks only the cheapest matters. The list of a UAV is give
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.routing.columns.labelling import search
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Duals, Pricer
+from instances.arrays import Floats
 
 
 def list_tours(
-    pool: Pool, pricer: Pricer, duals: Duals, bound: float, least: NDArray[np.float64], labels: int, room: int
+    pool: Pool, pricer: Pricer, duals: Duals, bound: float, least: Floats, labels: int, room: int
 ) -> tuple[Pool, int]:
     """Return `pool` with the tours of more UAVs, those with few legs first, and the number of labels made in vain.
 

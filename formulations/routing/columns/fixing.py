@@ -13,14 +13,14 @@ from collections.abc import Iterable
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.routing.columns.completion import Bins, bins_left, completion, successors
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pricing import Duals, Pricer
+from instances.arrays import Floats
 
 
-def fix_legs(pricer: Pricer, uavs: Iterable[int], duals: Duals, bound: float, least: NDArray[np.float64]) -> Legs:
+def fix_legs(pricer: Pricer, uavs: Iterable[int], duals: Duals, bound: float, least: Floats) -> Legs:
     """Return the legs left, of `uavs` only those needed; at these duals `bound` is L (rounding margin taken off) and
     `least` its terms r_k.
     """

@@ -13,10 +13,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import Duals, Prices
+from instances.arrays import Floats
 
 _SMOOTHING = 0.5
 _CLOSE = 0.02  # of the gap to the cap: how near the master's value and the bound must come
@@ -34,9 +34,9 @@ class Relaxation:
 
     bound: float
     duals: Duals
-    least: NDArray[np.float64]
+    least: Floats
     solved: bool
-    weight: NDArray[np.float64]
+    weight: Floats
     rounds: int
 
 

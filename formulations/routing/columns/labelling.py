@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.completion import bins_left
+from instances.arrays import Floats, Ints
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _CHUNK = 50_000
@@ -31,9 +32,9 @@ class Store(NamedTuple):
 
     visited: NDArray[np.uint64]
     last: NDArray[np.int16]
-    cost: NDArray[np.float64]
-    gain: NDArray[np.float64]
-    bound: NDArray[np.float64]
+    cost: Floats
+    gain: Floats
+    bound: Floats
     parent: NDArray[np.int32]
     slots: NDArray[np.int32]
 
@@ -45,28 +46,28 @@ class Field(NamedTuple):
     the cuts of each task (see `cuts`), `best` the completion bounds.
     """
 
-    out: NDArray[np.float64]
-    between: NDArray[np.float64]
-    home: NDArray[np.float64]
-    order: NDArray[np.int64]
-    degree: NDArray[np.int64]
+    out: Floats
+    between: Floats
+    home: Floats
+    order: Ints
+    degree: Ints
     cap: float
     width: float
     n_bins: int
-    near: NDArray[np.int64]
-    watched: NDArray[np.int64]
-    price: NDArray[np.float64]
+    near: Ints
+    watched: Ints
+    price: Floats
     sigma: float
-    partners: NDArray[np.int64]
-    rho: NDArray[np.float64]
-    best: NDArray[np.float64]
+    partners: Ints
+    rho: Floats
+    best: Floats
 
 
 class Found(NamedTuple):
     """Tours found: the labels they end in and their reduced costs [s], labels used, whether nothing was cut off."""
 
-    ends: NDArray[np.int64]
-    values: NDArray[np.float64]
+    ends: Ints
+    values: Floats
     labels: int
     complete: bool
 

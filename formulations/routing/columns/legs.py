@@ -9,18 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from instances import Instance
+from instances.arrays import Bools, Floats
 
 
 @dataclass(frozen=True)
 class Legs:
     """Costs [s] of every UAV: `out` (m, n) depot to task, `between` (m, n, n), `home` (m, n) task to depot."""
 
-    out: NDArray[np.float64]
-    between: NDArray[np.float64]
-    home: NDArray[np.float64]
+    out: Floats
+    between: Floats
+    home: Floats
 
     @classmethod
     def of(cls, instance: Instance) -> Legs:
@@ -67,12 +67,12 @@ class Legs:
         between[uavs, task, :] = between[uavs, :, task] = np.inf
         return Legs(out, between, home)
 
-    def may_visit(self) -> NDArray[np.bool_]:
+    def may_visit(self) -> Bools:
         """Say which UAV has a leg left into which task, shape (m, n)."""
         return np.isfinite(self.out) | np.isfinite(self.between).any(axis=1)
 
 
-def _shortest_walks(between: NDArray[np.float64]) -> NDArray[np.float64]:
+def _shortest_walks(between: Floats) -> Floats:
     """Return the cheapest walk from task to task, 0 on the diagonal (Floyd 1962)."""
     walk = between.copy()
     np.fill_diagonal(walk, 0.0)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import Cut
 from formulations.routing.columns.pricing import Column, Duals
+from instances.arrays import Bools, Floats
 
 _SIMPLEX = 0  # primal where the basis is primal feasible, as it is after new columns: thrice as fast as always dual
 _SHY = 1 - 1e-14  # keeps Σσ ≤ 1 in exact arithmetic
@@ -32,9 +33,7 @@ class Master:
     penalty : half width of the box the duals of the tasks begin in [s], one for all or (n,).
     """
 
-    def __init__(
-        self, n_tasks: int, n_uavs: int, penalty: float | NDArray[np.float64], cuts: Sequence[Cut] = ()
-    ) -> None:
+    def __init__(self, n_tasks: int, n_uavs: int, penalty: float | Floats, cuts: Sequence[Cut] = ()) -> None:
         self.n, self.m = n_tasks, n_uavs
         self.columns: list[Column] = []
         self.cuts: list[Cut] = []
@@ -77,7 +76,7 @@ class Master:
             )  # fmt: skip
         return len(new)
 
-    def _entries(self, column: Column) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+    def _entries(self, column: Column) -> tuple[NDArray[np.int32], Floats]:
         rows = [*sorted(column.tasks), self.n + column.uav, self.n + self.m + column.uav]
         values = [1.0] * len(column.tasks) + [column.cost, 1.0]
         held = set(column.tasks)
@@ -95,7 +94,7 @@ class Master:
             self._lp.addRow(-highspy.kHighsInf, 1.0, len(index), np.array(index, dtype=np.int32), np.ones(len(index)))
             self.cuts.append(cut)
 
-    def solve(self) -> tuple[float, Duals, NDArray[np.float64]]:
+    def solve(self) -> tuple[float, Duals, Floats]:
         """Return the value [s], the duals (σ ≥ 0 scaled to Σσ = 1) and λ of the columns."""
         self._lp.run()
         solution = self._lp.getSolution()
@@ -107,7 +106,7 @@ class Master:
         weight = np.asarray(solution.col_value)[self._first :].copy()
         return float(self._lp.getInfo().objective_function_value), duals, weight
 
-    def without(self, dropped: NDArray[np.bool_], pivots: int) -> float:
+    def without(self, dropped: Bools, pivots: int) -> float:
         """Return what a few pivots raise the solved master's value to [s] without some columns.
 
         Columns and basis are back afterwards, so that the next trial starts as near to its optimum as this one.

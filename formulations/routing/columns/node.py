@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.routing.columns.branching import ALONE, choose, shares
 from formulations.routing.columns.cuts import Cut, separate
@@ -24,6 +23,7 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import MixedPricer, Pool, PoolPricer
 from formulations.routing.columns.pricing import Column, Effort, Pricer, Prices
+from instances.arrays import Bools, Floats
 
 _WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not listed, nor cuts sought
 _FIRST_ROOM = 1_000_000  # labels of the first attempt to list the tours; four times as many after each failure
@@ -58,7 +58,7 @@ class Workspace:
     tours_room: int
     plain: Efforts
     cutting: Efforts
-    far: NDArray[np.float64]
+    far: Floats
     better: Callable[[Column | None], bool] = lambda _: False
     counts: dict[str, Any] = field(default_factory=dict)
 
@@ -100,7 +100,7 @@ class Node:
     branch: tuple[int, int] | None = None
     routes: dict[int, Column] | None = None
 
-    def may_visit(self) -> NDArray[np.bool_]:
+    def may_visit(self) -> Bools:
         """Say which UAV may still take which task, shape (m, n)."""
         return np.where(self.pool.listed[:, None], self.pool.may_visit(self.legs.n_tasks), self.legs.may_visit())
 
@@ -229,7 +229,7 @@ def _routes(tours: list[Column], n: int) -> dict[int, Column] | None:
     return routes if len(routes) == len(tours) and visited == list(range(n)) else None
 
 
-def _whole_tours(master: Master, weight: NDArray[np.float64]) -> dict[int, Column] | None:
+def _whole_tours(master: Master, weight: Floats) -> dict[int, Column] | None:
     """Return a tour for each UAV in use where no task is shared, else None.
 
     Then the tours in use of one UAV visit the same tasks; only the cheapest of them counts.

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from formulations.routing.columns.cuts import by_task
 from formulations.routing.columns.labelling import has, path
 from formulations.routing.columns.pricing import Column, Duals, Priced, Pricer
+from instances.arrays import Bools, Floats, Ints
 
 _DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
 """A word of 64 bits whose 64 windows of six all differ: a product with it tells which bit of a word is its lowest."""
@@ -26,11 +27,11 @@ class Pool:
     Orders are read from the labels, kept per UAV in `last` and `parent`, only where needed.
     """
 
-    listed: NDArray[np.bool_]
-    uav: NDArray[np.int64]
+    listed: Bools
+    uav: Ints
     visited: NDArray[np.uint64]
-    cost: NDArray[np.float64]
-    label: NDArray[np.int64]
+    cost: Floats
+    label: Ints
     last: dict[int, NDArray[np.int16]]
     parent: dict[int, NDArray[np.int32]]
 
@@ -44,8 +45,8 @@ class Pool:
         self,
         k: int,
         visited: NDArray[np.uint64],
-        cost: NDArray[np.float64],
-        label: NDArray[np.int64],
+        cost: Floats,
+        label: Ints,
         last: NDArray[np.int16],
         parent: NDArray[np.int32],
     ) -> Pool:
@@ -75,18 +76,18 @@ class Pool:
         k, label = int(self.uav[p]), int(self.label[p])
         return Column(k, path(self.last[k], self.parent[k], label), float(self.cost[p]))
 
-    def only(self, keep: NDArray[np.bool_]) -> Pool:
+    def only(self, keep: Bools) -> Pool:
         """Return the pool of the tours chosen."""
         if keep.all():
             return self
         kept = self.uav[keep], self.visited[keep], self.cost[keep], self.label[keep]
         return replace(self, uav=kept[0], visited=kept[1], cost=kept[2], label=kept[3])
 
-    def holds(self, task: int) -> NDArray[np.bool_]:
+    def holds(self, task: int) -> Bools:
         """Say which tours visit `task`."""
         return (self.visited[:, task >> 6] >> np.uint64(task & 63)) & np.uint64(1) != 0
 
-    def may_visit(self, n_tasks: int) -> NDArray[np.bool_]:
+    def may_visit(self, n_tasks: int) -> Bools:
         """Say which UAV has a tour with which task, shape (m, n)."""
         may = np.zeros((self.listed.size, n_tasks), np.bool_)
         for i in range(n_tasks):
@@ -101,7 +102,7 @@ class Pool:
         """Keep the tours of cost ≤ `cap`."""
         return self.only(self.cost <= cap)
 
-    def needed(self, duals: Duals, bound: float, least: NDArray[np.float64], cap: float) -> Pool:
+    def needed(self, duals: Duals, bound: float, least: Floats, cap: float) -> Pool:
         """Drop the tours that cannot be in routes below `cap`: L − r_k + r(p) exceeds it (L = `bound`)."""
         keep = np.ones(self.size, np.bool_)
         partners, rho = by_task(duals.cuts, duals.rho, duals.price.size)
@@ -180,7 +181,7 @@ class PoolPricer:
         self.pool = pool
         self.n_uavs = pool.listed.size
         self._blocks = [pool.block(k) for k in range(self.n_uavs)]
-        self._cuts: tuple[Duals | None, tuple[NDArray[np.int64], NDArray[np.float64]] | None] = (None, None)
+        self._cuts: tuple[Duals | None, tuple[Ints, Floats] | None] = (None, None)
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold`, and the least of all."""

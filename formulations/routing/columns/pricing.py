@@ -19,13 +19,13 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.routing.columns.completion import Bins, Memory, bins_left, completion, successors
 from formulations.routing.columns.cuts import Cut, by_task, incidence
 from formulations.routing.columns.labelling import Field, Store, alone, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.watching import Watch
+from instances.arrays import Floats, Ints
 
 _MOST_ENDS = 50_000
 
@@ -47,10 +47,10 @@ class Duals:
     μ_k is what UAV k's best known tour earns at these prices; only tours that earn more are worth adding.
     """
 
-    price: NDArray[np.float64]
-    sigma: NDArray[np.float64]
-    rent: NDArray[np.float64]
-    rho: NDArray[np.float64]
+    price: Floats
+    sigma: Floats
+    rent: Floats
+    rho: Floats
     cuts: tuple[Cut, ...] = ()
 
     @property
@@ -71,7 +71,7 @@ class Duals:
         paid = np.flatnonzero(self.rho > 0)
         return Duals(self.price, self.sigma, self.rent, self.rho[paid], tuple(self.cuts[s] for s in paid))
 
-    def values(self, columns: Sequence[Column]) -> NDArray[np.float64]:
+    def values(self, columns: Sequence[Column]) -> Floats:
         """Return the reduced costs of columns [s]."""
         holds = incidence([column.tasks for column in columns], self.price.size)
         sets = np.array(self.cuts, np.int64).reshape(-1, 3)
@@ -127,7 +127,7 @@ class Pricer:
     ) -> None:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
         self.n_uavs = legs.n_uavs
-        self._grids: dict[int, tuple[Bins, NDArray[np.int64], NDArray[np.int64]]] = {}
+        self._grids: dict[int, tuple[Bins, Ints, Ints]] = {}
         self._watch: tuple[Duals | None, Watch | None] = (None, None)
 
     @cached_property
@@ -135,7 +135,7 @@ class Pricer:
         """The ng-neighbourhoods, the same for every UAV."""
         return Memory.nearest(np.minimum.reduce(self.legs.between), self.effort.near)
 
-    def grid(self, k: int) -> tuple[Bins, NDArray[np.int64], NDArray[np.int64]]:
+    def grid(self, k: int) -> tuple[Bins, Ints, Ints]:
         """Return UAV k's bins, and its successors and their number (made when first asked for: some never are)."""
         if k not in self._grids:
             bins = Bins.of(self.legs.between[k], self.legs.home[k], self.cap, self.effort.bins)

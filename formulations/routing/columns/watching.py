@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import Cut
+from instances.arrays import Floats, Ints
 
 _PASSING = 0.25
 """Weight of a cut, for each of its tasks that is near, at a task that is none of them."""
@@ -35,12 +36,12 @@ class Watch:
     charge : what arriving at j then costs [s], shape (n, n, 2^q).
     """
 
-    members: NDArray[np.int64]
+    members: Ints
     turn: NDArray[np.int16]
-    charge: NDArray[np.float64]
+    charge: Floats
 
     @classmethod
-    def of(cls, near: NDArray[np.int64], cuts: Sequence[Cut], rho: NDArray[np.float64], most: int) -> Watch:
+    def of(cls, near: Ints, cuts: Sequence[Cut], rho: Floats, most: int) -> Watch:
         """Watch at each task up to `most` cuts: dear ones that hold it, or some of the tasks `near` it, (n, g)."""
         n = near.shape[0]
         priced = np.flatnonzero(rho > 0)

@@ -17,6 +17,7 @@ from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.recreate import WIDTH, recreate, shuffle
 from formulations.routing.search.ruin import put_back, ruin_adjacent, ruin_strings
 from formulations.routing.search.tours import Tours, copy_tours, sum_costs, unlink
+from instances.arrays import Floats
 
 POWERS = (1, 2, 5, 12, 30, SHARP)
 """The p of the recreation's guides (recreate.py), one drawn for each recreation."""
@@ -44,7 +45,7 @@ def undo(
     count: int,
     gone: NDArray[np.int32],
     stood: NDArray[np.int32],
-    costs_before: NDArray[np.float64],
+    costs_before: Floats,
 ) -> None:
     """Return to the tours as they were before a ruin of `count` tasks and its recreation."""
     for i in range(count):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.tours import Tours, insertion_change, link
+from instances.arrays import Floats, Ints
 
 CHEAPEST, SHORTEST, REGRET = 0, 1, 2
 """Rules: the insertion after which the tour is shortest; the cheapest insertion into the shortest tour; the task that
@@ -25,10 +26,10 @@ class Gaps(NamedTuple):
     """growth (m, n): least growth of tour k by task v [s], inf for a routed task; behind (m, n): the node before it;
     task (m,): the task of least growth; least (m,): that growth [s]."""
 
-    growth: NDArray[np.float64]
+    growth: Floats
     behind: NDArray[np.int32]
-    task: NDArray[np.int64]
-    least: NDArray[np.float64]
+    task: Ints
+    least: Floats
 
 
 @njit(cache=True, nogil=True)
@@ -128,7 +129,7 @@ def insert_many(costs: Costs, tours: Tours, gaps: Gaps, rule: int, count: int) -
 
 
 @njit(cache=True, nogil=True)
-def extend_nearest(cost: NDArray[np.float64], tours: Tours) -> None:
+def extend_nearest(cost: Floats, tours: Tours) -> None:
     """Route all tasks left: again and again the UAV whose tour is shortest flies on to the task nearest to its last.
 
     Made to be the last step, on costs in one direction alone: the arcs of the tours are left as they were.

@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from instances.arrays import Floats
 
 _FEW = 8
 """Rows that show most asymmetric matrices to be so, before all are compared."""
@@ -18,11 +19,11 @@ _FEW = 8
 class Costs(NamedTuple):
     """out[i, j] = into[j, i] = c_ij [s], both (n+m, n+m); one and the same array where costs are symmetric."""
 
-    out: NDArray[np.float64]
-    into: NDArray[np.float64]
+    out: Floats
+    into: Floats
 
 
-def both_ways(cost: NDArray[np.float64]) -> Costs:
+def both_ways(cost: Floats) -> Costs:
     """Return Costs of the matrix `cost`; an asymmetric one is copied once, transposed."""
     few = cost[:_FEW]
     if np.array_equal(few, cost[:, :_FEW].T) and np.array_equal(cost, cost.T):

@@ -16,10 +16,11 @@ from formulations.routing.search.neighbours import Neighbours
 from formulations.routing.search.randomness import below
 from formulations.routing.search.recreate import WIDTH, recreate, shuffle
 from formulations.routing.search.tours import Tours, link, sum_costs, unlink
+from instances.arrays import Ints
 
 
 @njit(cache=True, nogil=True)
-def places(costs: Costs, n_tasks: int) -> NDArray[np.int64]:
+def places(costs: Costs, n_tasks: int) -> Ints:
     """Return for each depot the first depot at the same place, shape (m,): the one with the same costs to all tasks."""
     n_depots = costs.out.shape[0] - n_tasks
     place = np.arange(n_depots)
@@ -35,7 +36,7 @@ def places(costs: Costs, n_tasks: int) -> NDArray[np.int64]:
 
 
 @njit(cache=True, nogil=True)
-def matching_tour(child: Tours, donor: Tours, k: int, place: NDArray[np.int64]) -> int:
+def matching_tour(child: Tours, donor: Tours, k: int, place: Ints) -> int:
     """Return the child's tour from the place of donor tour k that shares most tasks with it."""
     n_depots = child.cost.size
     depot = child.after.size - n_depots + k
@@ -78,9 +79,7 @@ def lay_over(costs: Costs, child: Tours, donor: Tours, k: int, h: int, homeless:
 
 
 @njit(cache=True, nogil=True)
-def crossover(
-    costs: Costs, near: Neighbours, child: Tours, donor: Tours, place: NDArray[np.int64], rng: NDArray[np.uint64]
-) -> None:
+def crossover(costs: Costs, near: Neighbours, child: Tours, donor: Tours, place: Ints, rng: NDArray[np.uint64]) -> None:
     """Turn `child`, a copy of the first parent, into its child with `donor`, who gives up to half of the tours."""
     n, m = near.tasks.shape[0], child.cost.size
     homeless = np.empty(n, np.int32)

@@ -19,6 +19,7 @@ from formulations.routing.search.energy import Aim, Stakes, energy_with, stakes_
 from formulations.routing.search.randomness import below, uniform
 from formulations.routing.search.strips import Strip
 from formulations.routing.search.tours import Tours
+from instances.arrays import Ints
 
 WIDTH = 8
 """Near tasks that a candidate may make adjacent."""
@@ -31,7 +32,7 @@ class Bench(NamedTuple):
 
     a: Strip
     b: Strip
-    position: NDArray[np.int64]
+    position: Ints
 
 
 @njit(cache=True, nogil=True)

@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from formulations.routing.search.tours import Tours
+from instances.arrays import Floats
 
 SHARP = 500
 """p from which the norm would be the maximum, to within what matters: then the excess over the cap counts."""
@@ -66,7 +65,7 @@ def power(x: float, p: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def norm(lengths: NDArray[np.float64], p: int) -> float:
+def norm(lengths: Floats, p: int) -> float:
     """Return ‖C‖_p [s] of lengths (m,) [s]."""
     longest = lengths.max()
     if longest <= 0.0:
@@ -78,7 +77,7 @@ def norm(lengths: NDArray[np.float64], p: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def energy(lengths: NDArray[np.float64], aim: Aim) -> float:
+def energy(lengths: Floats, aim: Aim) -> float:
     """Return ‖C‖_p + ε · mean_k C_k [s], from p = SHARP Σ_k max(0, C_k − cap) + ε · mean_k C_k; lengths (m,) [s]."""
     total = aim.evenness * lengths.mean()
     if aim.p < SHARP:
@@ -89,7 +88,7 @@ def energy(lengths: NDArray[np.float64], aim: Aim) -> float:
 
 
 @njit(cache=True, nogil=True)
-def fitness(lengths: NDArray[np.float64], known: float) -> float:
+def fitness(lengths: Floats, known: float) -> float:
     """Return Σ_k max(0, C_k − known) [s], below 0 by how much all beat known [s], the longest of the best tours known.
 
     Of two with the same longest tour that with fewer long ones is fitter. Many tours nearly as long as the best known

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from formulations.routing.search.costs import Costs, both_ways
 from formulations.routing.search.crossover import places
 from formulations.routing.search.neighbours import NEAR_DEPOTS, NEAR_TASKS, Neighbours, neighbours
+from instances.arrays import Floats, Ints
 
 
 class Ground(NamedTuple):
@@ -17,7 +15,7 @@ class Ground(NamedTuple):
 
     costs: Costs
     near: Neighbours
-    place: NDArray[np.int64]
+    place: Ints
 
     @property
     def size(self) -> tuple[int, int]:
@@ -31,7 +29,7 @@ class Ground(NamedTuple):
         return n * n / m
 
 
-def survey(cost: NDArray[np.float64], n_tasks: int) -> Ground:
+def survey(cost: Floats, n_tasks: int) -> Ground:
     """Return the Ground of a cost matrix, shape (n+m, n+m) [s]."""
     costs = both_ways(cost)
     return Ground(costs, neighbours(costs, n_tasks, NEAR_TASKS, NEAR_DEPOTS), places(costs, n_tasks))

@@ -12,6 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
+from instances.arrays import Floats
 
 NEAR_TASKS, NEAR_DEPOTS = 20, 128
 """Lengths of the lists, where there are as many."""
@@ -25,9 +26,7 @@ class Neighbours(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def keep_nearest(
-    there: NDArray[np.float64], back: NDArray[np.float64], v: int, first: int, out: NDArray[np.int32]
-) -> None:
+def keep_nearest(there: Floats, back: Floats, v: int, first: int, out: NDArray[np.int32]) -> None:
     """Write to `out` the nodes nearest to v, v left out; there[i] and back[i] are the costs to and from first + i."""
     room = out.size
     held = 0

@@ -21,6 +21,7 @@ from formulations.routing.search.costs import Costs
 from formulations.routing.search.neighbours import keep_nearest
 from formulations.routing.search.randomness import below
 from formulations.routing.search.strips import Strip
+from instances.arrays import Bools, Floats, Ints
 
 NEAR = 8
 """Nodes that a move may make the next or the one before."""
@@ -42,15 +43,15 @@ class Round(NamedTuple):
     strip: Strip
     ahead: NDArray[np.int32]
     behind: NDArray[np.int32]
-    position: NDArray[np.int64]
+    position: Ints
     spare: NDArray[np.int32]
-    queue: NDArray[np.int64]
-    queued: NDArray[np.bool_]
-    ring: NDArray[np.int64]
+    queue: Ints
+    queued: Bools
+    ring: Ints
 
 
 @njit(cache=True, nogil=True)
-def round_of(cost: NDArray[np.float64]) -> Round:
+def round_of(cost: Floats) -> Round:
     """Return the tour 0, 1, …, L, 0 over `cost`, shape (L+1, L+1) [s], ready to be improved."""
     size = cost.shape[0]
     near = min(NEAR, size - 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from formulations.recorder import Recorder
+from formulations.routing.recorder import Recorder
 
 _SLICE = 0.02
 """Seconds between two looks at the clock."""

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.recorder import Recorder
+from formulations.routing.recorder import Recorder
 from formulations.routing.search import cooling
 from formulations.routing.search.annealing import POWERS, Habits, anneal
 from formulations.routing.search.costs import Costs, both_ways
@@ -22,7 +22,7 @@ from formulations.routing.search.pace import Pace
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.tours import Tours, copy_tours, empty_tours, from_routes, to_routes
-from formulations.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 
 

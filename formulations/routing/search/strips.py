@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.tours import Tours, join
+from instances.arrays import Floats, Ints
 
 
 class Strip(NamedTuple):
@@ -23,9 +24,9 @@ class Strip(NamedTuple):
     shape (2,): tour number k and its number of tasks L."""
 
     nodes: NDArray[np.int32]
-    forward: NDArray[np.float64]
-    backward: NDArray[np.float64]
-    shape: NDArray[np.int64]
+    forward: Floats
+    backward: Floats
+    shape: Ints
 
 
 @njit(cache=True, nogil=True)
@@ -35,7 +36,7 @@ def blank_strip(n_tasks: int) -> Strip:
 
 
 @njit(cache=True, nogil=True)
-def lay_out(tours: Tours, k: int, strip: Strip, position: NDArray[np.int64]) -> None:
+def lay_out(tours: Tours, k: int, strip: Strip, position: Ints) -> None:
     """Write tour k to `strip` and each of its tasks' place to `position`."""
     depot = tours.after.size - tours.cost.size + k
     u, i = depot, 0

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
 from instances import Routes
+from instances.arrays import Floats
 
 
 class Tours(NamedTuple):
@@ -25,10 +26,10 @@ class Tours(NamedTuple):
 
     after: NDArray[np.int32]
     before: NDArray[np.int32]
-    arc: NDArray[np.float64]
-    back: NDArray[np.float64]
+    arc: Floats
+    back: Floats
     tour: NDArray[np.int32]
-    cost: NDArray[np.float64]
+    cost: Floats
     size: NDArray[np.int32]
 
 

@@ -13,16 +13,15 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from instances.arrays import Floats
 from instances.environment.itm.attenuation import ground_impedance, reference_attenuation
 from instances.environment.itm.profile import roughness, terrain_parameters
 from instances.environment.itm.variability import CLIMATES, quantile_loss
 from instances.environment.propagation import profile
 from instances.environment.terrain import Terrain
 from instances.errors import InputError, suggestion
-
-Floats = NDArray[np.float64]
 
 MODES = ("single-message", "accidental", "mobile", "broadcast")
 

@@ -9,9 +9,8 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from instances.arrays import Floats
 
 
 @njit(cache=True)

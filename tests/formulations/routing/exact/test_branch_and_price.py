@@ -16,8 +16,8 @@ from formulations.routing.columns.node import Efforts, Node, Workspace, restrict
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer, first_completion
 from formulations.routing.columns.tree import Tree
+from formulations.routing.solver import Limits, Status
 from formulations.routing.subset_dp import SubsetDp
-from formulations.solver import Limits, Status
 from instances import Instance, Routes, check_routes, tour_costs
 
 LIMITS = Limits(time=600.0)

@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-from formulations.recorder import Recorder
 from formulations.routing.columns.enumeration import list_tours
 from formulations.routing.columns.generation import Relaxation, generate
 from formulations.routing.columns.labelling import _projected, make_store
@@ -16,8 +15,9 @@ from formulations.routing.columns.node import longest_of_all
 from formulations.routing.columns.pool import MixedPricer, Pool, PoolPricer
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer
 from formulations.routing.columns.searching import search_around
+from formulations.routing.recorder import Recorder
+from formulations.routing.solver import Limits, ignore
 from formulations.routing.subset_dp import SubsetDp
-from formulations.solver import Limits, ignore
 from instances import Instance, check_routes
 
 N = 70  # two words a set

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from formulations.routing.columns.destructive import destructive_bounds
+from formulations.routing.solver import Limits
 from formulations.routing.subset_dp import SubsetDp
-from formulations.solver import Limits
 from instances import Instance
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from formulations.routing.exact import Exact
 from formulations.routing.linked import LinkedRecorder
+from formulations.routing.solver import Event, Limits, Status, ignore
 from formulations.routing.subset_dp import SubsetDp
-from formulations.solver import Event, Limits, Status, ignore
 from instances import Instance, check_routes
 
 

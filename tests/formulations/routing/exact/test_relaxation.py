@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.relaxation import _Relaxation, relax
+from formulations.routing.solver import Limits
 from formulations.routing.subset_dp import SubsetDp
-from formulations.solver import Limits
 from instances import Instance, makespan
 
 

@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from formulations.registry import make_solver
-from formulations.solver import Limits, Status
+from formulations.routing.registry import make_solver
+from formulations.routing.solver import Limits, Status
 from instances import InputError, Instance, check_routes, makespan
 
 BOTH = pytest.mark.parametrize("name", ["memetic", "ruin-recreate"])
@@ -114,8 +114,8 @@ COMPILED = """
 import sys
 import numpy as np
 from numba.core.dispatcher import Dispatcher
-from formulations.registry import make_solver
-from formulations.solver import Limits
+from formulations.routing.registry import make_solver
+from formulations.routing.solver import Limits
 from instances import Instance
 
 def compiled():

@@ -10,8 +10,8 @@ from formulations.routing.search import tours as rings
 from formulations.routing.search.costs import both_ways
 from formulations.routing.search.intensify import intensify
 from formulations.routing.search.randomness import seeded
+from formulations.routing.solver import Limits
 from formulations.routing.subset_dp import SubsetDp
-from formulations.solver import Limits
 from instances import tour_costs
 
 L = 11

@@ -11,7 +11,7 @@ import importlib
 from importlib.metadata import entry_points
 from typing import Any
 
-from formulations.solver import Solver
+from formulations.routing.solver import Solver
 from instances.errors import InputError, suggestion
 
 ENTRY_POINT_GROUP = "mmmdmtsp_workbench.solvers"

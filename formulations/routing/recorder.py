@@ -6,7 +6,7 @@ import math
 import time
 from typing import Any
 
-from formulations.solver import Event, Limits, Observer, Result, Status
+from formulations.routing.solver import Event, Limits, Observer, Result, Status
 from instances import Instance, Routes, as_routes, makespan
 
 

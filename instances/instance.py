@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -61,6 +61,10 @@ class Instance:
         if self.coordinates is not None:
             object.__setattr__(self, "coordinates", _checked_coordinates(self.coordinates, self.n_nodes, self.name))
         object.__setattr__(self, "provenance", dict(self.provenance))
+
+    def __reduce__(self) -> tuple[type[Instance], tuple[Any, ...]]:
+        """Pickle through the constructor: arrays are read-only again on the other side, which kernels mind."""
+        return Instance, tuple(getattr(self, each.name) for each in fields(self))
 
     @property
     def n_nodes(self) -> int:

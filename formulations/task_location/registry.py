@@ -1,15 +1,15 @@
-"""The registry of placement methods: name → "module:Class", imported only when asked for."""
+"""The registry of placement methods.
+
+Third parties add methods through the entry-point group ``mmmdmtsp_workbench.placement_methods``, or name the target
+itself, ``"module:Class"``, wherever a method's name is asked for.
+"""
 
 from __future__ import annotations
 
-import dataclasses
-import importlib
-from typing import Any
-
 from formulations.task_location.placement import PlacementMethod
-from instances.errors import InputError, suggestion
+from instances.registry import MethodRegistry
 
-METHODS: dict[str, tuple[str, str]] = {
+BUILT_IN = {
     "nlp": ("formulations.task_location.nlp:Nlp", "casadi and IPOPT, closed-form gradient and Hessian, multi-start"),
     "l-bfgs-b": ("formulations.task_location.l_bfgs_b:LBfgsB", "bounded quasi-Newton, closed-form gradient"),
     "slsqp": ("formulations.task_location.slsqp:Slsqp", "sequential quadratic programming, closed-form gradient"),
@@ -19,42 +19,10 @@ METHODS: dict[str, tuple[str, str]] = {
     "grid": ("formulations.task_location.grid:Grid", "a regular lattice"),
     "random": ("formulations.task_location.random_points:Random", "uniform random points"),
 }
-"""Method → (``"module:Class"``, one line on what it is)."""
 
+METHODS: MethodRegistry[PlacementMethod] = MethodRegistry(
+    "placement method", BUILT_IN, group="mmmdmtsp_workbench.placement_methods", at_least=0.0
+)
+"""Name → method; options are the fields of its dataclass."""
 
-def method_class(name: str) -> type[PlacementMethod]:
-    """Import and return the class registered as `name`; InputError, with the near miss, where there is none."""
-    if name not in METHODS:
-        raise InputError(f"unknown placement method '{name}'{suggestion(name, METHODS)} (known: {', '.join(METHODS)})")
-    module, _, attribute = METHODS[name][0].partition(":")
-    cls: type[PlacementMethod] = getattr(importlib.import_module(module), attribute)
-    return cls
-
-
-def make_method(name: str, options: dict[str, Any] | None = None) -> PlacementMethod:
-    """Return the method registered as `name` with `options` (its dataclass fields).
-
-    Raises InputError for an unknown method, option or option value.
-    """
-    cls = method_class(name)
-    options = options or {}
-    defaults = option_defaults(cls)
-    for key, value in options.items():
-        if key not in defaults:
-            has = ", ".join(defaults) or "none"
-            raise InputError(
-                f"placement method {name} has no option '{key}'{suggestion(key, defaults)} (it has: {has})"
-            )
-        kind = type(defaults[key])
-        allowed = (int, float) if kind is float else kind
-        if not isinstance(value, allowed) or isinstance(value, bool) is not (kind is bool):
-            wanted = {str: "a text", int: "a whole number", float: "a number"}.get(kind, kind.__name__)
-            raise InputError(f"placement method {name}: {key} must be {wanted}, got {value!r}")
-        if kind in (int, float) and not value >= 0:
-            raise InputError(f"placement method {name}: {key} must not be negative, got {value}")
-    return cls(**options)
-
-
-def option_defaults(cls: type[PlacementMethod]) -> dict[str, Any]:
-    """Return the options of a method and their defaults, by name."""
-    return {f.name: f.default for f in dataclasses.fields(cls)} if dataclasses.is_dataclass(cls) else {}
+make_method = METHODS.make

@@ -1,0 +1,58 @@
+"""numba, with the machine code it keeps under the digest of the sources: an edited kernel always takes effect.
+
+numba looks at the file of a kernel when it decides whether kept machine code is still good, not at the kernels and
+constants that the file imports. So machine code lives in the user's cache folder, below the digest of every source a
+kernel can come from (`instances.code`); folders of other digests that nobody used for a week are removed.
+Every kernel takes `njit` from here.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+import numba
+from numba import njit
+from platformdirs import user_cache_path
+
+from instances.code import KERNEL_PACKAGES, code_digest
+
+__all__ = ["njit"]
+
+KEPT = 7 * 24 * 3600.0
+"""Seconds after its last use that machine code of other sources is kept: several checkouts may be in use."""
+PREFIX = "kernels-"
+
+
+def cache_folder() -> Path:
+    """Return the folder of machine code of today's sources, made where it is not there yet."""
+    name = PREFIX + code_digest(KERNEL_PACKAGES)
+    asked = os.environ.get("NUMBA_CACHE_DIR")
+    if asked and Path(asked).name.startswith(PREFIX):  # set by the process that started this one
+        asked = str(Path(asked).parent)
+    for parent in (Path(asked) if asked else user_cache_path("mmmdmtsp-workbench"), Path(tempfile.gettempdir())):
+        folder = parent / name
+        with contextlib.suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            os.utime(folder)
+            return folder
+    raise OSError("no folder can be written in which numba could keep compiled kernels; set NUMBA_CACHE_DIR to one")
+
+
+def remove_old(parent: Path) -> None:
+    """Remove machine code below `parent` that was not used for `KEPT` seconds."""
+    for folder in parent.glob(f"{PREFIX}*"):
+        with contextlib.suppress(OSError):
+            if time.time() - folder.stat().st_mtime > KEPT:
+                shutil.rmtree(folder, ignore_errors=True)
+
+
+_folder = cache_folder()
+remove_old(_folder.parent)
+# Both: numba reads the variable again when the environment changes, and child processes inherit it.
+os.environ["NUMBA_CACHE_DIR"] = str(_folder)
+vars(numba.config)["CACHE_DIR"] = str(_folder)

@@ -11,7 +11,7 @@ from instances import InputError, as_routes
 from instances.files import read_instance
 from reports.figures.routes import draw_routes
 from reports.figures.svg import Drawn
-from reports.runfile import read_run
+from reports.record import read_run
 
 LARGEST = 120
 """Tasks of an example at most: more cannot be followed by eye."""
@@ -25,7 +25,7 @@ def example_routes(runs: pd.DataFrame, instance_files: dict[str, Path]) -> list[
     for run in order.itertuples():
         try:
             instance = read_instance(instance_files[str(run.digest)])
-            routes = as_routes(read_run(Path(str(run.path)))["routes"])
+            routes = as_routes(read_run(Path(str(run.path))).own["routes"])
         except InputError:
             continue
         if instance.coordinates is None:

@@ -20,7 +20,7 @@ from instances.files import read_instance
 from reports.figures.style import COLOURS, styles
 from reports.figures.surroundings import surroundings
 from reports.metrics import instance_table
-from reports.runfile import STATUSES, read_run
+from reports.record import STATUSES, read_run
 
 DETAILS_BUDGET = 1_300_000
 """Characters of JSON spent on runs' details."""
@@ -46,7 +46,7 @@ def payload(runs: pd.DataFrame, instance_files: dict[str, Path]) -> dict[str, An
             [look[m].colour, " ".join(map(str, look[m].dash[1])) if len(look[m].dash) == 2 else ""] for m in methods
         ],
         "colours": COLOURS,
-        "statuses": STATUSES,
+        "statuses": STATUSES["routing"],
         "families": sorted(runs["family"].unique()),
         "instances": _instances(table, methods),
         "maps": {i: places for i, (places, _) in maps.items()},
@@ -87,7 +87,7 @@ def _rows(runs: pd.DataFrame, number: dict[Any, int], methods: list[str]) -> dic
         "instance": [number[d] for d in runs["digest"]],
         "method": [method_number[m] for m in runs["method"]],
         "seed": runs["seed"].tolist(),
-        "status": [STATUSES.index(s) for s in runs["status"]],
+        "status": [STATUSES["routing"].index(s) for s in runs["status"]],
         "value": [_number(v) for v in runs["value"]],
         "bound": [_number(v) for v in runs["bound"]],
         "found": [_number(v, 4) for v in runs["gap_found"]],
@@ -124,22 +124,22 @@ def _maps(
 
 def _details(runs: pd.DataFrame) -> Iterator[tuple[int, dict[str, Any]]]:
     spent = 0
-    tours = runs["tour_costs"].tolist()
+    tours, traces = runs["tour_costs"].tolist(), runs["trace"].tolist()
     for index in _by_interest(runs):
         try:
             run = read_run(Path(str(runs.at[index, "path"])))
         except InputError:
             continue
         detail = {
-            "routes": run["routes"],
+            "routes": run.own["routes"],
             "tours": [_number(c, 6) for c in tours[index]],
-            "trace": [[_number(t, 4), _number(z), _number(b)] for t, z, b in _thinned(run["trace"])],
-            "options": run["options"],
-            "message": run["message"],
-            "statistics": run["statistics"],
-            "log": run["log"][-LOG_TAIL:],
+            "trace": [[_number(t, 4), _number(z), _number(b)] for t, z, b in _thinned(traces[index])],
+            "options": run.options,
+            "message": run.message,
+            "statistics": run.statistics,
+            "log": run.log[-LOG_TAIL:],
             "file": f"{Path(str(runs.at[index, 'path'])).parent.name}/{Path(str(runs.at[index, 'path'])).name}",
-            "times": [_number(run[k], 4) for k in ("prepare_elapsed", "wall_elapsed", "cpu_seconds")],
+            "times": [_number(getattr(run, k), 4) for k in ("prepare_elapsed", "wall_elapsed", "cpu_seconds")],
         }
         spent += len(json.dumps(detail, separators=(",", ":"), ensure_ascii=False))
         if spent > DETAILS_BUDGET:

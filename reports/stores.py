@@ -18,54 +18,23 @@ import numpy as np
 import pandas as pd
 
 from instances import InputError, Instance, check_routes, tour_costs
+from instances.code import code_digest
 from instances.files import read_instance
-from reports.placement_store import PROBLEM_FILE
 from reports.proofs import RELATIVE_ROUNDING, holds
-from reports.runfile import read_json, read_run
+from reports.record import ITEM_FILES, RUN, Run, described, read_json, read_run
 
-COLUMNS: dict[str, str] = {
-    "instance": "name of the instance (with digits of the digest where two share a name)",
-    "digest": "digest of the instance",
-    "family": "generator family or set",
-    "n_tasks": "number of tasks n",
-    "n_depots": "number of depots and UAVs m",
-    "asymmetry": "mean |c_ij - c_ji| / (c_ij + c_ji), dimensionless",
-    "best_known": "best known value [s] stored with the instance",
-    "solver": "registered name of the solver",
-    "method": "name in tables and figures: the label, cut short where long, and the limit where it has several",
-    "label": "solver and its options where not default",
-    "options": "options as JSON",
-    "proves": "whether the method can prove optimality",
-    "seed": "seed",
-    "time_limit": "time limit [s]",
-    "threads": "threads",
-    "iterations": "limit on the method's iterations",
-    "status": "OPTIMAL, FEASIBLE, INFEASIBLE, NO_SOLUTION, KILLED or ERROR",
-    "objective": "C_max stored [s]",
-    "bound": "lower bound [s]",
-    "gap": "(objective - bound) / objective",
-    "value": "C_max re-computed from the routes [s]; nothing where there are none or the claim is wrong",
-    "proved": "whether the run proved its routes optimal, as far as the stored figures can tell (`reports.proofs`)",
-    "elapsed": "wall clock of the solve [s]",
-    "stopped_by": "what ended the run",
-    "message": "one sentence",
-    "tolerance": "tolerance of OPTIMAL [s]",
-    "claimed_objective": "what the solver claimed [s]",
-    "recomputed": "C_max of the stored routes [s], right or wrong",
-    "fault": "what is wrong with the stored routes",
-    "prepare_elapsed": "imports and compilation [s]",
-    "wall_elapsed": "wall clock of the whole process [s]",
-    "cpu_seconds": "processor time [s]",
-    "peak_memory": "peak memory [bytes]",
-    "environment": "digest of machine and versions",
-    "created": "when",
-    "tour_costs": "C_k re-computed [s], shape (m,)",
-    "trace": "elapsed, objective, bound [s], shape (k, 3)",
-    "statistics": "the method's own figures",
-    "path": "the file",
-}
-"""Columns of the frame, in order, each with what it holds."""
+FRAME = (
+    "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "best_known", "solver", "method", "label",
+    "options", "proves", "seed", "time_limit", "threads", "iterations", "status", "objective", "bound", "gap", "value",
+    "proved", "elapsed", "stopped_by", "message", "tolerance", "claimed_objective", "recomputed", "fault",
+    "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory", "environment", "code", "revision", "stale",
+    "created", "tour_costs", "trace", "statistics", "path",
+)  # fmt: skip
+"""Columns of the frame, in order; `COLUMNS` says what each holds."""
+COLUMNS = described(*FRAME)
+"""Column of the frame → its unit and meaning."""
 
+_NUMBERS = [c.name for c in RUN if c.kind == "number"]
 _IDENTITY = ["digest", "solver", "options", "seed", "time_limit", "threads", "iterations"]
 LONGEST_LABEL = 36
 """Longer names of methods do not fit into legends."""
@@ -87,7 +56,7 @@ class Stores:
 
 
 def read_stores(*folders: Path | str) -> Stores:
-    """Read every run below `folders`; InputError where a folder does not exist.
+    """Read every routing run below `folders`; InputError where a folder does not exist.
 
     A run that is in several stores counts once: the latest is kept.
     """
@@ -95,24 +64,65 @@ def read_stores(*folders: Path | str) -> Stores:
     warnings: list[str] = []
     environments: dict[str, Any] = {}
     instance_files: dict[str, Path] = {}
-    roots = [Path(folder) for folder in folders]
-    for root in roots:
-        if not root.is_dir():
-            raise InputError(f"{root}: is not a folder of stored runs")
-        for folder, names in _folders(root):
-            if folder.name == "environments":
-                environments |= _environments(folder, names, warnings)
-            elif PROBLEM_FILE not in names:  # else its runs are placements, read by reports.placement_store
-                rows += _folder_runs(folder, names, instance_files, warnings)
+    for folder, names, problem in walk(*folders):
+        if folder.name == "environments":
+            environments |= _environments(folder, names, warnings)
+        elif problem == "routing":
+            rows += _folder_runs(folder, names, instance_files, warnings)
     frame = _frame(rows, warnings)
     frame.attrs["warnings"] = warnings
-    return Stores(frame, warnings, environments, instance_files, roots)
+    return Stores(frame, warnings, environments, instance_files, [Path(folder) for folder in folders])
 
 
-def _folders(root: Path) -> Iterator[tuple[Path, list[str]]]:
-    for folder, subfolders, names in os.walk(root):
-        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
-        yield Path(folder), sorted(name for name in names if name.endswith(".json") and not name.startswith("."))
+def walk(*folders: Path | str) -> Iterator[tuple[Path, list[str], str]]:
+    """Yield every folder below `folders` with the names of its files and the problem whose item it keeps.
+
+    A folder that keeps no item is taken for one of routing whose instance is missing. InputError where one of
+    `folders` does not exist.
+    """
+    for root in folders:
+        if not Path(root).is_dir():
+            raise InputError(f"{root}: is not a folder of stored runs")
+        for folder, subfolders, found in os.walk(root):
+            subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
+            names = sorted(name for name in found if not name.startswith("."))
+            problem = next((p for p, items in ITEM_FILES.items() if set(items) & set(names)), "routing")
+            yield Path(folder), names, problem
+
+
+def problems_in(*folders: Path | str) -> list[str]:
+    """Return the problems of which `folders` keep an item, in the order of ITEM_FILES."""
+    found = {problem for _, names, problem in walk(*folders) if set(ITEM_FILES[problem]) & set(names)}
+    return [problem for problem in ITEM_FILES if problem in found]
+
+
+def read_runs(*folders: Path | str, problem: str) -> tuple[dict[Path, Run], list[str]]:
+    """Return every run of `problem` below `folders` by its file, and a sentence for each file left alone.
+
+    Of a run stored more than once the latest is kept. InputError where a folder does not exist.
+    """
+    runs: dict[tuple[object, ...], tuple[Path, Run]] = {}
+    warnings: list[str] = []
+    for folder, names, of in walk(*folders):
+        if of == problem and folder.name != "environments":
+            for path, run in _runs_in(folder, names, problem, warnings):
+                key = (run.instance["digest"], run.label, run.seed, run.time_limit)
+                if key not in runs or runs[key][1].created <= run.created:
+                    runs[key] = path, run
+    return dict(runs.values()), warnings
+
+
+def _runs_in(folder: Path, names: list[str], problem: str, warnings: list[str]) -> Iterator[tuple[Path, Run]]:
+    for name in names:
+        if not name.endswith(".json") or name in (*ITEM_FILES[problem], "study.json"):
+            continue
+        try:
+            run = read_run(folder / name)
+            if run.problem != problem:
+                raise InputError(f"is a run of another problem ({run.problem}), not of {problem}")
+            yield folder / name, run
+        except InputError as error:
+            warnings.append(f"{folder / name}: {error}; left alone.")
 
 
 def _environments(folder: Path, names: list[str], warnings: list[str]) -> dict[str, Any]:
@@ -135,17 +145,9 @@ def _folder_runs(
     if instance is not None:
         instance_files.setdefault(instance[0].digest, instance[1])
     rows = []
-    for name in names:
-        if name in ("instance.json", "study.json"):
-            continue
-        path = folder / name
-        try:
-            run = read_run(path)
-        except InputError as error:
-            warnings.append(f"{path}: {error}; left alone.")
-            continue
-        known = instance[0] if instance is not None and instance[0].digest == run["instance"]["digest"] else None
-        if run["routes"] is not None and known is None:
+    for path, run in _runs_in(folder, names, "routing", warnings):
+        known = instance[0] if instance is not None and instance[0].digest == run.instance["digest"] else None
+        if run.own["routes"] is not None and known is None:
             warnings.append(f"{path}: its instance is not stored beside it, so its cost could not be re-computed.")
         rows.append(_row(path, run, known))
     return rows
@@ -162,32 +164,38 @@ def _folder_instance(folder: Path, warnings: list[str]) -> tuple[Instance, Path]
     return None
 
 
-def _row(path: Path, run: dict[str, Any], instance: Instance | None) -> dict[str, Any]:
-    row = {key: run.get(key) for key in COLUMNS}
-    about = run["instance"]
-    row |= {key: about[key] for key in ("digest", "family", "n_tasks", "n_depots", "asymmetry", "best_known")}
-    row |= {"instance": about["name"], "method": run["label"], "path": str(path)}
-    row["options"] = json.dumps(run["options"], sort_keys=True)
-    row |= _recomputed(run, instance)
-    objective, bound = run["objective"], run["bound"]
+def _row(path: Path, run: Run, instance: Instance | None) -> dict[str, Any]:
+    flat, about = run.flat(), run.instance
+    row: dict[str, Any] = {key: flat.get(key) for key in FRAME}
+    row |= {key: _number(flat[key]) for key in _NUMBERS}
+    row |= {key: _number(about.get(key)) for key in ("n_tasks", "n_depots", "asymmetry", "best_known")}
+    row |= {"instance": about["name"], "digest": about["digest"], "family": about.get("family") or ""}
+    row |= {"method": run.label, "path": str(path), "stale": run.code != code_digest()}
+    row |= {"options": json.dumps(run.options, sort_keys=True)}
+    row["trace"] = np.array(run.trace, dtype=np.float64).reshape(-1, 3)  # null becomes NaN
+    objective, bound = row["objective"], row["bound"]
     row["gap"] = (objective - bound) / objective if objective > 0 else (objective - bound)
-    return row
+    return row | _recomputed(run, instance)
 
 
-def _recomputed(run: dict[str, Any], instance: Instance | None) -> dict[str, Any]:
+def _number(value: Any) -> float:
+    return math.nan if value is None else float(value)
+
+
+def _recomputed(run: Run, instance: Instance | None) -> dict[str, Any]:
     """Return value, recomputed, fault and tour costs of a run."""
     nothing = {"value": math.nan, "recomputed": math.nan, "fault": "", "tour_costs": np.empty(0)}
-    if run["routes"] is None:
+    routes, objective = run.own["routes"], _number(run.objective)
+    if routes is None:
         return nothing
     if instance is None:
-        trusted = run["objective"] if run["status"] in ("OPTIMAL", "FEASIBLE", "KILLED") else math.nan
-        return nothing | {"value": trusted}
-    faults = check_routes(instance, run["routes"])
+        return nothing | {"value": objective if run.status in ("OPTIMAL", "FEASIBLE", "KILLED") else math.nan}
+    faults = check_routes(instance, routes)
     if faults:
         return nothing | {"fault": " ".join(faults[:3])}
-    costs = tour_costs(instance, run["routes"])
+    costs = tour_costs(instance, routes)
     cost = float(costs.max())
-    right = run["status"] != "ERROR" and math.isclose(cost, run["objective"], rel_tol=RELATIVE_ROUNDING)
+    right = run.status != "ERROR" and math.isclose(cost, objective, rel_tol=RELATIVE_ROUNDING)
     return {"value": cost if right else math.nan, "recomputed": cost, "fault": "", "tour_costs": costs}
 
 
@@ -208,7 +216,7 @@ def short_labels(labels: Iterable[str]) -> dict[str, str]:
 
 
 def _frame(rows: list[dict[str, Any]], warnings: list[str]) -> pd.DataFrame:
-    frame = pd.DataFrame(rows, columns=list(COLUMNS))
+    frame = pd.DataFrame(rows, columns=list(FRAME))
     if frame.empty:
         return frame
     for column in ("n_tasks", "n_depots"):

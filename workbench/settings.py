@@ -1,9 +1,10 @@
-"""Settings typed on the command line: ``key=value``, lists ``a,b``, shards ``2/5``."""
+"""Settings typed on the command line: ``key=value``, lists ``a,b``, shards ``2/5``, files to write."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from instances.errors import InputError
@@ -42,3 +43,13 @@ def shard(text: str) -> tuple[int, int]:
     if not (number.isdigit() and count.isdigit() and 1 <= int(number) <= int(count)):
         raise InputError(f"--shard: must be i/n with 1 ≤ i ≤ n, got '{text}'")
     return int(number), int(count)
+
+
+def check_target(path: Path | None, endings: tuple[str, ...]) -> None:
+    """Refuse before the work what could not be written after it; None is fine."""
+    if path is None:
+        return
+    if not path.name.endswith(endings):
+        raise InputError(f"{path}: must end in {' or '.join(endings)}")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: there is no folder {path.parent}")

@@ -9,7 +9,7 @@ import numpy as np
 
 from formulations.moving_cost.effect import wind_effect
 from formulations.moving_cost.field import search_field
-from formulations.moving_cost.method import MovingCosts, Progress, Query, silent
+from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from formulations.moving_cost.registry import DEFAULT, make_method
 from instances import Instance
 from instances.environment.raster import same_projection
@@ -43,6 +43,11 @@ def query_of(scenario: Scenario) -> Query:
 def solve_query(
     query: Query, method: str = DEFAULT, options: dict[str, Any] | None = None, progress: Progress = silent
 ) -> MovingCosts:
+    """Return costs and paths between all terminals by the method of this name."""
+    return all_pairs(query, make_method(method, options), progress)
+
+
+def all_pairs(query: Query, method: MovingCostMethod, progress: Progress = silent) -> MovingCosts:
     """Return costs and paths between all terminals; terminals may coincide (several UAVs at one depot)."""
     places, of = np.unique(query.terminals, axis=0, return_inverse=True)
     of = of.ravel()
@@ -54,7 +59,7 @@ def solve_query(
         n = len(of)
         alone = Paths(1, np.empty((0, 2)), np.zeros(2, dtype=np.int64))
         return MovingCosts(np.zeros((n, n)), alone.repeated(of, query.terminals), {})
-    found = make_method(method, options).solve(dataclasses.replace(query, terminals=query.terminals[first]), progress)
+    found = method.solve(dataclasses.replace(query, terminals=query.terminals[first]), progress)
     if len(places) == len(of):
         return found
     return MovingCosts(found.cost[np.ix_(of, of)], found.paths.repeated(of, query.terminals), found.statistics)

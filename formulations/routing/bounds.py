@@ -17,13 +17,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.registry import make_solver
 from formulations.routing.relaxation import relax
 from formulations.routing.simple_bounds import SIMPLE
-from formulations.routing.solver import Limits
 from instances import Instance, makespan
 
 MOST_THETA = 60_000

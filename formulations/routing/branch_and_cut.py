@@ -21,6 +21,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.branch_and_cut_handler import Messenger, Offers, Shared, SubtourHandler, report_bound
 from formulations.routing.branch_and_cut_model import ScipModel
 from formulations.routing.greedy import greedy_routes
@@ -28,7 +29,7 @@ from formulations.routing.recorder import Recorder
 from formulations.routing.search.ruin_recreate import RuinRecreate
 from formulations.routing.separation import subtours, two_cycles
 from formulations.routing.simple_bounds import SIMPLE
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import Instance, Routes
 
 MOST_THETA = 80_000

@@ -29,6 +29,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
@@ -40,7 +41,7 @@ from formulations.routing.columns.warming import warm_up
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.simple_bounds import SIMPLE
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes, tour_costs
 
 TOLERANCE = 1e-7

@@ -27,11 +27,12 @@ from typing import ClassVar
 import numpy as np
 from ortools.sat.python import cp_model
 
+from formulations.limits import Limits
 from formulations.routing.cpsat import Values, search
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts, scale_costs
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, used_arcs
 from formulations.routing.subtours import walk
 from instances import Instance, Routes, as_routes

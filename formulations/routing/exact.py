@@ -20,11 +20,12 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, ClassVar
 
+from formulations.limits import Limits
 from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.routing.branch_and_price import TOLERANCE, BranchAndPrice
 from formulations.routing.linked import LinkedRecorder
 from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Limits, Observer, Result, Solver, Status, ignore
+from formulations.routing.solver import Observer, Result, Solver, Status, ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes
 

@@ -26,6 +26,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numba import njit
 
+from formulations.limits import Limits
 from formulations.routing.ga_operators import (
     best_cost_route_crossover,
     evaluate,
@@ -33,7 +34,7 @@ from formulations.routing.ga_operators import (
     intra_depot_mutation,
 )
 from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes, as_routes
 from instances.arrays import Bools, Floats, Ints
 

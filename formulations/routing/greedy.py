@@ -20,6 +20,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.construction import (
     CHEAPEST,
@@ -31,7 +32,7 @@ from formulations.routing.search.construction import (
 )
 from formulations.routing.search.costs import both_ways
 from formulations.routing.search.tours import Tours, empty_tours, to_routes
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 from instances.errors import suggestion
 

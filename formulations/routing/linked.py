@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from multiprocessing.connection import Connection
 
+from formulations.limits import Limits
 from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Limits, Observer
+from formulations.routing.solver import Observer
 from instances import Instance, Routes
 
 

@@ -17,13 +17,14 @@ from typing import ClassVar
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing import strengthening
 from formulations.routing.cpsat import Values, search
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.paper_model import PaperModel
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import scale_costs
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from formulations.routing.subtours import Arc, find_subtours, repair
 from instances import Instance, Routes
 

@@ -6,7 +6,8 @@ import math
 import time
 from typing import Any
 
-from formulations.routing.solver import Event, Limits, Observer, Result, Status
+from formulations.limits import Limits
+from formulations.routing.solver import Event, Observer, Result, Status
 from instances import Instance, Routes, as_routes, makespan
 
 

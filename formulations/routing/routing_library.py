@@ -18,10 +18,11 @@ from typing import Any, ClassVar
 import numpy as np
 from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
+from formulations.limits import Limits
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts, scale_costs
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, ClassVar, Protocol
 
-from instances import InputError, Instance, Routes
+from formulations.limits import Limits
+from instances import Instance, Routes
 
 
 class Status(StrEnum):
@@ -25,29 +26,6 @@ class Status(StrEnum):
     """The run ignored its limit, or was ended from outside, and was killed; what it had streamed is kept."""
     ERROR = "ERROR"
     """The run crashed, or claimed something that the independent check refutes."""
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What a solve may use.
-
-    time : seconds of wall clock, > 0.
-    threads : worker threads, ≥ 1.
-    iterations : the method's own iterations (GA generations, search steps), or None for no limit. A solve ended
-        by it is deterministic for a seed; one ended by the clock need not be.
-    """
-
-    time: float = 60.0
-    threads: int = 1
-    iterations: int | None = None
-
-    def __post_init__(self) -> None:
-        if not self.time > 0:
-            raise InputError(f"time limit must be positive [s], got {self.time}")
-        if self.threads < 1:
-            raise InputError(f"threads must be at least 1, got {self.threads}")
-        if self.iterations is not None and self.iterations < 0:
-            raise InputError(f"iterations must not be negative, got {self.iterations}")
 
 
 @dataclass(frozen=True)

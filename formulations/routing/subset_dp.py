@@ -24,8 +24,9 @@ from typing import ClassVar
 import numba
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import Instance, Routes
 from instances.arrays import Floats
 

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from formulations.routing.solver import Limits
+from formulations.limits import Limits
 from formulations.task_location.blas import one_thread
 from formulations.task_location.criterion import Convention, Criterion
 from instances.arrays import Floats

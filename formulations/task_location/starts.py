@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from formulations.routing.solver import Limits
+from formulations.limits import Limits
 from formulations.task_location.greedy_swap import GreedySwap
 from formulations.task_location.placement import PlacementProblem, Progress, lattice
 from instances.arrays import Floats

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.registry import make_solver
-from formulations.routing.solver import Limits
 from instances import Instance
 from instances.arrays import Floats
 

@@ -12,8 +12,9 @@ import sys
 import time
 from dataclasses import fields
 
+from formulations.limits import Limits
 from formulations.routing.branch_and_cut import BranchAndCut
-from formulations.routing.solver import Limits, Result, Status
+from formulations.routing.solver import Result, Status
 from instances import Instance
 from instances.families import generate
 

@@ -22,9 +22,10 @@ from statistics import geometric_mean, median
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.registry import make_solver
-from formulations.routing.solver import Limits, Result, Solver, Status
+from formulations.routing.solver import Result, Solver, Status
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes, check_routes
 from instances.families import generate

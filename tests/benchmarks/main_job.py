@@ -20,8 +20,9 @@ from pathlib import Path
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.registry import make_solver
-from formulations.routing.solver import Event, Limits, Solver, Status
+from formulations.routing.solver import Event, Solver, Status
 from instances import Instance, check_routes, makespan
 
 ORACLES = Path(__file__).parents[1] / "formulations" / "routing" / "conftest.py"

@@ -32,10 +32,10 @@ import numpy as np
 
 import formulations.routing.recorder
 import formulations.routing.search.pace
+from formulations.limits import Limits
 from formulations.routing.registry import make_solver
 from formulations.routing.search import cooling, population
 from formulations.routing.search.recreate import WIDTH
-from formulations.routing.solver import Limits
 from instances import Instance, Routes, check_routes, makespan
 from instances.families import generate
 from instances.files import read_instance, write_routes

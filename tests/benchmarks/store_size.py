@@ -22,9 +22,10 @@ import numpy as np
 from formulations.routing.solver import Status
 from instances import Instance, as_routes, tour_costs
 from instances.families import generate
-from workbench.job import Job
-from workbench.run import Run, describe
-from workbench.store import Store
+from reports.record import Run
+from workbench.jobs.job import Job
+from workbench.jobs.store import Store
+from workbench.problems.routing import ROUTING
 
 SOLVERS = ("milp", "circuit", "ga", "memetic", "greedy", "routing-library", "exact", "subset-dp")
 SEEDS = 5
@@ -38,8 +39,9 @@ def synthetic_run(job: Job, instance: Instance, rng: np.random.Generator) -> Run
     value = float(costs.max())
     times = np.sort(rng.uniform(0, 10, 40))
     return Run(
-        instance=describe(instance),
-        solver=job.solver,
+        problem="routing",
+        instance=ROUTING.describe(instance),
+        solver=job.method,
         options={},
         label=job.label,
         seed=job.seed,
@@ -51,21 +53,22 @@ def synthetic_run(job: Job, instance: Instance, rng: np.random.Generator) -> Run
         objective=value,
         bound=0.5 * value,
         elapsed=10.0,
-        routes=routes,
         stopped_by="time",
         message="",
         tolerance=0.0,
         claimed_objective=value,
-        tour_costs=costs.tolist(),
         prepare_elapsed=1.0,
         wall_elapsed=11.5,
         cpu_seconds=9.9,
         peak_memory=200_000_000,
         environment="0" * 12,
+        code="",
+        revision="",
         created="2026-01-01T00:00:00+00:00",
         trace=[(float(t), value * (2 - k / 39), 0.5 * value) for k, t in enumerate(times)],
         statistics={"generations": 1234, "cuts": 99},
         log="nothing to say\n" * 20,
+        own={"routes": [list(route) for route in routes], "tour_costs": costs.tolist()},
     )
 
 
@@ -76,7 +79,7 @@ def make_store(folder: Path, runs: int) -> None:
     store.create()
     for number in range(-(-runs // (len(SOLVERS) * SEEDS))):
         instance = generate("uniform", 40, 4, number)
-        name = store.put_instance(instance)
+        name = store.put_item(ROUTING, instance)
         for solver in SOLVERS:
             for seed in range(SEEDS):
                 job = Job(name, solver, seed=seed)

@@ -88,7 +88,7 @@ def test_unknown_names_get_the_near_miss(cli, instance_file):
         (["--iterations", "-1"], ["iterations", "-1"]),
         (["--threads", "0"], ["threads", "0"]),
         (["--option", "population"], ["--option", "key=value", "population"]),
-        (["--option", "population=many"], ["population", "int", "many"]),
+        (["--option", "population=many"], ["population", "a whole number", "many"]),
         (["--out", "routes.txt"], ["routes.txt", ".sol"]),
         (["--out", "nowhere/routes.sol"], ["nowhere"]),
         (["--plot", "routes.doc"], ["routes.doc", ".svg"]),

@@ -11,7 +11,8 @@ import time
 import pytest
 
 from instances import InputError
-from workbench.store import Store
+from workbench.jobs.store import Store
+from workbench.problems.routing import ROUTING
 
 distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
 
@@ -59,7 +60,7 @@ def test_a_worker_killed_half_way_loses_nothing(tmp_path, instance_folder, clust
 
 
 def test_a_scheduler_that_is_not_there(tmp_path, monkeypatch):
-    cluster = pytest.importorskip("workbench.cluster")
+    cluster = pytest.importorskip("workbench.jobs.cluster")
     monkeypatch.setattr(cluster, "CONNECT", 0.5)
     with pytest.raises(InputError, match=r"^--scheduler: tcp://127.0.0.1:1 cannot be reached"):
-        cluster.run_on_cluster([], Store(tmp_path), "tcp://127.0.0.1:1", lambda job, run: None)
+        cluster.run_on_cluster(ROUTING, [], Store(tmp_path), "tcp://127.0.0.1:1", lambda job, run: None)

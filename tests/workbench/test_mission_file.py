@@ -54,7 +54,7 @@ def test_speed_is_the_airspeed_and_clearance_two_radii_unless_given() -> None:
         ({"place": {"length_scale": [4000, 0]}}, r"place\.length_scale must be a positive number \[m\] or two of them"),
         ({"place": {"tests": [0, 10]}}, r"place\.tests must be two whole numbers of at least 1"),
         ({"place": {"method": "greddy"}}, r"unknown placement method 'greddy'; did you mean 'greedy'\?"),
-        ({"costs": {"method": "fmtstar"}}, r"unknown method 'fmtstar'; did you mean 'fmt-star'\?"),
+        ({"costs": {"method": "fmtstar"}}, r"unknown moving-cost method 'fmtstar'; did you mean 'fmt-star'\?"),
         ({"routes": {"solver": "greddy"}}, r"unknown solver 'greddy'; did you mean 'greedy'\?"),
         ({"compare": {"baselines": ["lawnmover"]}}, r"unknown 'lawnmover'; did you mean 'lawnmower'\?"),
         ({"flight": {"turning_radius": 0.05}}, r"turning_radius = 0\.05 m at 100 m/s would need .* g: lengths are in"),

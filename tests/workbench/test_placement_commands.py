@@ -5,18 +5,20 @@ from __future__ import annotations
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from formulations.task_location.placement import PlacementProblem
 from instances.environment.region import Region
 from instances.errors import InputError
 from workbench.cli import main
-from workbench.job import Job
-from workbench.placement_jobs import Task, placement_study_from
-from workbench.placement_runner import run_placement
-from workbench.placement_study import numbers_from
+from workbench.commands.place_how_many import numbers_from
+from workbench.jobs.execute import jobs_of
+from workbench.jobs.job import Job
+from workbench.jobs.runner import run
+from workbench.jobs.study import study_from
+from workbench.problems.placement import PLACEMENT
 
 RING = [[0, 0], [20_000, 0], [20_000, 9000], [9000, 9000], [9000, 20_000], [0, 20_000], [0, 0]]
 HOLE = [[3000, 3000], [6000, 3000], [6000, 6000], [3000, 6000], [3000, 3000]]
@@ -222,10 +224,10 @@ def test_a_placement_study_is_run_stored_and_reported_once(area, tmp_path, capsy
     stored = sorted(folder.glob("area-n3-*/*-s0-*.json"))
     assert [path.name for path in stored] == ["greedy-default-s0-t60.json", "nlp-default-s0-t60.json"]
     runs = [json.loads(path.read_text()) for path in stored]
-    for run in runs:
-        assert run["problem"] == "placement"
-        assert run["objective"] == -run["mutual_information"]
-        assert run["bound"] == -run["certificate"] <= run["objective"]
+    for told in runs:
+        assert told["problem"] == "placement"
+        assert told["objective"] == -told["mutual_information"]
+        assert told["bound"] == -told["certificate"] <= told["objective"]
     assert runs[0]["mutual_information"] <= runs[1]["mutual_information"]
     rows = list(csv.DictReader((folder / "results.csv").open()))
     assert {row["method"] for row in rows} == {"greedy", "nlp"}
@@ -241,23 +243,23 @@ def test_a_study_keeps_the_rows_of_its_test_points(tmp_path):
     digests = []
     for weight in (1, 2):
         file.write_text(f"x,y,weight\n100,100,{weight}\n5000,5000,1\n")
-        study = placement_study_from(STUDY | {"tests": "tests.csv"}, name="x", base=tmp_path)
-        digests.append(study.tasks[0].digest)
+        item = items_of(STUDY | {"tests": "tests.csv"}, tmp_path)[0]
+        digests.append(item.digest)
     file.unlink()
-    assert study.tasks[0].problem().criterion.weights.tolist() == [2, 1]
+    assert item.problem.criterion.weights.tolist() == [2, 1]
     assert len(set(digests)) == 2
 
 
 def test_jobs_of_a_placement_study(tmp_path):
-    study = placement_study_from(STUDY, name="x", base=tmp_path)
-    assert [(task.n_tasks, job.label, job.seed) for task, job in study.jobs] == [
-        (2, "greedy", 0),
-        (2, "random", 0),
-        (2, "random", 1),
-        (2, "nlp", 0),
-        (3, "greedy", 0),
-        (3, "random", 0),
-        (3, "random", 1),
+    study = study_from(STUDY, PLACEMENT, name="x", base=tmp_path)
+    assert [(job.folder.split("-")[1], job.label, job.seed) for job in jobs_of(study)] == [
+        ("n2", "greedy", 0),
+        ("n2", "random", 0),
+        ("n2", "random", 1),
+        ("n2", "nlp", 0),
+        ("n3", "greedy", 0),
+        ("n3", "random", 0),
+        ("n3", "random", 1),
     ]
 
 
@@ -267,7 +269,7 @@ def test_jobs_of_a_placement_study(tmp_path):
         ({"methods": []}, "names no methods"),
         ({"methods": [{"name": "greedi"}]}, "did you mean 'greedy'"),
         ({"methods": [{"nam": "greedy"}]}, "did you mean 'name'"),
-        ({"methods": [{"name": "nlp", "options": {"starts": -1}}]}, "negative"),
+        ({"methods": [{"name": "nlp", "options": {"starts": -1}}]}, "at least 0"),
         ({"time_limit": "long"}, "time_limit"),
         ({"tasks": [0]}, "at least 1"),
         ({"region": "square"}, "did you mean 'regions'"),
@@ -276,23 +278,20 @@ def test_jobs_of_a_placement_study(tmp_path):
 )
 def test_bad_placement_studies_are_refused(change, sentence, tmp_path):
     with pytest.raises(InputError, match=sentence):
-        placement_study_from(STUDY | change, name="x", base=tmp_path)
+        study_from(STUDY | change, PLACEMENT, name="x", base=tmp_path)
 
 
-def test_a_false_claim_and_a_crash_are_errors(monkeypatch, tmp_path):
-    task = Task("square-n2", placement_study_from(STUDY, name="x", base=tmp_path).tasks[0].polygon, {"tests": "5x5"}, 2)
-    problem: PlacementProblem = task.problem()
-    crashed = run_placement(task, Job(task.folder, "nelder-mead", {"form": "round"}), problem, 7.0)
-    assert (crashed["status"], crashed["mutual_information"]) == ("ERROR", None)
-    assert "form" in crashed["message"]
+def items_of(study, base):
+    return [source.load() for source in study_from(study, PLACEMENT, name="x", base=base).sources]
 
-    def lying(task, job):
-        points = [[1.0, 1.0], [2.0, 2.0]] if job.solver == "liar" else [[-1.0, 1.0], [2.0, 2.0]]
-        message = {"kind": "result", "status": "heuristic", "elapsed": 1.0, "cpu": 1.0, "claimed": 99.0}
-        return [message | {"points": points, "stopped_by": "finished", "peak_memory": 1}], "", "", 1.0
 
-    monkeypatch.setattr("workbench.placement_runner._listen", lying)
-    for name, sentence in (("liar", "claimed 99.0 nats"), ("stray", "outside the region")):
-        run = run_placement(task, Job(task.folder, name), problem, 7.0)
-        assert (run["status"], run["mutual_information"]) == ("ERROR", None)
-        assert sentence in run["message"]
+def test_a_false_claim_and_a_crash_are_errors(tmp_path):
+    item = replace(items_of(STUDY | {"methods": [{"name": "greedy"}]}, tmp_path)[0], certificate=7.0)
+    crashed = run(PLACEMENT, Job("", "nelder-mead", {"form": "round"}), item)
+    assert (crashed.status, crashed.own["mutual_information"], crashed.bound) == ("ERROR", None, -7.0)
+    assert "form" in crashed.message
+    for name, sentence in (("Liar", "claimed 99.0 nats"), ("Stray", "outside the region")):
+        found = run(PLACEMENT, Job("", f"misplacing:{name}"), item)
+        assert found.status == "ERROR"
+        assert sentence in found.message
+        assert found.own["certificate"] == 7.0

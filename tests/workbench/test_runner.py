@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import time
@@ -10,14 +11,15 @@ import numpy as np
 import psutil
 import pytest
 
-from formulations.routing.solver import Limits, Status
+from formulations.limits import Limits
+from formulations.routing.solver import Status
 from instances import Instance, makespan
-from workbench import child
-from workbench.child import InterruptedRunError, grace
-from workbench.job import Job, folder_of
-from workbench.run import Run
-from workbench.runner import run
-from workbench.verify import refute_bound, refute_cost, refute_proof
+from reports.record import Run, run_from
+from workbench.jobs import child
+from workbench.jobs.child import InterruptedRunError, grace
+from workbench.jobs.job import Job, folder_of
+from workbench.jobs.runner import run
+from workbench.problems.routing import ROUTING, refute_bound, refute_cost, refute_proof
 
 
 @pytest.fixture
@@ -27,8 +29,8 @@ def finish(instance, monkeypatch):
 
     def go(name: str, time_limit: float = 0.5, **kwargs) -> Run:
         job = Job(folder_of(instance), f"misbehaving:{name}", time_limit=time_limit)
-        found = run(job, instance, **kwargs)
-        assert Run.from_json(found.to_json()) == found  # whatever happened can be stored
+        found = run(ROUTING, job, instance, **kwargs)
+        assert run_from(json.loads(found.to_json())) == found  # whatever happened can be stored
         return found
 
     return go
@@ -43,7 +45,7 @@ def test_an_honest_run(finish, all_with_first):
     found = finish("Honest")
     assert (found.status, found.stopped_by) == (Status.FEASIBLE, "finished")
     assert found.objective == found.claimed_objective == all_with_first
-    assert found.tour_costs == [all_with_first, 0.0]
+    assert found.own["tour_costs"] == [all_with_first, 0.0]
     assert [cost for _, cost, _ in found.trace] == [all_with_first]
     assert found.wall_elapsed > found.prepare_elapsed > 0
     assert found.peak_memory > 1e6
@@ -60,7 +62,7 @@ def test_a_crash_keeps_what_was_streamed(finish, all_with_first):
 
 def test_a_segmentation_fault(finish, all_with_first):
     found = finish("Segfaults")
-    assert found.status is Status.ERROR
+    assert found.status == Status.ERROR
     assert "SIGSEGV" in found.message
     assert found.objective == all_with_first
 
@@ -108,7 +110,7 @@ def ends(pid: int) -> bool:
 )
 def test_a_false_claim_becomes_an_error(finish, name, words):
     found = finish(name)
-    assert found.status is Status.ERROR
+    assert found.status == Status.ERROR
     assert words in found.message
     assert found.bound is None
     assert all(bound is None for _, _, bound in found.trace)
@@ -152,13 +154,13 @@ def test_preparation_has_a_limit_of_its_own(finish, monkeypatch):
     monkeypatch.setattr(child, "PREPARE_LIMIT", 0.01)
     monkeypatch.setattr(child, "TICK", 0.001)  # a start takes longer than a look at the clock, however fast the machine
     found = finish("Honest")
-    assert (found.status, found.routes) == (Status.KILLED, None)
+    assert (found.status, found.own["routes"]) == (Status.KILLED, None)
     assert "still preparing" in found.message
 
 
 def test_an_unknown_solver_is_an_error_of_the_run(instance):
-    found = run(Job(folder_of(instance), "no_such_module:Solver", time_limit=1), instance)
-    assert found.status is Status.ERROR
+    found = run(ROUTING, Job(folder_of(instance), "no_such_module:Solver", time_limit=1), instance)
+    assert found.status == Status.ERROR
     assert "no_such_module" in found.message
 
 
@@ -188,14 +190,14 @@ def test_the_grace_is_five_seconds_and_a_tenth():
 
 
 def test_verification_forgives_rounding_only():
-    assert refute_cost(100.0 + 1e-8, 100.0) is None
+    assert not refute_cost(100.0 + 1e-8, 100.0)
     assert refute_cost(100.0 + 1e-6, 100.0)
     assert refute_cost(float("nan"), 100.0)
     assert refute_cost(1e-6, 1.1e-6)
-    assert refute_bound(100.0 + 1e-8, 100.0, tolerance=0.0) is None
+    assert not refute_bound(100.0 + 1e-8, 100.0, tolerance=0.0)
     assert refute_bound(101.0, 100.0, tolerance=0.5)
     assert refute_bound(float("inf"), None, tolerance=0.0)
-    assert refute_proof(Status.OPTIMAL, 99.95, 100.0, tolerance=0.05) is None
+    assert not refute_proof(Status.OPTIMAL, 99.95, 100.0, tolerance=0.05)
     assert refute_proof(Status.OPTIMAL, 99.94, 100.0, tolerance=0.05)
     assert refute_proof(Status.OPTIMAL, 99.5, 100.0, tolerance=0.5)  # 0.5 % is no proof
     assert refute_proof(Status.OPTIMAL, None, 100.0, tolerance=0.5)
@@ -205,9 +207,10 @@ def test_verification_forgives_rounding_only():
 def test_costs_of_any_size(monkeypatch):
     for size in (1e-6, 1e9):
         drawn = Instance("scaled", size * (1 - np.eye(3)), 2, 1)
-        found = run(Job(folder_of(drawn), "misbehaving:Honest", time_limit=1), drawn)
+        found = run(ROUTING, Job(folder_of(drawn), "misbehaving:Honest", time_limit=1), drawn)
         assert found.objective == pytest.approx(3 * size)
-        assert run(Job(folder_of(drawn), "misbehaving:LiesAboutCost", time_limit=1), drawn).status is Status.ERROR
+        lie = Job(folder_of(drawn), "misbehaving:LiesAboutCost", time_limit=1)
+        assert run(ROUTING, lie, drawn).status == Status.ERROR
 
 
 def test_limits_are_checked_before_a_process_is_started(instance):

@@ -8,13 +8,14 @@ import pytest
 
 from formulations.routing.solver import Status
 from instances import InputError, Instance
-from workbench.census import census
-from workbench.execute import plan
-from workbench.job import Job, folder_of
-from workbench.progress import Estimate, duration
-from workbench.run import Run
-from workbench.runner import run
-from workbench.store import Store
+from reports.record import Run, run_from
+from workbench.jobs.census import census
+from workbench.jobs.execute import plan
+from workbench.jobs.job import Job, folder_of
+from workbench.jobs.progress import Estimate, duration
+from workbench.jobs.runner import run
+from workbench.jobs.store import Store
+from workbench.problems.routing import ROUTING
 
 
 @pytest.fixture
@@ -26,12 +27,12 @@ def store(tmp_path) -> Store:
 
 @pytest.fixture
 def job(store, instance) -> Job:
-    return Job(store.put_instance(instance), "misbehaving:Honest", {"delay": 0.0}, time_limit=1)
+    return Job(store.put_item(ROUTING, instance), "misbehaving:Honest", {"delay": 0.0}, time_limit=1)
 
 
 @pytest.fixture
 def honest(job, instance) -> Run:
-    return run(job, instance)
+    return run(ROUTING, job, instance)
 
 
 def test_what_is_put_is_got(store, job, honest, instance):
@@ -40,37 +41,37 @@ def test_what_is_put_is_got(store, job, honest, instance):
     assert store.has(job)
     assert store.get(job.path) == honest
     assert list(store.paths()) == [job.path]
-    kept = store.instance(job.folder)
+    kept = ROUTING.read(store.root / job.folder)
     assert (kept.digest, kept.name) == (instance.digest, instance.name)
 
 
 def test_a_large_instance_is_compressed(store, instance):
     large = Instance("large", [[0.0 if i == j else 1.0 for j in range(502)] for i in range(502)], 500, 2)
-    folder = store.put_instance(large)
+    folder = store.put_item(ROUTING, large)
     assert (store.root / folder / "instance.json.gz").exists()
-    assert store.instance(folder).digest == large.digest
+    assert ROUTING.read(store.root / folder).digest == large.digest
 
 
 def test_an_exchanged_instance_is_noticed(store, instance):
     other = Instance("other", [[0.0, 1.0], [2.0, 0.0]], 1, 1)
-    folder = store.put_instance(instance)
+    folder = store.put_item(ROUTING, instance)
     (store.root / folder / "instance.json").unlink()
     with pytest.raises(InputError, match="missing"):
-        store.instance(folder)
-    copy = (store.root / store.put_instance(other) / "instance.json").read_bytes()
+        ROUTING.read(store.root / folder)
+    copy = (store.root / store.put_item(ROUTING, other) / "instance.json").read_bytes()
     (store.root / folder / "instance.json").write_bytes(copy)
     with pytest.raises(InputError, match="is not the instance of its folder"):
-        store.instance(folder)
+        ROUTING.read(store.root / folder)
 
 
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"", "is not a readable run"),
-        (b"[]", "it is not a run"),
-        (b'{"solver": "ga", "status": "OPTIMAL", "schema": 2}', "schema must be 1, got 2"),
+        (b"", "is not valid JSON"),
+        (b"[]", "not a run of this workbench"),
+        (b'{"solver": "ga", "status": "OPTIMAL", "schema": 2}', "has schema 2"),
         (b'{"solver": "ga", "status": "OPTIMAL", "schema": 1}', "is missing"),
-        (b"\xff\xfe", "is not a readable run"),
+        (b"\xff\xfe", "is not valid JSON"),
     ],
 )
 def test_a_damaged_or_foreign_file_is_named(store, job, content, words):
@@ -98,7 +99,7 @@ def test_a_folder_remembers_all_that_was_asked_of_it(store):
 
 
 def test_a_run_survives_json(honest):
-    assert Run.from_json(honest.to_json()) == honest
+    assert run_from(json.loads(honest.to_json())) == honest
     text = json.loads(honest.to_json())
     assert (text["schema"], text["problem"], text["gap"]) == (1, "routing", None)
     assert text["instance"]["n_tasks"] == 4

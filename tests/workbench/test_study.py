@@ -8,15 +8,16 @@ from pathlib import Path
 import pytest
 
 from instances import InputError
-from workbench.execute import jobs_of
-from workbench.job import Job, file_safe
+from workbench.jobs.execute import jobs_of
+from workbench.jobs.job import Job, file_safe
+from workbench.jobs.study import load_tables, shipped_studies, study_from
+from workbench.problems.routing import ROUTING
 from workbench.settings import key_values, shard
 from workbench.sources import FamilySource, instance_files
-from workbench.study import load_tables, shipped_studies, study_from
 
 
 def made(**tables):
-    return study_from({"name": "s", **tables}, name="s", base=Path())
+    return study_from({"name": "s", **tables}, ROUTING, name="s", base=Path())
 
 
 def test_every_list_of_a_family_is_a_grid():
@@ -57,14 +58,14 @@ def test_a_solver_overrides_the_study_and_flags_override_both():
     plain, own = made(**tables).entries
     assert (plain.seeds, plain.time_limits, plain.threads, plain.iterations) == ((0, 1), (1.0, 2.0), 2, None)
     assert (own.seeds, own.time_limits, own.threads, own.iterations) == ((7,), (9.0,), 1, 5)
-    for entry in study_from(tables, name="s", base=Path(), changes={"seeds": 1, "time_limit": 3}).entries:
+    for entry in study_from(tables, ROUTING, name="s", base=Path(), changes={"seeds": 1, "time_limit": 3}).entries:
         assert (entry.seeds, entry.time_limits) == ((0,), (3.0,))
 
 
 def test_large_instances_are_kept_from_small_solvers():
     families = [{"family": "uniform", "tasks": [4, 9], "depots": 2}]
     study = made(families=families, solvers=[{"name": "milp", "max_tasks": 4}, {"name": "greedy"}])
-    assert [(job.folder.split("-")[1], job.solver) for job in jobs_of(study)] == [
+    assert [(job.folder.split("-")[1], job.method) for job in jobs_of(study)] == [
         ("n4", "milp"),
         ("n4", "greedy"),
         ("n9", "greedy"),
@@ -80,7 +81,7 @@ def test_the_same_job_asked_for_twice_is_one():
 @pytest.mark.parametrize("name", ["quick", "paper", "benchmarks", "scaling", "ablation"])
 def test_shipped_studies_are_sound(name):
     path = shipped_studies()[name]
-    study = study_from(load_tables(path), name=path.stem, base=path.parent)
+    study = study_from(load_tables(path), ROUTING, name=path.stem, base=path.parent)
     assert study.name == name
     assert study.description
     assert bool(study.sources) == (name != "benchmarks")

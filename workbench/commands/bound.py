@@ -28,8 +28,8 @@ def command(
     Gaps are to the ROUTES given, else to the best value known of this instance, else to those of a short search.
     Exit code 1 where a bound contradicts that value.
     """
+    from formulations.limits import Limits
     from formulations.routing.bounds import lower_bounds
-    from formulations.routing.solver import Limits
     from instances.files import read_instance
 
     limits = Limits(time=time_limit)  # refuses nonsense before anything is read
@@ -54,8 +54,8 @@ def command(
 
 def _best(instance: Instance, routes: Path | None, seed: int) -> tuple[float, str, float]:
     """Return the cost to measure from [s], where it comes from, and what it may have been rounded down by [s]."""
+    from formulations.limits import Limits
     from formulations.routing.registry import make_solver
-    from formulations.routing.solver import Limits
     from instances import makespan
     from instances.best_known import best_known
     from instances.files import read_routes

@@ -42,27 +42,22 @@ def _check_routes(instance_file: Path, routes_file: Path) -> tuple[str, list[str
     from instances import makespan
     from instances.files import read_instance
     from instances.formats.sol import read_solution
-    from workbench.verify import refute_cost
+    from workbench.problems.routing import refute_cost
 
     instance = read_instance(instance_file)
     routes, claimed = read_solution(routes_file, instance)
     actual = makespan(instance, routes)
-    wrong = None if claimed is None else refute_cost(claimed, actual)
+    wrong = "" if claimed is None else refute_cost(claimed, actual)
     return f"feasible, longest tour {actual!r} s", [f"{routes_file}: {wrong}"] if wrong else []
 
 
 def _check_store(folder: Path) -> tuple[str, list[str]]:
-    """Return every damaged file, every contradiction and every run that ended in ERROR."""
-    from reports.metrics import contradictions
-    from reports.stores import read_stores
-    from workbench.placement_check import check_placements
+    """Judge every stored run of every problem again; how many are stale is said, and is no problem."""
+    from reports.stores import problems_in
+    from workbench.jobs.census import census
+    from workbench.problems import PROBLEMS
 
-    stores = read_stores(folder)
-    runs, found = stores.runs, contradictions(stores.runs)
-    failed = runs[(runs["status"] == "ERROR") & ~runs["path"].isin(found["path"])]
-    problems = [*stores.warnings]
-    problems += [f"{path}: {sentence}" for path, sentence in zip(found["path"], found["sentence"], strict=True)]
-    problems += [f"{path}: ERROR: {message}" for path, message in zip(failed["path"], failed["message"], strict=True)]
-    placed, wrong = check_placements(folder)
-    looked_at = [] if placed and runs.empty else [f"{len(runs)} runs on {runs['digest'].nunique()} instances"]
-    return ", ".join([*looked_at, *([placed] if placed else [])]), [*problems, *wrong]
+    found = [PROBLEMS.load(name).check(folder) for name in problems_in(folder) or ["routing"]]
+    stale = census(folder).stale
+    looked_at = [words for words, _ in found] + ([f"{stale} of them stale: made by other code"] if stale else [])
+    return ", ".join(looked_at), [sentence for _, problems in found for sentence in problems]

@@ -1,4 +1,4 @@
-"""`workbench compare`: run solvers on instances and report."""
+"""`workbench compare`: run a study, of any problem, and report."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ import click
 from instances.errors import InputError, suggestion
 
 if TYPE_CHECKING:
-    from workbench.execute import Plan
-    from workbench.store import Store
-    from workbench.study import Study
+    from workbench.jobs.execute import Plan
+    from workbench.jobs.store import Store
+    from workbench.jobs.study import Study
 
 
 @click.command("compare")
 @click.argument("targets", nargs=-1, metavar="[STUDY] [INSTANCES]...")
-@click.option("--solvers", help="Comma-separated names, in place of the study's.")
+@click.option("--solvers", help="Comma-separated names, in place of those the study runs.")
 @click.option("--time-limit", type=float, help="Seconds for every run, in place of the study's.")
 @click.option("--seeds", type=int, help="So many seeds (0, 1, ...), in place of the study's.")
 @click.option("--threads", type=int, help="Threads of each solver, in place of the study's.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the runs.  [default: runs/<study>]")
 @click.option("--jobs", type=int, help="Runs at once.  [default: the cores of this machine]")
-@click.option("--retry", help="Run again what ended so: error, killed, no_solution (comma-separated).")
+@click.option("--retry", help="Run again what ended so: error, killed, no_solution; or stale: made by other code.")
 @click.option("--shard", help="Run only part i of n: i/n. The parts may share a folder.")
 @click.option("--scheduler", metavar="tcp://...", help="Run on a dask.distributed cluster.")
 @click.option("--report/--no-report", default=True, help="Whether to write results.csv and report.html at the end.")
@@ -49,18 +49,12 @@ def command(
     Without arguments the shipped study `quick`. What is already stored is not run again. Exit code 1 where files in
     the folder are damaged or a claim in it is false.
     """
-    from workbench.machine import available_cores
+    from workbench.jobs.machine import available_cores
 
     parallel = available_cores() if jobs is None else jobs
     if parallel < 1:
         raise InputError(f"--jobs: must be at least 1, got {jobs}")
     changes = {"time_limit": time_limit, "seeds": seeds, "threads": threads}
-    if placement := _placement_study(targets):
-        from workbench.placement_compare import compare_placements
-
-        others = {"solvers": solvers, "shard": shard, "scheduler": scheduler, "instances": targets[1:]}
-        given = {key: value for key, value in (changes | others).items() if value not in (None, ())}
-        context.exit(compare_placements(placement, out, parallel, given, retry=retry, report=report, dry_run=dry_run))
     study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
     folder = out or Path("runs") / study.name
     plan, store = _planned(study, folder, retry, shard, dry_run)
@@ -69,38 +63,28 @@ def command(
     if dry_run:
         _tell_plan(plan, parallel)
         return
-    given_up = _execute(plan, store, parallel, scheduler)
-    problems = [*given_up, *(_publish(folder) if report else plan.damaged)]
+    problems = _execute(study, plan, store, parallel, scheduler)
+    problems += _publish(folder) if report else plan.damaged
     for problem in problems:
         click.echo(problem, err=True)
     context.exit(1 if problems else 0)
 
 
-def _placement_study(targets: tuple[str, ...]) -> Path | None:
-    """Return the file of the study that is named where it is about task locations (``problem = "placement"``)."""
-    from workbench.study import load_tables, shipped_studies
-
-    first = targets[0] if targets else ""
-    path = shipped_studies().get(first, Path(first))
-    return path if path.suffix == ".toml" and load_tables(path).get("problem") == "placement" else None
-
-
 def _publish(folder: Path) -> list[str]:
     """Write results.csv and report.html in `folder`; return what is damaged or contradicts itself there."""
-    from workbench.placement_publish import publish_placements
-    from workbench.publish import publish  # here: pandas and matplotlib are not needed while solvers run
+    from workbench.jobs.problem import Outputs
+    from workbench.publish import publish  # here: pandas is not needed while methods run
 
-    problems = publish(folder)
-    click.echo(f"{folder / 'results.csv'}\n{folder / 'report.html'}")
-    if placed := publish_placements([folder], folder / "report.html", folder / "results.csv"):
-        problems += [*placed.warnings, *placed.false]
-    return problems
+    published = publish([folder], Outputs(folder / "report.html", folder / "results.csv"))
+    click.echo("\n".join(str(path) for path in published.written))
+    return published.problems
 
 
 def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, object]) -> Study:
     """Return the study that the arguments name, with the changes that the flags make to it."""
+    from workbench.jobs.study import load_tables, shipped_studies, study_from
+    from workbench.problems import PROBLEMS
     from workbench.settings import names
-    from workbench.study import load_tables, shipped_studies, study_from
 
     shipped = shipped_studies()
     first = targets[0] if targets else "quick"
@@ -112,42 +96,38 @@ def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, obj
             near = suggestion(first, shipped)
             raise InputError(f"compare: '{first}' is no study{near}; to run instances, name --solvers a,b")
     tables = load_tables(path) if path else {}
-    if solvers is not None:
-        tables["solvers"] = [{"name": name} for name in names(solvers, "--solvers")]
     name, base = (path.stem, path.parent) if path else ("compare", Path())
     try:
-        study = study_from(tables, name=name, base=base, changes=changes)
+        problem = PROBLEMS.load(str(tables.get("problem", "routing")))
+        if solvers is not None:
+            tables[problem.entries] = [{"name": name} for name in names(solvers, "--solvers")]
+        study = study_from(tables, problem, name=name, base=base, changes=changes)
     except InputError as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from None
-    return study.with_files([Path(target) for target in given])
+    return study.with_files([Path(target) for target in given]) if given else study
 
 
 def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, dry_run: bool) -> tuple[Plan, Store]:
-    """Make the instances, state what is asked in the store (unless only a dry run), and return what is to do."""
-    from formulations.routing.solver import Status
-    from workbench.execute import jobs_of, plan
+    """Make the items, state what is asked in the store (unless only a dry run), and return what is to do."""
+    from workbench.jobs.execute import jobs_of, plan, statuses_to_retry
+    from workbench.jobs.store import Store
     from workbench.settings import names
     from workbench.settings import shard as shard_of
-    from workbench.store import Store
 
-    again = [] if retry is None else [name.upper() for name in names(retry, "--retry")]
-    for name in again:
-        if name not in Status.__members__:
-            near = suggestion(name, Status.__members__)
-            raise InputError(f"--retry: '{name.lower()}' is no status{near.lower()}")
+    again = statuses_to_retry(study.problem, [] if retry is None else names(retry, "--retry"))
     part = shard_of(shard) if shard else (1, 1)
     store = Store(folder)
     if dry_run:
         jobs = jobs_of(study)
     else:
         store.create()
-        jobs = jobs_of(study, keep=store.put_instance)
+        jobs = jobs_of(study, keep=lambda item: store.put_item(study.problem, item))
         store.put_study(study.asked, [job.path for job in jobs])
-    return plan(jobs, store, [Status(name) for name in again]).shard(*part), store
+    return plan(jobs, store, again).shard(*part), store
 
 
 def _warn_of_crowding(study: Study, parallel: int) -> None:
-    from workbench.machine import available_cores
+    from workbench.jobs.machine import available_cores
 
     threads = max(entry.threads for entry in study.entries)
     cores = available_cores()
@@ -157,7 +137,7 @@ def _warn_of_crowding(study: Study, parallel: int) -> None:
 
 
 def _tell_plan(plan: Plan, parallel: int) -> None:
-    from workbench.progress import Estimate, duration
+    from workbench.jobs.progress import Estimate, duration
 
     for job in plan.todo:
         click.echo(job.path)
@@ -168,19 +148,23 @@ def _tell_plan(plan: Plan, parallel: int) -> None:
     )
 
 
-def _execute(plan: Plan, store: Store, parallel: int, scheduler: str | None) -> list[str]:
+def _execute(study: Study, plan: Plan, store: Store, parallel: int, scheduler: str | None) -> list[str]:
     """Run what is to do; return what could not be, a sentence each."""
-    from workbench.execute import run_locally
-    from workbench.progress import StudyProgress
+    from workbench.jobs.execute import run_locally
+    from workbench.jobs.progress import StudyProgress
 
     if len(plan.todo) < len(plan.jobs):
         click.echo(f"{len(plan.jobs) - len(plan.todo)} of {len(plan.jobs)} runs are stored already", err=True)
+    if plan.stale:
+        click.echo(
+            f"{plan.stale} stored runs are stale: other code made them (--retry stale runs them again)", err=True
+        )
     if not plan.todo:
         return []
-    with StudyProgress(plan.todo, parallel) as progress:
+    with StudyProgress(plan.todo, parallel, study.problem.spell) as progress:
         if scheduler is None:
-            run_locally(plan.todo, store, parallel, progress.finished)
+            run_locally(study.problem, plan.todo, store, parallel, progress.finished)
             return []
-        from workbench.cluster import run_on_cluster
+        from workbench.jobs.cluster import run_on_cluster  # here: an extra
 
-        return run_on_cluster(plan.todo, store, scheduler, progress.finished)
+        return run_on_cluster(study.problem, plan.todo, store, scheduler, progress.finished)

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from instances.scenario import Scenario
 
 
 @click.command("costs")
@@ -24,19 +29,15 @@ def command(
     """
     from formulations.moving_cost.effect import WindEffect
     from formulations.moving_cost.registry import make_method
-    from instances.errors import InputError
     from instances.files import WRITERS
     from instances.scenario import read_scenario
     from workbench.planning import plan, write_plan
-    from workbench.settings import key_values
+    from workbench.settings import check_target, key_values
 
     chosen = key_values(options, "--option")
     make_method(method, chosen)
-    if not out.name.endswith(tuple(WRITERS)):
-        raise InputError(f"{out}: must end in {', '.join(WRITERS)}")
-    for path in (out, plot, report):
-        if path is not None and not path.parent.is_dir():
-            raise InputError(f"{path}: there is no folder {path.parent}")
+    for path, endings in ((out, tuple(WRITERS)), (plot, (".svg",)), (report, (".html",))):
+        check_target(path, endings)
     scenario = read_scenario(scenario_file)
     began = time.perf_counter()
     instance, paths = plan(scenario, method, chosen, _tell)
@@ -48,16 +49,40 @@ def command(
         save_paths(scenario, paths, plot)
     effect = WindEffect(**instance.provenance["wind_effect"]).summary()
     if report:
-        from formulations.moving_cost.costing import query_of
-        from reports.moving_cost_page import write_moving_cost_page
-        from workbench.costs_study import compare_methods, measure_claim
-
-        query = query_of(scenario)
-        methods, claim = compare_methods(query, _tell), measure_claim(query, _tell)
-        write_moving_cost_page(scenario, paths, methods, claim, effect, report)
+        _compare(scenario, report)
     n = paths.n_nodes
     click.echo(f"{instance.summary()}; {n * (n - 1)} paths by {method} in {elapsed:.1f} s, all confirmed")
     click.echo(effect)
+
+
+def _compare(scenario: Scenario, page: Path) -> None:
+    """Run the shipped studies of moving costs on this scenario alone, and write their page."""
+    from tempfile import TemporaryDirectory
+
+    from workbench.jobs.execute import jobs_of, run_locally
+    from workbench.jobs.problem import Outputs
+    from workbench.jobs.progress import StudyProgress
+    from workbench.jobs.store import Store
+    from workbench.jobs.study import load_tables, shipped_studies, study_from
+    from workbench.problems.moving_cost import MOVING_COST, MovingCostItem
+
+    most = len(scenario.points)
+    starts: dict[str, list[int] | list[None]] = {
+        "moving-cost": [None],
+        "moving-cost-scaling": sorted({2, max(2, most // 4), max(2, most // 2), most}),
+    }
+    with TemporaryDirectory() as folder:
+        store = Store(folder)
+        for name, counts in starts.items():
+            tables = load_tables(shipped_studies()[name])
+            study = study_from(tables, MOVING_COST, name=scenario.name, base=Path())
+            study = replace(study, sources=tuple(MovingCostItem(scenario, count) for count in counts))
+            jobs = jobs_of(study, keep=lambda item: store.put_item(MOVING_COST, item))
+            with StudyProgress(jobs, 1, MOVING_COST.spell) as progress:
+                run_locally(MOVING_COST, jobs, store, 1, progress.finished)
+        store.put_study({"name": scenario.name}, [])
+        for problem in MOVING_COST.publish([store.root], Outputs(page)).problems:
+            click.echo(problem, err=True)
 
 
 def _tell(fraction: float, words: str) -> None:

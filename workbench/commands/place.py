@@ -52,26 +52,27 @@ def command(
     **setting: Any,
 ) -> None:
     """Choose task locations of most information in REGION (a GeoJSON polygon in metres), by default a 20 km square."""
-    from formulations.routing.solver import Limits
+    from formulations.limits import Limits
+    from formulations.task_location.placement_files import ENDINGS
     from formulations.task_location.registry import make_method
-    from workbench.placing import OUT_ENDINGS, check_target, criterion_of, region_of
-    from workbench.settings import key_values
+    from formulations.task_location.setting import criterion_of, region_of
+    from workbench.settings import check_target, key_values
 
     if study is not None and max_sd is not None:
         raise InputError("place: --study and --max-sd answer different questions; give one of them")
     _refuse_unused(study is not None, max_sd is not None)
-    check_target(out, (".json", ".csv") if study is not None else OUT_ENDINGS)
+    check_target(out, (".json", ".csv") if study is not None else ENDINGS)
     check_target(plot, (".svg",))
     chosen = make_method(method, key_values(options, "--option"))
     region = region_of(region_file)
     criterion = criterion_of(region, **setting)
     limits = Limits(time=float("inf") if time_limit is None else time_limit)
     if study is not None:
-        from workbench.placement_study import run_study
+        from workbench.commands.place_how_many import run_study
 
         run_study(region, criterion, study, method, chosen, seed, sd_limit, as_json=as_json, out=out, plot=plot)
     elif max_sd is not None:
-        from workbench.placement_study import run_fewest
+        from workbench.commands.place_how_many import run_fewest
 
         run_fewest(region, criterion, max_sd, seed, as_json=as_json, out=out, plot=plot)
     else:
@@ -109,7 +110,7 @@ def _place(
     from formulations.task_location.certificate import certificate
     from formulations.task_location.criterion import Convention
     from formulations.task_location.placement import PlacementProblem, place
-    from workbench.placing import write_placement
+    from formulations.task_location.placement_files import write_placement
 
     problem = PlacementProblem(region, criterion, tasks)
     bound = certificate(criterion.under(Convention.BOTH_NOISY), region, tasks) if certified else None
@@ -125,7 +126,7 @@ def _place(
     if out is not None:
         write_placement(placement, out)
     if plot is not None:
-        from workbench.placement_pictures import draw  # here: matplotlib takes its time
+        from workbench.commands.place_pictures import draw  # here: matplotlib takes its time
 
         draw(problem, placement, plot)
     if as_json:

@@ -34,44 +34,16 @@ def command(
 ) -> None:
     """Report on the runs of one store or several merged, without running anything; prints the summary.
 
-    Placements have a page and a table of their own: OUT-placement.html and CSV-placement.csv beside those of routing
-    runs, where there are any.
+    Each problem has a page and a table of its own: where the stores hold several, OUT-placement.html and
+    CSV-placement.csv lie beside those of routing runs.
     """
-    from reports import tables
-    from reports.compare import compare_stores
-    from reports.page import write_report
-    from reports.stores import read_stores
-    from workbench.placement_publish import publish_placements
-    from workbench.publish import print_comparison, print_summary
+    from workbench.jobs.problem import Outputs
+    from workbench.publish import publish
 
     if fail_on_regression and against is None:
         raise InputError("--fail-on-regression: needs --against OLD")
-    routing_only = {"--latex": latex, "--markdown": markdown, "--parquet": parquet, "--against": against}
-    placed = publish_placements(folders, out, csv, [flag for flag, value in routing_only.items() if value])
-    if placed is not None:
-        for warning in [*placed.warnings, *placed.false]:
-            click.echo(warning, err=True)
-        if not placed.routing:
-            return
-    if out:
-        report = write_report(folders, out, against=[against] if against else ())
-        runs, warnings, comparison = report.runs, report.warnings, report.comparison
-    else:
-        stores = read_stores(*folders)
-        runs, warnings = stores.runs, stores.warnings
-        comparison = compare_stores(runs, read_stores(against).runs) if against else None
-    writers = (
-        (csv, tables.write_csv),
-        (latex, tables.write_latex),
-        (markdown, tables.write_markdown),
-        (parquet, tables.write_parquet),
-    )
-    for path, write in writers:
-        if path:
-            write(runs, path)
-    for warning in warnings:
-        click.echo(warning, err=True)
-    print_summary(runs)
-    if comparison:
-        print_comparison(comparison)
-    context.exit(1 if fail_on_regression and comparison and comparison.regressed else 0)
+    asked = {"latex": latex, "markdown": markdown, "parquet": parquet, "against": against}
+    published = publish(folders, Outputs(out, csv, {flag: path for flag, path in asked.items() if path}))
+    for sentence in published.problems:
+        click.echo(sentence, err=True)
+    context.exit(1 if fail_on_regression and published.regressed else 0)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from formulations.routing.solver import Event
-    from workbench.run import Run
+    from reports.record import Run
 
 
 @click.command("solve")
@@ -41,55 +40,45 @@ def command(
     plot: Path | None,
 ) -> None:
     """Solve INSTANCE. Exit code 1 where that ends without routes, by a crash or by a kill."""
-    from formulations.routing.solver import Status
     from instances.files import read_instance, read_routes, write_routes
-    from workbench.job import Job, folder_of
-    from workbench.runner import run
-    from workbench.settings import key_values
-    from workbench.study import checked_entry
+    from workbench.jobs.job import Job, folder_of
+    from workbench.jobs.runner import run
+    from workbench.jobs.study import checked_entry
+    from workbench.problems.routing import ROUTING
+    from workbench.settings import check_target, key_values
 
     chosen = key_values(options, "--option")
     limits = {"time_limits": (time_limit,), "threads": threads, "iterations": iterations}
-    entry = checked_entry(solver, chosen, seeds=(seed,), **limits)
+    entry = checked_entry(ROUTING, solver, chosen, seeds=(seed,), **limits)
     instance = read_instance(instance_file)
     begin = read_routes(start, instance) if start else None
     for path, endings in ((out, (".sol",)), (plot, (".svg",))):
-        _check_target(path, endings)
+        check_target(path, endings)
     job = Job(folder_of(instance), solver, entry.options, seed, time_limit, threads, iterations)
-    result = run(job, instance, start=begin, observe=_tell)
-    if out and result.routes is not None:
-        write_routes(result.routes, instance, out)
-    if plot and result.routes is not None:
+    result = run(ROUTING, job, instance, start=begin, observe=_tell)
+    routes = result.own["routes"]
+    if out and routes is not None:
+        write_routes(routes, instance, out)
+    if plot and routes is not None:
         from reports.figures.routes import save_routes  # here: matplotlib takes its time
 
-        save_routes(instance, result.routes, plot)
+        save_routes(instance, routes, plot)
     click.echo(json.dumps(_object(result)) if as_json else _text(result))
-    context.exit(0 if result.routes is not None and result.status in (Status.OPTIMAL, Status.FEASIBLE) else 1)
+    context.exit(0 if routes is not None and result.status in ("OPTIMAL", "FEASIBLE") else 1)
 
 
-def _check_target(path: Path | None, endings: tuple[str, ...]) -> None:
-    """Refuse before the solve what could not be written after it."""
-    from instances import InputError
-
-    if path is None:
-        return
-    if path.suffix not in endings:
-        raise InputError(f"{path}: must end in {' or '.join(endings)}")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {path.parent}")
-
-
-def _tell(event: Event) -> None:
-    objective = "-" if event.objective is None else f"{event.objective:.6g} s"
-    bound = "-" if event.bound is None else f"{event.bound:.6g} s"
-    click.echo(f"{event.elapsed:8.2f} s  longest tour {objective}  bound {bound}", err=True)
+def _tell(elapsed: float, objective: float | None, bound: float | None) -> None:
+    told, low = ("-" if value is None else f"{value:.6g} s" for value in (objective, bound))
+    click.echo(f"{elapsed:8.2f} s  longest tour {told}  bound {low}", err=True)
 
 
 def _object(run: Run) -> dict[str, object]:
     named = ("solver", "status", "objective", "bound", "gap", "elapsed", "routes", "stopped_by", "message", "trace")
     more = ("options", "seed", "time_limit", "threads", "tolerance", "tour_costs", "statistics", "cpu_seconds")
+    rest = ("prepare_elapsed", "peak_memory", "code", "revision", "log")
+    flat = run.flat()
     return {"instance": run.instance["name"], "digest": run.instance["digest"]} | {
-        name: getattr(run, name) for name in (*named, *more, "prepare_elapsed", "peak_memory", "log")
+        name: flat[name] for name in (*named, *more, *rest)
     }
 
 
@@ -98,7 +87,7 @@ def _text(run: Run) -> str:
     bound = "" if run.bound is None or run.gap is None else f", bound {run.bound:.6g} s (gap {run.gap:.2%})"
     lines = [f"{run.status}: {value}{bound}, {run.elapsed:.2f} s, stopped by {run.stopped_by or 'nothing'}"]
     lines += [run.message] if run.message else []
-    costs = zip(run.routes or (), run.tour_costs, strict=False)
+    costs = zip(run.own["routes"] or (), run.own["tour_costs"] or (), strict=False)
     lines += [
         f"UAV {k}: {cost:.6g} s, tasks {' '.join(map(str, route)) or '-'}" for k, (route, cost) in enumerate(costs)
     ]

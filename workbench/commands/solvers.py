@@ -12,9 +12,9 @@ import click
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(as_json: bool) -> None:
     """List the solvers with their options and defaults, and why one is not available."""
-    from formulations.routing.registry import solver_targets
+    from formulations.routing.registry import SOLVERS
 
-    found = {name: _described(name, about) for name, (_, about) in solver_targets().items()}
+    found = {name: _described(name, about) for name, (_, about) in SOLVERS.targets().items()}
     if as_json:
         click.echo(json.dumps(found, indent=1, default=str))
         return
@@ -28,10 +28,10 @@ def command(as_json: bool) -> None:
 
 
 def _described(name: str, about: str) -> dict[str, Any]:
-    from formulations.routing.registry import option_defaults, solver_class, why_unavailable
+    from formulations.routing.registry import SOLVERS
 
-    reason = why_unavailable(name)
+    reason = SOLVERS.why_unavailable(name)
     if reason:
         return {"about": about, "proves": None, "options": {}, "unavailable": reason}
-    cls = solver_class(name)
-    return {"about": about, "proves": bool(cls.proves), "options": option_defaults(cls), "unavailable": None}
+    proves = bool(SOLVERS.load(name).proves)
+    return {"about": about, "proves": proves, "options": SOLVERS.defaults(name), "unavailable": None}

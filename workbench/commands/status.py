@@ -14,22 +14,23 @@ import click
 @click.pass_context
 def command(context: click.Context, folder: Path, as_json: bool) -> None:
     """Count what is stored in RUNS-DIR, by solver and status, and what is missing. Exit code 1 for damaged files."""
-    from formulations.routing.solver import Status
-    from workbench.census import census
+    from reports.record import STATUSES
+    from workbench.jobs.census import census
 
     found = census(folder)
     if as_json:
-        counts = {"planned": found.planned, "stored": found.stored, "missing": found.missing}
+        counts = {"planned": found.planned, "stored": found.stored, "missing": found.missing, "stale": found.stale}
         click.echo(json.dumps(counts | {"by_solver": found.by_solver, "damaged": found.damaged}))
     else:
         ended = {status for counts in found.by_solver.values() for status in counts}
-        known = [str(status) for status in Status]
+        known = STATUSES["routing"]
         seen = [*(name for name in known if name in ended), *sorted(ended.difference(known))]
         width = max([len(label) for label in found.by_solver], default=0)
         for label, counts in sorted(found.by_solver.items()):
             told = ", ".join(f"{counts[status]} {status}" for status in seen if counts[status])
             click.echo(f"{label:{width}}  {sum(counts.values()):6d} stored: {told}")
-        click.echo(f"{found.stored} of {found.planned} runs stored, {found.missing} missing")
-        for path in found.damaged:
-            click.echo(f"{folder / path}: is not a readable run; left alone", err=True)
+        stale = f", {found.stale} of them stale (made by other code)" if found.stale else ""
+        click.echo(f"{found.stored} of {found.planned} runs stored{stale}, {found.missing} missing")
+        for sentence in found.damaged:
+            click.echo(sentence, err=True)
     context.exit(1 if found.damaged else 0)

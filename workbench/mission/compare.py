@@ -151,7 +151,7 @@ def _random(mission: Mission, scenario: Scenario, length: float, draw: int) -> P
 def routed(mission: Mission, scenario: Scenario, points: Floats) -> list[Flight]:
     """Return the flights to `points`, by the mission's own moving costs and solver."""
     instance, paths = moving_costs(mission, scenario, points)
-    routes = solve(mission, instance, mission.compare.time_limit, mission.compare.seed).routes
+    routes = solve(mission, instance, mission.compare.time_limit, mission.compare.seed).own["routes"]
     assert routes is not None
     return fly(mission, scenario, instance, paths, routes).flights
 

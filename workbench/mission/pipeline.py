@@ -6,14 +6,14 @@ import os
 import shutil
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import psutil
 
+from instances.code import code_digest, revision
 from instances.errors import InputError, suggestion
 from workbench.mission.settings import Mission
 from workbench.mission.stamp import Stamp, digest_of, intact, products_of, read_stamp
@@ -86,13 +86,15 @@ def run_mission(
         settings = digest_of(stage.module.settings(mission))
         target = folders[stage.name]
         found = read_stamp(target)
-        wanted = (_version(), settings, inputs)
-        fresh = found is not None and (found.version, found.settings, found.inputs) == wanted and intact(found, target)
+        wanted = Stamp(stage.name, settings, inputs, code_digest(), revision())
+        fresh = found is not None and found.made_like(wanted) and intact(found, target)
         if fresh and not forced:
             tell(f"{stage.name}: up to date")
             continue
+        for name in (name for name, stamp in stamps.items() if stamp.code != wanted.code):
+            tell(f"{stage.name}: starts from products of '{name}' that other code made")
         began = time.perf_counter()
-        said = _make(stage, mission, folders, Stamp(stage.name, *wanted, {}, 0.0), tell)
+        said = _make(stage, mission, folders, wanted, tell)
         tell(f"{stage.name}: {said} ({time.perf_counter() - began:.1f} s)")
     publish(folders["report"], out)
 
@@ -109,7 +111,7 @@ def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp
         began = time.perf_counter()
         said: str = stage.module.make(mission, folders, aside, lambda words: tell(f"{stage.name}: {words}"))
         elapsed = round(time.perf_counter() - began, 3)
-        Stamp(stage.name, stamp.version, stamp.settings, stamp.inputs, products_of(aside), elapsed).write(aside)
+        replace(stamp, products=products_of(aside), elapsed=elapsed).write(aside)
         if target.exists():
             shutil.rmtree(target)
         aside.rename(target)
@@ -148,10 +150,3 @@ def _make_folder(out: Path) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{out}: cannot be made a folder ({error.strerror or error})") from None
-
-
-def _version() -> str:
-    try:
-        return version("mmmdmtsp-workbench")
-    except PackageNotFoundError:
-        return "unknown"

@@ -10,15 +10,16 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from instances import Instance, Routes, tour_costs
+from instances import Instance, Routes
 from instances.disk import write_aside
 from instances.errors import InputError
 from instances.files import read_routes, write_routes
-from workbench.job import Job
+from reports.record import Run
+from workbench.jobs.job import Job
+from workbench.jobs.runner import run
 from workbench.mission.costs import kept_costs
 from workbench.mission.settings import Mission
-from workbench.run import Run
-from workbench.runner import run
+from workbench.problems.routing import ROUTING
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -31,10 +32,9 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     instance, _ = kept_costs(folders["costs"])
     tell(f"{mission.routes.solver} for {mission.routes.time_limit:g} s")
     found = solve(mission, instance, mission.routes.time_limit, mission.routes.seed)
-    assert found.routes is not None
-    write_routes(found.routes, instance, out / "routes.sol")
+    write_routes(found.own["routes"], instance, out / "routes.sol")
     write_aside(out / "run.json", found.to_json())
-    tours = ", ".join(f"{c:.1f}" for c in tour_costs(instance, found.routes))
+    tours = ", ".join(f"{c:.1f}" for c in found.own["tour_costs"])
     return f"{found.status} by {found.label}, longest tour {found.objective:.2f} s (tours {tours} s)"
 
 
@@ -42,8 +42,8 @@ def solve(mission: Mission, instance: Instance, time_limit: float, seed: int) ->
     """Return a run of the mission's solver with routes; InputError where it found none."""
     wanted = mission.routes
     job = Job("", wanted.solver, wanted.options, seed, time_limit, wanted.threads)
-    found = run(job, instance)
-    if found.routes is None:
+    found = run(ROUTING, job, instance)
+    if found.own["routes"] is None:
         raise InputError(f"routes.solver: {wanted.solver} found no routes ({found.status}: {found.message})")
     return found
 

@@ -1,6 +1,6 @@
 """Stamp: what a stage was made from, kept beside its products; a stage whose stamp still holds is not made again.
 
-It hashes the stage's settings, the version of the workbench, the stamps of the stages it starts from and its products.
+It holds digests of the stage's settings, of the code that made it, of what it started from and of its products.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -23,15 +23,21 @@ class Stamp:
     """What a stage's folder was made from.
 
     settings : digest of the stage's settings. inputs : stage → digest of the products it started from.
+    code, revision : of the workbench's sources (`instances.code`); "" in stamps of older versions.
     products : file → digest. elapsed [s].
     """
 
     stage: str
-    version: str
     settings: str
     inputs: dict[str, str]
-    products: dict[str, str]
-    elapsed: float
+    code: str = ""
+    revision: str = ""
+    products: dict[str, str] = field(default_factory=dict)
+    elapsed: float = 0.0
+
+    def made_like(self, wanted: Stamp) -> bool:
+        """Return whether settings, inputs and code are those of `wanted`."""
+        return (self.settings, self.inputs, self.code) == (wanted.settings, wanted.inputs, wanted.code)
 
     @property
     def digest(self) -> str:
@@ -46,7 +52,8 @@ class Stamp:
 def read_stamp(folder: Path) -> Stamp | None:
     """Return the stamp in `folder`, or None where there is none that can be read."""
     try:
-        return Stamp(**json.loads(read_bytes(folder / FILE)))
+        data = json.loads(read_bytes(folder / FILE))
+        return Stamp(**{each.name: data[each.name] for each in fields(Stamp) if each.name in data})
     except (InputError, ValueError, TypeError):
         return None
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.columns.pricing import Column
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
-from formulations.routing.solver import Limits
 from instances import Instance
 
 STEPS = 125

@@ -16,6 +16,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.annealing import POWERS, Habits
 from formulations.routing.search.focus import put_back
@@ -26,7 +27,7 @@ from formulations.routing.search.population import Population, Shares
 from formulations.routing.search.randomness import seeded, uniform
 from formulations.routing.search.relief import relieve
 from formulations.routing.search.tours import from_routes, to_routes
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 
 _PROBE = 0.01

@@ -13,6 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.limits import Limits
 from formulations.routing.recorder import Recorder
 from formulations.routing.search import cooling
 from formulations.routing.search.annealing import POWERS, Habits, anneal
@@ -22,7 +23,7 @@ from formulations.routing.search.pace import Pace
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.tours import Tours, copy_tours, empty_tours, from_routes, to_routes
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 
 

@@ -18,8 +18,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from formulations.limits import Limits
 from formulations.routing.registry import make_solver, solver_targets, why_unavailable
-from formulations.routing.solver import Event, Limits, Result, Solver, Status
+from formulations.routing.solver import Event, Result, Solver, Status
 from instances import Instance, Routes, check_routes, makespan
 
 Windy = Callable[..., Instance]

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from formulations.limits import Limits
 from formulations.routing.ga import border_line, depot_distance, next_generation, random_chromosome, winner
 from formulations.routing.ga_operators import (
     best_cost_route_crossover,
@@ -19,7 +20,6 @@ from formulations.routing.ga_operators import (
 )
 from formulations.routing.greedy import VARIANTS
 from formulations.routing.registry import make_solver
-from formulations.routing.solver import Limits
 from instances import InputError, Instance, Routes, as_routes, check_routes, makespan, tour_costs
 
 Windy = Callable[..., Instance]

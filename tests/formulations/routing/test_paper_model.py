@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from ortools.sat.python import cp_model
 
+from formulations.limits import Limits
 from formulations.routing.paper_model import PaperModel
 from formulations.routing.registry import make_solver
 from formulations.routing.scaling import scale_costs
-from formulations.routing.solver import Limits, Status
+from formulations.routing.solver import Status
 from formulations.routing.strengthening import in_order, shortest_ways, used_arcs
 from formulations.routing.subtours import find_subtours, repair, walk
 from instances import Instance, Routes, check_routes, makespan

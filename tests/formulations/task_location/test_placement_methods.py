@@ -11,7 +11,7 @@ from shapely.geometry import Polygon
 from threadpoolctl import threadpool_info
 
 from formulations.kernel import SquaredExponential
-from formulations.routing.solver import Limits
+from formulations.limits import Limits
 from formulations.task_location.boundary import distance_gradient, is_rectangle
 from formulations.task_location.criterion import Convention, Criterion
 from formulations.task_location.greedy import greedy_choice

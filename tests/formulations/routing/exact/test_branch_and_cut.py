@@ -8,13 +8,14 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from formulations.limits import Limits
 from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.routing.branch_and_cut_model import ScipModel
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.recorder import Recorder
 from formulations.routing.separation import subtours, two_cycles
 from formulations.routing.simple_bounds import SIMPLE
-from formulations.routing.solver import Event, Limits, Result, Status
+from formulations.routing.solver import Event, Result, Status
 from formulations.routing.subset_dp import SubsetDp
 from formulations.routing.subtours import find_subtours
 from instances import Instance, check_routes, makespan

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
+from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.branching import choose
 from formulations.routing.columns.completion import Bins, Memory, completion, successors
@@ -16,7 +17,7 @@ from formulations.routing.columns.node import Efforts, Node, Workspace, restrict
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer, first_completion
 from formulations.routing.columns.tree import Tree
-from formulations.routing.solver import Limits, Status
+from formulations.routing.solver import Status
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes, check_routes, tour_costs
 

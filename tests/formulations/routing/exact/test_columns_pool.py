@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from formulations.limits import Limits
 from formulations.routing.columns.enumeration import list_tours
 from formulations.routing.columns.generation import Relaxation, generate
 from formulations.routing.columns.labelling import _projected, make_store
@@ -16,7 +17,7 @@ from formulations.routing.columns.pool import MixedPricer, Pool, PoolPricer
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer
 from formulations.routing.columns.searching import search_around
 from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Limits, ignore
+from formulations.routing.solver import ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes
 

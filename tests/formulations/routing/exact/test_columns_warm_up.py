@@ -9,7 +9,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 import formulations.routing.columns as columns
 from formulations.routing.branch_and_price import BranchAndPrice
-from formulations.routing.solver import Limits
+from formulations.limits import Limits
 from instances import Instance
 
 def kernels():

@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
+from formulations.limits import Limits
 from formulations.routing.columns.destructive import destructive_bounds
-from formulations.routing.solver import Limits
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance
 

@@ -5,9 +5,10 @@ import multiprocessing
 import numpy as np
 import pytest
 
+from formulations.limits import Limits
 from formulations.routing.exact import Exact
 from formulations.routing.linked import LinkedRecorder
-from formulations.routing.solver import Event, Limits, Status, ignore
+from formulations.routing.solver import Event, Status, ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes
 

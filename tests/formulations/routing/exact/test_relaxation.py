@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from formulations.limits import Limits
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.relaxation import _Relaxation, relax
-from formulations.routing.solver import Limits
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, makespan
 

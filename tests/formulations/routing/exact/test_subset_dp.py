@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from formulations.routing.solver import Limits, Status
+from formulations.limits import Limits
+from formulations.routing.solver import Status
 from formulations.routing.subset_dp import LARGEST, SubsetDp, cheapest_order, tour_table
 from instances import Instance, check_routes, makespan, tour_costs
 

@@ -7,8 +7,9 @@ import sys
 import numpy as np
 import pytest
 
+from formulations.limits import Limits
 from formulations.routing.registry import make_solver
-from formulations.routing.solver import Limits, Status
+from formulations.routing.solver import Status
 from instances import InputError, Instance, check_routes, makespan
 
 BOTH = pytest.mark.parametrize("name", ["memetic", "ruin-recreate"])
@@ -115,7 +116,7 @@ import sys
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 from formulations.routing.registry import make_solver
-from formulations.routing.solver import Limits
+from formulations.limits import Limits
 from instances import Instance
 
 def compiled():

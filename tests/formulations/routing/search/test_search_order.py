@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from formulations.limits import Limits
 from formulations.routing.search import order
 from formulations.routing.search import tours as rings
 from formulations.routing.search.costs import both_ways
 from formulations.routing.search.intensify import intensify
 from formulations.routing.search.randomness import seeded
-from formulations.routing.solver import Limits
 from formulations.routing.subset_dp import SubsetDp
 from instances import tour_costs
 

@@ -1,14 +1,13 @@
-"""The child process of one run: ``python -P -m workbench.worker FD``, started and watched by workbench.runner.
+"""The child process of one run: ``python -P -m workbench.jobs.worker FD``, started and watched by `child`.
 
 It reads a pickled Assignment from standard input and writes one JSON object a line to the pipe FD:
-started, prepared, then any number of events, then result; or declined; or error. Whatever the solver prints on
-standard output or error is a log and cannot disturb this. The clock is kept here, not by the solver.
+started, prepared, then any number of events, then result; or declined; or error. Whatever the method prints on
+standard output or error is a log and cannot disturb this. The clock is kept here, not by the method.
 """
 
 from __future__ import annotations
 
 import ctypes
-import dataclasses
 import json
 import os
 import pickle
@@ -24,25 +23,25 @@ from typing import Any
 
 import numpy as np
 
-from formulations.routing.registry import make_solver
-from formulations.routing.solver import Event, Limits, Result, Status
-from instances import Instance, Routes, as_routes
+from formulations.limits import Limits
+from workbench.jobs.problem import Claim, Problem
 
 
 @dataclass(frozen=True)
 class Assignment:
     """Everything the child needs to know."""
 
-    instance: Instance
-    solver: str
+    problem: Problem[Any]
+    item: Any
+    method: str
     options: dict[str, Any]
     limits: Limits
     seed: int
-    start: Routes | None
+    start: Any
 
 
 class Channel:
-    """The pipe to the parent: one JSON object a line, from whichever thread of the solver speaks."""
+    """The pipe to the parent: one JSON object a line, from whichever thread of the method speaks."""
 
     def __init__(self, descriptor: int) -> None:
         self._pipe = os.fdopen(descriptor, "w", encoding="utf-8")
@@ -71,44 +70,31 @@ def main() -> None:
 
 
 def _carry_out(assignment: Assignment, channel: Channel) -> None:
-    solver = make_solver(assignment.solver, assignment.options)
-    channel.say("started", proves=bool(solver.proves))
-    instance = dataclasses.replace(assignment.instance)  # read-only again, which pickling forgets: kernels mind
-    reason = solver.accepts(instance)
+    problem, item = assignment.problem, assignment.item
+    method = problem.methods.make(assignment.method, assignment.options)
+    channel.say("started", proves=bool(getattr(method, "proves", False)))
+    reason = problem.accepts(method, item)
     if reason is not None:
         channel.say("declined", reason=reason)
         return
-    solver.prepare(instance)
+    problem.prepare(method, item)
     channel.say("prepared", cpu=time.process_time())
     began = time.perf_counter()
 
-    def observe(event: Event) -> None:
-        routes = None if event.routes is None else as_routes(event.routes)
+    def tell(claim: Claim) -> None:
         elapsed = time.perf_counter() - began
-        channel.say(
-            "event", elapsed=elapsed, objective=_number(event.objective), bound=_number(event.bound), routes=routes
-        )
+        channel.say("event", elapsed=elapsed, claim={"product": claim.product} | _numbers(claim))
 
-    result = solver.solve(
-        instance, limits=assignment.limits, seed=assignment.seed, observe=observe, start=assignment.start
-    )
+    claim = problem.solve(method, item, assignment.limits, assignment.seed, tell, assignment.start)
     elapsed, cpu = time.perf_counter() - began, time.process_time()
-    if not isinstance(result, Result):
-        raise TypeError(f"solve returned {type(result).__name__} {str(result)[:80]!r}, not a Result")
-    channel.say(
-        "result",
-        status=Status(result.status),
-        objective=_number(result.objective),
-        bound=_number(result.bound),
-        elapsed=elapsed,
-        cpu=cpu,
-        routes=None if result.routes is None else as_routes(result.routes),
-        stopped_by=str(result.stopped_by),
-        message=str(result.message),
-        tolerance=float(result.tolerance),
-        statistics=_storable(dict(result.statistics)),
-        peak_memory=peak_memory(),
-    )
+    words = {name: str(getattr(claim, name)) for name in ("status", "stopped_by", "message")}
+    more = {"tolerance": float(claim.tolerance), "statistics": _storable(dict(claim.statistics))}
+    told = {"product": claim.product, **_numbers(claim), **words, **more}
+    channel.say("result", elapsed=elapsed, cpu=cpu, claim=told, peak_memory=peak_memory())
+
+
+def _numbers(claim: Claim) -> dict[str, float | None]:
+    return {"objective": _number(claim.objective), "bound": _number(claim.bound)}
 
 
 def peak_memory() -> int:

@@ -1,4 +1,4 @@
-"""Child: the process of one run, watched from outside. Knows processes, pipes, clocks and signals; no routes.
+"""Child: the process of one run, watched from outside. Knows processes, pipes, clocks and signals; no products.
 
 The child runs in a session of its own, so that the whole group can be killed. Messages come over a pipe of their
 own; what is printed goes to a log of which the end is kept.
@@ -22,8 +22,8 @@ from typing import Any
 
 import psutil
 
-from workbench.threads import with_threads
-from workbench.worker import Assignment
+from workbench.jobs.threads import with_threads
+from workbench.jobs.worker import Assignment
 
 PREPARE_LIMIT = 300.0
 """Seconds a child may take to start, import and compile: not part of the solve, but not endless either."""
@@ -107,7 +107,7 @@ class _Child:
             pickle.dump(assignment, task)
             task.seek(0)
             self.process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "workbench.worker", str(childs_end)],
+                [sys.executable, "-P", "-m", "workbench.jobs.worker", str(childs_end)],
                 stdin=task,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,

@@ -14,22 +14,25 @@ from typing import Any
 
 import distributed
 
-from instances import InputError, Instance
-from workbench.execute import Finished
-from workbench.job import Job
-from workbench.machine import environment, usable_memory
-from workbench.run import Run
-from workbench.runner import run
-from workbench.store import Store
+from instances.errors import InputError
+from reports.record import Run
+from workbench.jobs.execute import Finished
+from workbench.jobs.job import Job
+from workbench.jobs.machine import environment, usable_memory
+from workbench.jobs.problem import Problem
+from workbench.jobs.runner import run
+from workbench.jobs.store import Store
 
 dask: Any = distributed  # it has no type stubs
 CONNECT = 10
 """Seconds to wait for the scheduler."""
 AHEAD = 2
-"""Jobs handed over per thread of the cluster: enough to keep it busy, few enough not to hold every instance."""
+"""Jobs handed over per thread of the cluster: enough to keep it busy, few enough not to hold every item."""
 
 
-def run_on_cluster(jobs: Iterable[Job], store: Store, address: str, finished: Finished) -> list[str]:
+def run_on_cluster(
+    problem: Problem[Any], jobs: Iterable[Job], store: Store, address: str, finished: Finished
+) -> list[str]:
     """Run `jobs` on the cluster at `address`, storing each as it ends.
 
     Return what the scheduler gave up, a sentence each: jobs whose workers died one after the other. Raises
@@ -48,7 +51,7 @@ def run_on_cluster(jobs: Iterable[Job], store: Store, address: str, finished: Fi
             futures = []
             for job in islice(waiting, count):
                 # Keyed by its path and pure=False: asked for once, and never taken from another study's results.
-                future = client.submit(run_there, job, store.instance(job.folder), pure=False)
+                future = client.submit(run_there, problem, job, problem.read(store.root / job.folder), pure=False)
                 given[future.key] = job
                 futures.append(future)
             return futures
@@ -69,9 +72,10 @@ def run_on_cluster(jobs: Iterable[Job], store: Store, address: str, finished: Fi
     return given_up
 
 
-def run_there(job: Job, instance: Instance) -> tuple[Run, dict[str, Any]]:
+def run_there(problem: Problem[Any], job: Job, item: Any) -> tuple[Run, dict[str, Any]]:
     """Run `job` in a process of its own on this worker's machine; return the run and this machine's description."""
-    return run(job, instance, memory_limit=usable_memory() // dask.get_worker().state.nthreads), environment()
+    memory_limit = usable_memory() // dask.get_worker().state.nthreads
+    return run(problem, job, item, memory_limit=memory_limit), environment()
 
 
 @contextlib.contextmanager

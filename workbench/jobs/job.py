@@ -1,4 +1,4 @@
-"""Job: one solver on one instance with one seed and one limit, before it is run; and how it is named."""
+"""Job: one method on one item with one seed and one limit, before it is run; and how it is named."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from instances import Instance
+from workbench.jobs.problem import Named
 
 LONGEST_NAME = 80
 """Options longer than this many characters are cut in file names and told apart by a digest."""
@@ -17,13 +17,13 @@ LONGEST_NAME = 80
 
 @dataclass(frozen=True)
 class Job:
-    """What to run. `folder` is the instance's folder in the store; options are those that differ from the default.
+    """What to run. `folder` is the item's folder in the store; options are those that differ from the default.
 
-    time_limit [s]; threads of the solver; iterations of the method's own, or None for no limit.
+    time_limit [s]; threads of the method; iterations of its own, or None for no limit.
     """
 
     folder: str
-    solver: str
+    method: str
     options: Mapping[str, Any] = field(default_factory=dict)
     seed: int = 0
     time_limit: float = 10.0
@@ -32,22 +32,22 @@ class Job:
 
     @property
     def label(self) -> str:
-        """Solver name plus options that differ from the default, for tables and legends."""
-        return f"{self.solver} ({_spelled(self.options)})" if self.options else self.solver
+        """Method's name plus options that differ from the default, for tables and legends."""
+        return f"{self.method} ({_spelled(self.options)})" if self.options else self.method
 
     @property
     def path(self) -> str:
-        """Where the run is stored, relative to the store: ``folder/solver-options-sS-tT.json``."""
-        parts = [file_safe(self.solver), file_safe(_spelled(self.options, ",")) if self.options else "default"]
+        """Where the run is stored, relative to the store: ``folder/method-options-sS-tT.json``."""
+        parts = [file_safe(self.method), file_safe(_spelled(self.options, ",")) if self.options else "default"]
         parts += [f"s{self.seed}", f"t{self.time_limit:g}"]
         parts += [f"j{self.threads}"] if self.threads != 1 else []
         parts += [f"i{self.iterations}"] if self.iterations is not None else []
         return f"{self.folder}/{'-'.join(parts)}.json"
 
 
-def folder_of(instance: Instance) -> str:
-    """Return the name of the instance's folder in a store: ``name-digest``."""
-    return f"{file_safe(instance.name)}-{instance.digest}"
+def folder_of(item: Named) -> str:
+    """Return the name of an item's folder in a store: ``name-digest``."""
+    return f"{file_safe(item.name)}-{item.digest}"
 
 
 def file_safe(text: str) -> str:

@@ -15,10 +15,10 @@ from formulations.task_location.criterion import Convention, Criterion
 from formulations.task_location.fewest import fewest_tasks
 from formulations.task_location.how_many import Recommendation, Trial, recommend, trials
 from formulations.task_location.placement import Placement, PlacementMethod, PlacementProblem, PlacementStatus
+from formulations.task_location.placement_files import write_placement
 from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.errors import InputError
-from workbench.placing import write_placement
 
 COLUMNS = (
     "n", "length", "mutual_information", "mi1", "mi2", "lawnmower", "per_km", "planning_noise", "uncovered",
@@ -68,7 +68,7 @@ def run_study(
     if out is not None:
         write_aside(out, _csv(done) if out.suffix == ".csv" else json.dumps(answer))
     if plot is not None:
-        from workbench.placement_pictures import draw_trials  # here: matplotlib takes its time
+        from workbench.commands.place_pictures import draw_trials  # here: matplotlib takes its time
 
         draw_trials(region, criterion, done, advice, spacing, plot)
     click.echo(json.dumps(answer) if as_json else _text(done, advice))
@@ -102,7 +102,7 @@ def run_fewest(
     if out is not None:
         write_placement(placement, out)
     if plot is not None:
-        from workbench.placement_pictures import draw
+        from workbench.commands.place_pictures import draw
 
         draw(PlacementProblem(region, criterion, len(found.points)), placement, plot)
     n = len(found.points)

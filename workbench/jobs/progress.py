@@ -5,21 +5,21 @@ from __future__ import annotations
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from types import TracebackType
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from workbench.job import Job
-from workbench.run import Run
+from reports.record import Run
+from workbench.jobs.job import Job
 
 STARTING = 2.0
 """Seconds a process takes around its solve, until a run has shown how long."""
 
 
 class Estimate:
-    """Time left: what each remaining job is expected to take, by the mean of its solver so far, else by its limit."""
+    """Time left: what each remaining job is expected to take, by the mean of its method so far, else by its limit."""
 
     def __init__(self, jobs: Iterable[Job], parallel: int) -> None:
         self._waiting = {job.path: job for job in jobs}
@@ -43,8 +43,9 @@ class Estimate:
 class StudyProgress:
     """Shows each finished run; use as a context manager."""
 
-    def __init__(self, jobs: Iterable[Job], parallel: int) -> None:
+    def __init__(self, jobs: Iterable[Job], parallel: int, spell: Callable[[Run], str]) -> None:
         jobs = list(jobs)
+        self._spell = spell
         self._estimate = Estimate(jobs, parallel)
         self._total, self._done, self._began = len(jobs), 0, time.monotonic()
         self._bar: Progress | None = None
@@ -65,8 +66,8 @@ class StudyProgress:
     def finished(self, job: Job, run: Run) -> None:
         """Show that `job` has ended as `run`."""
         self._done += 1
-        self._estimate.finished(job, run.wall_elapsed)
-        value = "no routes" if run.objective is None else f"{run.objective:.6g} s"
+        self._estimate.finished(job, run.wall_elapsed or 0.0)
+        value = self._spell(run)
         line = f"{run.instance['name']} {job.label} seed {job.seed}: {run.status} {value} in {run.elapsed:.1f} s"
         left = f"about {duration(self._estimate.left())} left"
         if self._bar:

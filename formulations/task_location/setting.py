@@ -1,21 +1,18 @@
-"""From what is typed (region file, test points, kernel) to a criterion; placements to files."""
+"""From what is typed (region file, test points, kernel) to a criterion."""
 
 from __future__ import annotations
 
 import csv
 import io
-import json
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from formulations.kernel import SquaredExponential
 from formulations.task_location.criterion import Criterion, convention
-from formulations.task_location.placement import Placement
 from instances.arrays import Floats
-from instances.disk import read_text, write_aside
+from instances.disk import read_text
 from instances.environment.region import Region
 from instances.errors import InputError
 
@@ -24,7 +21,6 @@ DEFAULT_SIDE = 20_000.0
 SMALLEST_SIDE = 10.0
 """A smaller region whose coordinates could be degrees is taken to be in degrees."""
 MOST_CELLS = 1_000_000
-OUT_ENDINGS = (".geojson", ".json", ".csv")
 
 
 def region_of(path: Path | None) -> Region:
@@ -115,33 +111,3 @@ def rows_of_tests(path: Path) -> Floats:
                 raise InputError(f"{path}: line {number}: {name} must be finite and not negative, got {row[name]}")
         table.append([float(row[name]) for name in names])
     return np.array(table, dtype=float).reshape(-1, len(names))
-
-
-def check_target(path: Path | None, endings: tuple[str, ...]) -> None:
-    """Refuse before the search what could not be written after it."""
-    if path is None:
-        return
-    if path.suffix not in endings:
-        raise InputError(f"{path}: must end in {' or '.join(endings)}")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {path.parent}")
-
-
-def write_placement(placement: Placement, path: Path) -> None:
-    """Write the points as GeoJSON, everything as JSON, or x, y as CSV, by the ending of `path`."""
-    if path.suffix == ".csv":
-        text = "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in placement.points.tolist())
-    elif path.suffix == ".geojson":
-        text = json.dumps(geojson(placement))
-    else:
-        text = json.dumps(placement.as_dict())
-    write_aside(path, text)
-
-
-def geojson(placement: Placement) -> dict[str, Any]:
-    """Return the tasks as a FeatureCollection of points, numbered from 0."""
-    features = [
-        {"type": "Feature", "properties": {"task": i}, "geometry": {"type": "Point", "coordinates": point}}
-        for i, point in enumerate(placement.points.tolist())
-    ]
-    return {"type": "FeatureCollection", "features": features}

@@ -1,0 +1,101 @@
+"""Stored moving-cost runs as frames: each method's paths against the best of all methods, and CPU time by starts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from instances.arrays import Floats
+from reports.record import Run
+
+FRAME = [
+    "instance", "digest", "starts", "solver", "options", "method", "seed", "time_limit", "status", "mean_cost", "mean",
+    "p95", "largest", "elapsed", "cpu_seconds", "peak_memory", "stopped_by", "message", "code",
+]  # fmt: skip
+SUMMARY = ["Scenario", "Method", "Runs", "Mean cost [s]", "Mean excess", "95 % below", "Largest", "CPU [s]"]
+
+
+def moving_cost_frame(runs: Mapping[Path, Run]) -> pd.DataFrame:
+    """Return a row a run: FRAME.
+
+    mean_cost [s]; mean, p95, largest : excess over the best path of any run on the same scenario, as a share of the
+    flight time there and back over two, which is never negative, unlike the cost of a leg down a strong wind.
+    """
+    best: dict[str, Floats] = {}
+    for run in runs.values():
+        if (cost := _cost(run)) is not None:
+            digest = run.instance["digest"]
+            best[digest] = np.minimum(best[digest], cost) if digest in best else cost
+    return pd.DataFrame([_row(run, best) for run in runs.values()], columns=FRAME)
+
+
+def methods_table(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a row a method of one scenario: method, options, cpu [s] (the least), mean, p95, largest excess."""
+    rows = frame.dropna(subset=["mean_cost"]).groupby(["solver", "method"], sort=False)
+    table = rows.agg(
+        options=("options", "first"), cpu=("cpu_seconds", "min"), mean=("mean", "first"), p95=("p95", "first"),
+        largest=("largest", "first"),
+    ).reset_index()  # fmt: skip
+    return table.assign(method=table["solver"])[["method", "options", "cpu", "mean", "p95", "largest"]]
+
+
+def scaling_table(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return CPU times [s] by number of starts: FMT* in the paper's three stages, and refined.
+
+    "one query a pair" is extrapolated from the trees of two starts alone. Empty where a stage was not run.
+    """
+    least = frame.dropna(subset=["mean_cost"]).groupby(["starts", "method"])["cpu_seconds"].min().unstack("method")
+    alone = [name for name in map(str, least) if name.startswith("fmt-star") and "share=false" in name]
+    shared = [name for name in map(str, least) if name.startswith("fmt-star") and "share=false" not in name]
+    if not alone or not shared or "refined" not in least:
+        return pd.DataFrame()
+    n = least.index.to_numpy()
+    pair = least[alone[0]].iloc[0] / n[0]
+    table = pd.DataFrame(
+        {
+            "starts": n,
+            "one query a pair": pair * n * (n - 1),
+            "one tree a start": least[alone[0]].to_numpy(),
+            "shared edges": least[shared[0]].to_numpy(),
+            "refined": least["refined"].to_numpy(),
+        }
+    )
+    return table[1:] if len(table) > 1 else table
+
+
+def moving_cost_summary(frame: pd.DataFrame) -> list[list[str]]:
+    """Return the rows of a table under SUMMARY, a row a scenario and method."""
+    rows = []
+    for (instance, method), runs in frame.groupby(["instance", "method"], sort=False):
+        first, cpu = runs.iloc[0], runs["cpu_seconds"].min()
+        shares = ["–" if pd.isna(first[key]) else f"{first[key]:.4%}" for key in ("mean", "p95", "largest")]
+        cost = "–" if pd.isna(first["mean_cost"]) else f"{first['mean_cost']:.4f}"
+        rows.append([str(instance), str(method), str(len(runs)), cost, *shares, f"{cpu:.3g}"])
+    return rows
+
+
+def _row(run: Run, best: Mapping[str, Floats]) -> dict[str, Any]:
+    cost, digest = _cost(run), run.instance["digest"]
+    options = run.label.removeprefix(run.solver).strip(" ()") or "default"
+    row: dict[str, Any] = {
+        "instance": run.instance["name"],
+        "digest": digest,
+        "starts": run.instance["n_tasks"],
+        "method": run.label,
+        "options": options,
+        "mean_cost": np.nan if cost is None or run.status == "ERROR" else run.objective,
+    }
+    if cost is not None:
+        tau = (best[digest] + best[digest].T) / 2
+        counted = tau > 0
+        excess = (cost - best[digest])[counted] / tau[counted] if counted.any() else np.zeros(1)
+        row |= {"mean": excess.mean(), "p95": float(np.quantile(excess, 0.95)), "largest": excess.max()}
+    return {name: getattr(run, name, np.nan) for name in FRAME} | row
+
+
+def _cost(run: Run) -> Floats | None:
+    return None if run.own["cost"] is None else np.array(run.own["cost"], dtype=np.float64)

@@ -1,0 +1,294 @@
+"""The record: one run as it is stored, each of its columns described once (name, unit, meaning).
+
+`workbench` writes runs, `reports` reads them; the CSV, the frame, the help of a page and the documentation take the
+names, units and meanings from here. A run of any problem (routing, placement, moving cost) has the columns RUN, and
+beside them its problem's own ones, OWN. Files of older versions lack some; what is missing is None, empty or "".
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from instances.code import code_digest
+from instances.errors import InputError
+
+SCHEMA = 1
+
+
+class Column(NamedTuple):
+    """One column: `kind` says what its values are (KINDS); `required` that a stored run without it is refused."""
+
+    name: str
+    kind: str
+    unit: str
+    meaning: str
+    required: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.name} [{self.unit}]: {self.meaning}" if self.unit else f"{self.name}: {self.meaning}"
+
+
+RUN = (
+    Column("problem", "text", "", "routing, placement or moving-cost"),
+    Column("instance", "item", "", "what was solved: name, digest, n_tasks, n_depots, and more by problem", True),
+    Column("solver", "text", "", "registered name of the method, or module:Class", True),
+    Column("options", "table", "", "options that differ from the default"),
+    Column("label", "text", "", "solver and its options where not default"),
+    Column("seed", "whole", "", "seed of the random numbers", True),
+    Column("time_limit", "number", "s", "wall clock the solve was allowed", True),
+    Column("threads", "number", "", "threads the solve was allowed"),
+    Column("iterations", "number", "", "limit on the method's own iterations, or none"),
+    Column("proves", "flag", "", "whether the method can end with a proof of optimality"),
+    Column("status", "text", "", "what is known at the end", True),
+    Column("objective", "number", "s", "re-computed by the workbench: C_max [s]; of a placement −I [nats]", True),
+    Column("bound", "number", "s", "lower bound on the objective, in its unit", True),
+    Column("elapsed", "number", "s", "wall clock of the solve alone"),
+    Column("stopped_by", "text", "", "what ended the run: proof, time, iterations, memory, finished, killed, error"),
+    Column("message", "text", "", "one sentence"),
+    Column("tolerance", "number", "s", "OPTIMAL means objective − bound ≤ tolerance"),
+    Column("claimed_objective", "number", "s", "what the method claimed"),
+    Column("prepare_elapsed", "number", "s", "start of the process, imports and compilation"),
+    Column("wall_elapsed", "number", "s", "wall clock of the whole process"),
+    Column("cpu_seconds", "number", "s", "processor time of the solve, all threads"),
+    Column("peak_memory", "number", "bytes", "most memory of the whole process"),
+    Column("environment", "text", "", "digest of machine and versions, stated in environments/<digest>.json"),
+    Column("code", "text", "", "digest of the workbench's sources that made it; other than today's is stale"),
+    Column("revision", "text", "", "revision of the checkout, where it was made in one"),
+    Column("created", "text", "", "ISO time, UTC"),
+    Column("trace", "trace", "", "elapsed [s], objective, bound of each improvement"),
+    Column("statistics", "table", "", "the method's own figures"),
+    Column("log", "text", "", "the end of what the process printed"),
+)
+"""What is stored of every run, in the order in which it is written."""
+
+OWN: dict[str, tuple[Column, ...]] = {
+    "routing": (
+        Column("routes", "routes", "", "tasks of each UAV in flying order, in depot order"),
+        Column("tour_costs", "list", "s", "C_k of each UAV, re-computed"),
+    ),
+    "placement": (
+        Column("points", "list", "m", "task locations, shape (n, 2)"),
+        Column("mutual_information", "number", "nats", "information (b) of the points, re-computed"),
+        Column("certificate", "number", "nats", "upper bound: no placement in the region has more", True),
+        Column("ratio", "number", "", "mutual_information / certificate"),
+        Column("information", "table", "nats", "information of the points under each convention"),
+    ),
+    "moving-cost": (
+        Column("cost", "list", "s", "moving cost of every ordered pair of nodes, shape (N, N)"),
+        Column("paths", "table", "m", "the path behind each cost, re-flown by the workbench"),
+    ),
+}
+"""What is stored beside RUN, by problem."""
+
+DERIVED = (
+    Column("instance", "text", "", "name of the instance (with digits of the digest where two share a name)"),
+    Column("digest", "text", "", "digest of the instance"),
+    Column("family", "text", "", "generator family or set"),
+    Column("n_tasks", "number", "", "number of tasks n"),
+    Column("n_depots", "number", "", "number of depots and UAVs m"),
+    Column("asymmetry", "number", "", "mean |c_ij − c_ji| / (c_ij + c_ji)"),
+    Column("best_known", "number", "s", "best known value stored with the instance"),
+    Column("method", "text", "", "name in tables: the label, cut short where long, and the limit where it has several"),
+    Column("gap", "number", "", "(objective − bound) / objective"),
+    Column("value", "number", "s", "C_max re-computed from the routes; nothing where there are none or it is wrong"),
+    Column("proved", "flag", "", "whether the run proved its routes optimal, as far as the stored figures can tell"),
+    Column("recomputed", "number", "s", "C_max of the stored routes, right or wrong"),
+    Column("fault", "text", "", "what is wrong with the stored routes"),
+    Column("stale", "flag", "", "whether other code than today's made it"),
+    Column("path", "text", "", "the file"),
+    Column("best_found", "number", "s", "least value of any run of the report on the instance"),
+    Column("best_bound", "number", "s", "greatest bound of any run of the report on the instance"),
+    Column("gap_known", "number", "", "value against best_known"),
+    Column("gap_found", "number", "", "value against the best found"),
+    Column("gap_bound", "number", "", "value against best_bound"),
+)
+"""What frames and tables hold beside what is stored."""
+
+ITEM_FILES = {
+    "routing": ("instance.json", "instance.json.gz"),
+    "placement": ("problem.json",),
+    "moving-cost": ("moving-cost.json",),
+}
+"""Problem → the file beside its runs that keeps what was solved, by its possible names."""
+
+
+def described(*names: str, problem: str = "routing") -> dict[str, Column]:
+    """Return the columns of these names in this order, as frames of `problem` hold them."""
+    known = {column.name: column for column in (*RUN, *OWN[problem], *DERIVED)}
+    return {name: known[name] for name in names}
+
+
+STATUSES = {"routing": ("OPTIMAL", "FEASIBLE", "INFEASIBLE", "NO_SOLUTION", "KILLED", "ERROR")}
+"""Statuses a stored run may have, where a problem closes the list."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run, every number checked by the workbench: a field for each of RUN, and its problem's columns, `own`."""
+
+    problem: str
+    instance: dict[str, Any]
+    solver: str
+    options: dict[str, Any]
+    label: str
+    seed: int
+    time_limit: float
+    threads: int
+    iterations: int | None
+    proves: bool
+    status: str
+    objective: float | None
+    bound: float | None
+    elapsed: float
+    stopped_by: str
+    message: str
+    tolerance: float | None
+    claimed_objective: float | None
+    prepare_elapsed: float | None
+    wall_elapsed: float | None
+    cpu_seconds: float | None
+    peak_memory: int | None
+    environment: str
+    code: str
+    revision: str
+    created: str
+    trace: list[tuple[float, float | None, float | None]] = field(default_factory=list)
+    statistics: dict[str, Any] = field(default_factory=dict)
+    log: str = ""
+    own: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def gap(self) -> float | None:
+        """(objective − bound) / objective, dimensionless; None where one is unknown."""
+        if self.objective is None or self.bound is None:
+            return None
+        return (self.objective - self.bound) / self.objective if self.objective > 0 else 0.0
+
+    def flat(self) -> dict[str, Any]:
+        """Return the run as JSON values, own columns after the common ones."""
+        common = {column.name: getattr(self, column.name) for column in RUN}
+        return {"schema": SCHEMA, **common, **self.own, "gap": self.gap}
+
+    def to_json(self) -> str:
+        """Return the run as one JSON object."""
+        return json.dumps(self.flat(), allow_nan=False, ensure_ascii=False)
+
+
+def read_json(path: Path) -> Any:
+    """Return the JSON value in `path`; InputError with a sentence, without the path, where there is none."""
+    try:
+        return json.loads(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror or error})") from None
+    except UnicodeDecodeError:
+        raise InputError("is not text, so not a run") from None
+    except json.JSONDecodeError as error:
+        raise InputError(f"is not valid JSON (line {error.lineno}, column {error.colno}), perhaps cut short") from None
+    except RecursionError:
+        raise InputError("is JSON nested too deeply to be a run") from None
+
+
+def read_run(path: Path) -> Run:
+    """Return the run stored in `path`; InputError with a sentence, without the path, where it is none."""
+    return run_from(read_json(path))
+
+
+def run_from(data: Any) -> Run:
+    """Return the run written as `data`, every value of its kind; InputError with a sentence where it is none."""
+    if not isinstance(data, dict) or "solver" not in data or "schema" not in data:
+        raise InputError("is JSON, but not a run of this workbench")
+    if data["schema"] != SCHEMA:
+        raise InputError(f"has schema {data['schema']!r}; this version reads schema {SCHEMA}")
+    problem = data.get("problem", "routing")
+    if problem not in OWN:
+        raise InputError(f"is a run of a problem unknown here, {problem!r:.60} (known: {', '.join(OWN)})")
+    common, own = ({c.name: _checked(data, c) for c in columns} for columns in (RUN, OWN[problem]))
+    common |= {"problem": problem, "label": common["label"] or common["solver"]}
+    if common["status"] not in STATUSES.get(problem, (common["status"],)):
+        raise InputError(f"status must be one of {', '.join(STATUSES[problem])}, got {common['status']!r:.60}")
+    common["trace"] = [tuple(point) for point in common["trace"]]
+    return Run(**common, own=own)
+
+
+def _checked(data: Mapping[str, Any], column: Column) -> Any:
+    name, value = column.name, data.get(column.name)
+    if column.required and name not in data:
+        raise InputError(f"'{name}' is missing")
+    check, words, nothing = KINDS[column.kind]
+    if value is None and (column.kind == "number" or not column.required):
+        return nothing()
+    if not check(value):
+        raise InputError(f"{name} must be {words}, got {value!r:.60}")
+    return value
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    return abs(value) <= sys.float_info.max  # also of whole numbers too large for a float; False for NaN
+
+
+def _is_item(value: object) -> bool:
+    if not isinstance(value, dict) or not all(isinstance(value.get(key), str) for key in ("name", "digest")):
+        return False
+    return all(
+        value.get(key) is None or _is_number(value[key]) for key in ("n_tasks", "n_depots", "asymmetry", "best_known")
+    )
+
+
+def _is_routes(value: object) -> bool:
+    return isinstance(value, list) and all(
+        isinstance(route, list) and all(type(task) is int for task in route) for route in value
+    )
+
+
+def _is_trace(value: object) -> bool:
+    if not isinstance(value, list) or not value:
+        return isinstance(value, list)
+    try:
+        points = np.array(value, dtype=np.float64)  # null becomes NaN
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return points.ndim == 2 and points.shape[1] == 3 and bool(np.isfinite(points[:, 0]).all())
+
+
+KINDS: dict[str, tuple[Callable[[Any], bool], str, Callable[[], Any]]] = {
+    "text": (lambda value: isinstance(value, str), "a text", str),
+    "number": (_is_number, "a finite number or null", lambda: None),
+    "whole": (lambda value: type(value) is int, "a whole number", lambda: None),
+    "flag": (lambda value: isinstance(value, bool), "true or false", bool),
+    "table": (lambda value: isinstance(value, dict), "a table or null", dict),
+    "list": (lambda value: isinstance(value, list), "a list or null", lambda: None),
+    "routes": (_is_routes, "a list of lists of whole numbers, or null", lambda: None),
+    "trace": (_is_trace, "a list of [elapsed, objective or null, bound or null]", list),
+    "item": (_is_item, "a table with the texts name and digest, and numbers", dict),
+}
+"""Kind → what checks a value, what it must be in words, and what stands where it is missing."""
+
+
+def code_note(codes: Iterable[str]) -> str:
+    """Return what a reader must know about the code that made runs, a sentence, or "" where all is today's."""
+    made = list(codes)
+    stale = sum(code != code_digest() for code in made)
+    if not stale:
+        return ""
+    versions = len(set(made))
+    mixed = f", by {versions} different versions in all: their figures stand side by side" if versions > 1 else ""
+    return f"{stale} of {len(made)} runs were made by other code than today's{mixed} (compare --retry stale)."
+
+
+def study_title(folders: Sequence[Path]) -> str:
+    """Return the name of the study, where one folder says it, else the folders' names."""
+    names = [folder.resolve().name for folder in folders]
+    if len(folders) == 1:
+        with contextlib.suppress(InputError, KeyError, TypeError):
+            names = [str(read_json(folders[0] / "study.json")["study"]["name"])]
+    return ", ".join(names)

@@ -1,0 +1,273 @@
+"""The placement problem: task locations of most information in a region (sub-problem 1 of the paper).
+
+A study's own keys:
+
+regions = ["square", "a.geojson"]   # the 20 km square, or GeoJSON files relative to the study
+tasks = [10, 20, 40]
+tests = "20x20"                  # as for `workbench place`; also signal_sd, length_scale, noise_sd, test_noise_sd
+
+As everywhere, lower is better: the objective of a run is −I [nats], and its bound minus the certificate, which is
+computed once for each problem. `check` computes it again: it is the claim that nothing better exists, and only its own
+argument can show it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from shapely.geometry import mapping
+
+from formulations.limits import Limits
+from formulations.task_location.certificate import certificate
+from formulations.task_location.criterion import Convention
+from formulations.task_location.placement import (
+    PlacementMethod,
+    PlacementProblem,
+    PlacementStatus,
+    checked_points,
+    place,
+)
+from formulations.task_location.registry import METHODS
+from formulations.task_location.setting import criterion_of, region_of, rows_of_tests
+from instances.disk import write_aside
+from instances.environment.region import Region, single_polygon
+from instances.errors import InputError
+from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
+from workbench.jobs.check import check_runs
+from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
+from workbench.jobs.tables import listed, typed
+from workbench.terminal import print_table
+
+KERNEL_KEYS = ("tests", "signal_sd", "length_scale", "noise_sd", "test_noise_sd")
+TOLERANCE = 1e-6
+"""Relative: a claim further from the recomputed information is refuted."""
+LOOSER = 1e-3
+"""Relative: a certificate lower by more than this than the recomputed one is not believed."""
+
+
+@dataclass(frozen=True)
+class PlacementItem:
+    """One problem as JSON values: what the child process rebuilds it from, its name, and its certificate [nats]."""
+
+    name: str
+    polygon: dict[str, Any]
+    setting: dict[str, Any]
+    n_tasks: int
+    certificate: float | None = None
+
+    def __reduce__(self) -> tuple[type[PlacementItem], tuple[Any, ...]]:
+        """Pickle without `problem`: its eigendecomposition belongs to the search."""
+        return PlacementItem, (self.name, self.polygon, self.setting, self.n_tasks, self.certificate)
+
+    @property
+    def digest(self) -> str:
+        """First 12 hexadecimal digits of the SHA-256 of everything but name and certificate."""
+        content = json.dumps([self.polygon, self.setting, self.n_tasks], sort_keys=True)
+        return hashlib.sha256(content.encode()).hexdigest()[:12]
+
+    @cached_property
+    def problem(self) -> PlacementProblem:
+        """The problem; InputError says what is wrong with it."""
+        region = Region(single_polygon(self.polygon))
+        return PlacementProblem(region, criterion_of(region, **self.setting), self.n_tasks)
+
+    def load(self) -> PlacementItem:
+        """Return itself: nothing is left to make."""
+        return self
+
+
+class PlacementStudy(Problem[PlacementItem]):
+    """Regions with test points, and points in them."""
+
+    name = "placement"
+    methods = METHODS
+    item = "problem"
+    entries = "methods"
+    keys = ("regions", "tasks", *KERNEL_KEYS)
+    default_limit = 60.0
+    statuses = tuple(status.value for status in PlacementStatus)
+
+    def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[PlacementItem]]:
+        """Return every region with every number of tasks."""
+        setting = {key: tables[key] for key in KERNEL_KEYS if key in tables}
+        setting |= {key: str(setting[key]) for key in ("tests", "length_scale") if key in setting}
+        for key in ("signal_sd", "noise_sd", "test_noise_sd"):
+            if key in setting:
+                typed(setting[key], (int, float), key)
+        if str(setting.get("tests", "")).lower().endswith(".csv"):
+            setting["tests"] = rows_of_tests(base / setting["tests"]).tolist()  # a store explains itself
+        for region in listed(tables.get("regions", ["square"])):
+            area = region_of(None if typed(region, str, "regions") == "square" else base / region)
+            stem = region if region == "square" else Path(region).stem
+            polygon = json.loads(json.dumps(mapping(area.polygon)))
+            for count in listed(tables.get("tasks", [40])):
+                item = PlacementItem(f"{stem}-n{count}", polygon, setting, count)
+                _ = item.problem  # refuse now what cannot be built later
+                yield item
+
+    def size(self, item: PlacementItem) -> int:
+        """Return n."""
+        return item.n_tasks
+
+    def write(self, item: PlacementItem, folder: Path) -> None:
+        """Keep the problem with its certificate, computed here, once."""
+        path = folder / ITEM_FILES[self.name][0]
+        if path.exists():
+            return
+        began = time.perf_counter()
+        bound = certificate(item.problem.criterion, item.problem.region, item.n_tasks)
+        stated = {"bound": bound.bound, "kind": bound.kind, "elapsed": time.perf_counter() - began}
+        content = {"name": item.name, "polygon": item.polygon, "setting": item.setting, "n_tasks": item.n_tasks}
+        write_aside(path, json.dumps({"schema": 1, "problem": self.name, **content, "certificate": stated}))
+
+    def read(self, folder: Path) -> PlacementItem:
+        """Return the problem kept in `folder`."""
+        path = folder / ITEM_FILES[self.name][0]
+        try:
+            data = read_json(path)
+            bound = float(data["certificate"]["bound"])
+            item = PlacementItem(data["name"], data["polygon"], data["setting"], data["n_tasks"], bound)
+            _ = item.problem
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise InputError(f"{path}: does not describe a placement problem ({error!r})") from None
+        return item
+
+    def describe(self, item: PlacementItem) -> dict[str, Any]:
+        """Return name, digest and size."""
+        return {"name": item.name, "digest": item.digest, "n_tasks": item.n_tasks, "n_depots": 0}
+
+    def prepare(self, method: PlacementMethod, item: PlacementItem) -> None:
+        """Let the method import."""
+        method.prepare(item.problem)
+
+    def solve(
+        self, method: PlacementMethod, item: PlacementItem, limits: Limits, seed: int, tell: Listener, start: Any
+    ) -> Claim:
+        """Search, streaming improvements."""
+        found = place(
+            PlacementItem(item.name, item.polygon, item.setting, item.n_tasks).problem,
+            method,
+            type(method).__name__,
+            seed=seed,
+            limits=limits,
+            observe=lambda elapsed, value, points: tell(Claim(points.tolist(), -value)),
+        )
+        return Claim(
+            found.points.tolist(), -found.mutual_information, None, found.status.value, stopped_by=found.stopped_by
+        )
+
+    def bound(self, item: PlacementItem) -> float | None:
+        """Return minus the certificate."""
+        return None if item.certificate is None else -item.certificate
+
+    def judge(self, item: PlacementItem, product: Any, claimed: float | None) -> tuple[float | None, str]:
+        """Return −I [nats] of the points, and what is wrong with them or the claim."""
+        try:
+            points = checked_points(item.problem, np.array(product, dtype=float), "the method")
+        except RuntimeError as error:
+            return None, str(error)
+        value = item.problem.criterion.value(points)
+        if claimed is None or abs(-claimed - value) <= TOLERANCE * abs(value):
+            return -value, ""
+        return -value, f"claimed {-claimed!r} nats, but its points are worth {value!r}"
+
+    def own_columns(self, item: PlacementItem, product: Any) -> dict[str, Any]:
+        """Return the points and what they are worth under every convention."""
+        worth = {} if product is None else _worth(item, product)
+        value = worth.get(Convention.BOTH_NOISY)
+        bound = item.certificate
+        return {
+            "points": product,
+            "mutual_information": value,
+            "certificate": bound,
+            "ratio": None if value is None or bound is None else value / bound,
+            "information": worth,
+        }
+
+    def spell(self, run: Run) -> str:
+        """Return the information in nats."""
+        return "no placement" if run.objective is None else f"{-run.objective:.4f} nats"
+
+    def check(self, folder: Path) -> tuple[str, list[str]]:
+        """Recompute every claim from the points and the problem beside them, and every certificate."""
+        from reports.placement_store import placement_contradictions, read_placements  # here: pandas takes its time
+
+        runs, items, problems = check_runs(self, folder, _false_certificate, _false_claims)
+        found = placement_contradictions(read_placements(folder)[0])
+        problems += [f"{path}: {sentence}" for path, sentence in found]
+        return f"{runs} placement runs on {items} problems", problems
+
+    def publish(self, folders: list[Path], outputs: Outputs) -> Published:
+        """Print the methods side by side on each problem."""
+        from reports.placement_page import HEADINGS, placement_summary, summary_cells, write_placement_page
+        from reports.placement_store import placement_contradictions, read_placements
+
+        runs, warnings = read_placements(*folders)
+        frame = write_placement_page(runs, outputs.page, f"Task locations: {study_title(folders)}")
+        if outputs.table is not None:
+            write_aside(outputs.table, frame.to_csv(index=False))
+        if len(frame):
+            print_table(list(HEADINGS.values()), summary_cells(placement_summary(frame)), words=2)
+        problems = [*warnings, *(sentence for _, sentence in placement_contradictions(runs))]
+        if failed := int(frame["mutual_information"].isna().sum()):
+            problems.append(f"{failed} runs ended without a placement")
+        if note := code_note([run["code"] for run in runs]):
+            print(note)
+        return Published([path for path in (outputs.table, outputs.page) if path], problems)
+
+
+PLACEMENT = PlacementStudy()
+
+
+def _worth(item: PlacementItem, points: Any) -> dict[str, float]:
+    p = np.array(points, dtype=float)
+    return {str(c): item.problem.criterion.under(c).value(p) for c in Convention}
+
+
+def _false_certificate(item: PlacementItem) -> list[str]:
+    actual = certificate(item.problem.criterion, item.problem.region, item.n_tasks).bound
+    if item.certificate is not None and item.certificate >= actual * (1 - LOOSER):
+        return []
+    return [f"states a certificate of {item.certificate!r} nats, but recomputed it is {actual!r}"]
+
+
+def _false_claims(item: PlacementItem, run: Run) -> list[str]:
+    own, bound, found = run.own, item.certificate or 0.0, []
+    if not _close(own["certificate"], bound) or not _close(run.bound, -bound):
+        found.append(f"states a certificate of {own['certificate']!r} nats, but its problem's is {bound!r}")
+    if own["mutual_information"] is None:
+        return found if own["points"] is None else [*found, "has points, but does not say what they are worth"]
+    try:
+        checked_points(item.problem, np.array(own["points"], dtype=float), run.label)
+        worth = _worth(item, own["points"])
+    except (RuntimeError, TypeError, ValueError, np.linalg.LinAlgError) as error:
+        return [*found, str(error)]
+    value = worth[Convention.BOTH_NOISY]
+    claims = {"mutual_information": (own["mutual_information"], value)}
+    claims["minus objective"] = (None if run.objective is None else -run.objective, value)
+    claims |= {f"information ({name})": (own["information"].get(name), worth[name]) for name in worth}
+    found += [
+        f"claims {what} = {claim!r} nats, but its points are worth {actual!r}"
+        for what, (claim, actual) in claims.items()
+        if not _close(claim, actual)
+    ]
+    highest = max((-objective for _, objective, _ in run.trace if objective is not None), default=value)
+    if highest > value and not _close(highest, value):
+        found.append(f"its trace claims {highest!r} nats, but its points are worth {value!r}")
+    return found
+
+
+def _close(claim: Any, actual: float) -> bool:
+    if not isinstance(claim, (int, float)) or isinstance(claim, bool):
+        return False
+    return bool(abs(claim - actual) <= TOLERANCE * abs(actual))

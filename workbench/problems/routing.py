@@ -1,0 +1,300 @@
+"""The routing problem: the min-max multi-depot multiple TSP (sub-problem 3 of the paper), routes of an instance.
+
+A study's own keys:
+
+files = ["sets/*.json"]          # instance files, folders and patterns, relative to the study
+[[families]]                     # a grid: every list is tried in every combination
+family = "uniform"
+tasks = [10, 20]
+depots = [2, 3]
+seeds = 5
+parameters = { wind = ["none", "shear"] }
+
+No solver grades itself. A claim is believed only where the routes are feasible, their recomputed cost is the claimed
+one, and the claimed bound does not contradict them; stored claims are looked at again by
+`reports.metrics.contradictions`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from formulations.limits import Limits
+from formulations.routing.registry import SOLVERS
+from formulations.routing.solver import Event, Result, Solver, Status
+from instances import InputError, Instance, as_routes, check_routes, makespan, tour_costs
+from instances.best_known import best_known
+from instances.files import read_instance, write_instance
+from reports.record import ITEM_FILES, Run, code_note
+from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
+from workbench.jobs.tables import counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
+from workbench.making import check_family
+from workbench.sources import FamilySource, FileSource, instance_files
+from workbench.terminal import print_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from reports.compare import Comparison
+
+FAMILY_KEYS = ("family", "tasks", "depots", "seeds", "parameters")
+LARGE = 500
+"""Nodes from which the kept copy of an instance is compressed."""
+
+
+class Routing(Problem[Instance]):
+    """Instances and routes."""
+
+    name = "routing"
+    methods = SOLVERS
+    item = "instance"
+    entries = "solvers"
+    keys = ("files", "families")
+    limits = ("threads", "iterations")
+    outputs = ("latex", "markdown", "parquet", "against")
+    statuses = tuple(status.value for status in Status)
+
+    def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[Instance]]:
+        """Return the files and families a study names."""
+        given = [typed(item, str, "files") for item in listed(tables.get("files", []))]
+        yield from self.from_files(base / item for item in given)
+        for number, table in enumerate(tables_of(tables, "families"), 1):
+            yield from (FamilySource(*made) for made in family_grid(table, f"families[{number}]"))
+
+    def from_files(self, paths: Iterable[Path]) -> Iterable[Source[Instance]]:
+        """Return the instance files meant by files, folders and patterns."""
+        return [FileSource(path) for given in paths for path in instance_files(given)]
+
+    def size(self, item: Instance) -> int:
+        """Return n."""
+        return int(item.n_tasks)
+
+    def write(self, item: Instance, folder: Path) -> None:
+        """Keep a copy of the instance, compressed where large."""
+        if _kept(folder) is None:
+            plain, compressed = ITEM_FILES[self.name]
+            write_instance(item, folder / (compressed if item.n_nodes > LARGE else plain))
+
+    def read(self, folder: Path) -> Instance:
+        """Return the instance kept in `folder`."""
+        path = _kept(folder)
+        if path is None:
+            raise InputError(f"{folder}: the copy of the instance is missing")
+        instance = read_instance(path)
+        if not folder.name.endswith(instance.digest):
+            raise InputError(f"{path}: is not the instance of its folder (its digest is {instance.digest})")
+        return instance
+
+    def describe(self, item: Instance) -> dict[str, Any]:
+        """Return name, digest, sizes, family, asymmetry, and the best known value [s] where there is one."""
+        described = {
+            "name": item.name,
+            "digest": item.digest,
+            "n_tasks": int(item.n_tasks),
+            "n_depots": int(item.n_depots),
+            "family": str(item.provenance.get("family", "file")),
+            "asymmetry": item.asymmetry,
+        }
+        known = best_known(item.digest)
+        return described | ({"best_known": known.best_known} if known else {})
+
+    def accepts(self, method: Solver, item: Instance) -> str | None:
+        """Ask the solver."""
+        return method.accepts(item)
+
+    def prepare(self, method: Solver, item: Instance) -> None:
+        """Let the solver import and compile."""
+        method.prepare(item)
+
+    def solve(self, method: Solver, item: Instance, limits: Limits, seed: int, tell: Listener, start: Any) -> Claim:
+        """Run the solver."""
+
+        def observe(event: Event) -> None:
+            routes = None if event.routes is None else as_routes(event.routes)
+            tell(Claim(routes, event.objective, event.bound))
+
+        begin = None if start is None else as_routes(start)
+        result = method.solve(item, limits=limits, seed=seed, observe=observe, start=begin)
+        if not isinstance(result, Result):
+            raise TypeError(f"solve returned {type(result).__name__} {str(result)[:80]!r}, not a Result")
+        return Claim(
+            None if result.routes is None else as_routes(result.routes),
+            result.objective,
+            result.bound,
+            Status(result.status),
+            result.stopped_by,
+            result.message,
+            result.tolerance,
+            result.statistics,
+        )
+
+    def judge(self, item: Instance, product: Any, claimed: float | None) -> tuple[float | None, str]:
+        """Return C_max [s] of the routes and what is wrong with the claim."""
+        routes = as_routes(product)
+        if wrong := refute_routes(item, routes):
+            return None, wrong
+        cost = makespan(item, routes)
+        return cost, refute_cost(claimed, cost)
+
+    def refute_ending(self, claim: Claim, objective: float | None) -> str:
+        """Return what is wrong with status, bound and tolerance."""
+        status, bound, tolerance = Status(claim.status), claim.bound, claim.tolerance
+        if claim.product is None and (claim.objective is not None or status is Status.FEASIBLE):
+            return f"claimed {status} with a longest tour of {claim.objective!r} s, but gave no routes"
+        return refute_bound(bound, objective, tolerance) or refute_proof(status, bound, objective, tolerance)
+
+    def own_columns(self, item: Instance, product: Any) -> dict[str, Any]:
+        """Return the routes and the cost of each tour."""
+        if product is None:
+            return {"routes": None, "tour_costs": []}
+        return {"routes": [list(route) for route in product], "tour_costs": tour_costs(item, product).tolist()}
+
+    def spell(self, run: Run) -> str:
+        """Return the longest tour in seconds."""
+        return "no routes" if run.objective is None else f"{run.objective:.6g} s"
+
+    def check(self, folder: Path) -> tuple[str, list[str]]:
+        """Return every damaged file, every contradiction and every run that ended in ERROR."""
+        from reports.metrics import contradictions  # here: pandas takes its time
+        from reports.stores import read_stores
+
+        stores = read_stores(folder)
+        runs, found = stores.runs, contradictions(stores.runs)
+        failed = runs[(runs["status"] == "ERROR") & ~runs["path"].isin(found["path"])]
+        problems = [*stores.warnings]
+        problems += [f"{path}: {sentence}" for path, sentence in zip(found["path"], found["sentence"], strict=True)]
+        problems += [f"{path}: ERROR: {words}" for path, words in zip(failed["path"], failed["message"], strict=True)]
+        return f"{len(runs)} runs on {runs['digest'].nunique()} instances", problems
+
+    def publish(self, folders: list[Path], outputs: Outputs) -> Published:
+        """Print the summary per solver, and against an older store where asked."""
+        from reports import tables  # here: pandas and matplotlib take their time
+        from reports.compare import compare_stores
+        from reports.metrics import contradictions
+        from reports.page import write_report
+        from reports.stores import read_stores
+
+        against = outputs.extra.get("against")
+        if outputs.page:
+            report = write_report(folders, outputs.page, against=[against] if against else ())
+            runs, warnings, comparison = report.runs, report.warnings, report.comparison
+        else:
+            stores = read_stores(*folders)
+            runs, warnings = stores.runs, stores.warnings
+            comparison = compare_stores(runs, read_stores(against).runs) if against else None
+        writers = {"latex": tables.write_latex, "markdown": tables.write_markdown, "parquet": tables.write_parquet}
+        for flag, write in writers.items():
+            if flag in outputs.extra:
+                write(runs, outputs.extra[flag])
+        if outputs.table:
+            tables.write_csv(runs, outputs.table)
+        _print_summary(runs)
+        if comparison:
+            _print_comparison(comparison)
+        false = contradictions(runs)[["instance", "method", "seed", "sentence"]].itertuples(index=False)
+        problems = [*warnings, *(f"{item} {method} seed {seed}: {told}" for item, method, seed, told in false)]
+        written = [path for path in (outputs.table, outputs.page) if path]
+        return Published(written, problems, bool(comparison and comparison.regressed))
+
+
+ROUTING = Routing()
+
+
+def _kept(folder: Path) -> Path | None:
+    return next((folder / name for name in ITEM_FILES["routing"] if (folder / name).exists()), None)
+
+
+def _print_summary(runs: pd.DataFrame) -> None:
+    """Print the summary per solver as a table on stdout."""
+    from reports.metrics import summary
+    from reports.tables import SUMMARY_COLUMNS, cells, shown
+
+    if runs.empty:
+        return
+    found = summary(runs)
+    columns = shown(SUMMARY_COLUMNS, found)
+    rows = ([str(name), *told] for name, told in zip(found.index, cells(columns, found), strict=True))
+    print_table(["Solver", *(column.heading for column in columns)], rows)
+    if note := code_note(runs["code"]):
+        print(note)
+
+
+def _print_comparison(comparison: Comparison) -> None:
+    """Print what became of each method against the older store, on stdout."""
+    counts = ["instances", "better", "worse", "unchanged"]
+    rows = [
+        [f"{row['method']}, {row['measure']}", *(str(row[name]) for name in counts), str(row["verdict"])]
+        for row in comparison.methods.to_dict("records")
+    ]
+    print_table(["Against the older store", *counts, "verdict"], rows)
+    for sentence in [*comparison.regressions, *comparison.remarks]:
+        print(sentence)
+
+
+def family_grid(table: Mapping[str, Any], where: str) -> list[tuple[str, int, int, int, dict[str, Any]]]:
+    """Return every combination a ``[[families]]`` table asks for: family, n, m, seed, parameters, all known."""
+    known_keys(table, FAMILY_KEYS, where)
+    for key in ("family", "tasks", "depots"):
+        if key not in table:
+            raise InputError(f"{where}: '{key}' is missing")
+    names = [typed(name, str, f"{where}.family") for name in listed(table["family"])]
+    combinations = grid(typed(table.get("parameters", {}), dict, f"{where}.parameters"))
+    for name, combination in itertools.product(names, combinations):
+        check_family(name, combination)
+    tasks = counts_from(table["tasks"], f"{where}.tasks")
+    depots = counts_from(table["depots"], f"{where}.depots")
+    seeds = seeds_from(table.get("seeds", 1), f"{where}.seeds")
+    return list(itertools.product(names, tasks, depots, seeds, combinations))
+
+
+ROUNDING = 1e-9
+"""Relative difference between a claimed and the recomputed cost that floating point may explain."""
+WIDEST_TOLERANCE = 1e-3
+"""A proof to within more than this share of the cost is not called one."""
+
+
+def refute_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> str:
+    """Return why `routes` [nodes] are not feasible, in a sentence, or "" where they are."""
+    faults = check_routes(instance, routes)
+    if not faults:
+        return ""
+    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+    return f"the routes are not feasible: {faults[0]}{more}"
+
+
+def refute_cost(claimed: float | None, actual: float) -> str:
+    """Return that the claimed longest tour [s] is not the recomputed one, with both numbers, or "" where it is."""
+    if claimed is not None and abs(claimed - actual) <= ROUNDING * max(abs(claimed), actual):
+        return ""
+    return f"claimed a longest tour of {claimed!r} s, but its routes cost {actual!r} s"
+
+
+def refute_bound(bound: float | None, objective: float | None, tolerance: float) -> str:
+    """Return why `bound` [s] cannot be one, given the verified `objective` [s] of some routes, or ""."""
+    if bound is None:
+        return ""
+    if not math.isfinite(bound):
+        return f"claimed a bound of {bound!r} s, which is not a number"
+    if objective is not None and bound > objective + max(tolerance, ROUNDING * objective):
+        return f"claimed that no routes are shorter than {bound!r} s, but its own routes cost {objective!r} s"
+    return ""
+
+
+def refute_proof(status: Status, bound: float | None, objective: float | None, tolerance: float) -> str:
+    """Return why a claim of OPTIMAL does not hold: no routes, no bound, or a gap above the tolerance [s]; or ""."""
+    if status is not Status.OPTIMAL:
+        return ""
+    if objective is None or bound is None:
+        return f"claimed OPTIMAL without {'routes' if objective is None else 'a bound'}"
+    if not 0 <= tolerance <= WIDEST_TOLERANCE * objective:
+        return f"claimed OPTIMAL with a tolerance of {tolerance!r} s, while its routes cost {objective!r} s"
+    if objective - bound > tolerance + ROUNDING * objective:
+        return (
+            f"claimed OPTIMAL, but its routes cost {objective!r} s and its bound is {bound!r} s, "
+            f"further apart than its tolerance of {tolerance!r} s"
+        )
+    return ""

@@ -12,7 +12,7 @@ from typing import NoReturn
 
 import click
 
-from workbench.jobs.threads import keep_to_one
+from workbench.threads import keep_to_one
 
 COMMANDS = {
     "generate": "make instances of a family",

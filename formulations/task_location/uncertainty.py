@@ -9,8 +9,12 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from formulations.kernel import SquaredExponential
-from formulations.task_location.criterion import log_det
+from formulations.task_location.criterion import Criterion, log_det
 from instances.arrays import Floats
+from instances.environment.region import Region
+
+PIXELS = 161
+"""Places of a map along the longer side."""
 
 
 def posterior_sd(kernel: SquaredExponential, noise_sd: float, readings: Floats, places: Floats) -> Floats:
@@ -27,3 +31,16 @@ def posterior_sd(kernel: SquaredExponential, noise_sd: float, readings: Floats, 
 def information_gain(kernel: SquaredExponential, noise_sd: float, readings: Floats) -> float:
     """Return IG = ½ log det(I + K/σ_n²) [nats] of readings at `readings` (n, 2) [m]."""
     return 0.5 * log_det(np.eye(len(readings)) + kernel(readings, readings) / noise_sd**2)
+
+
+def sd_map(region: Region, criterion: Criterion, readings: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return x (p,), y (q,) [m] and the posterior sd (q, p) over the region's bounding box, NaN outside the region."""
+    x0, y0, x1, y1 = region.bounds
+    pixel = max(x1 - x0, y1 - y0) / (PIXELS - 1)
+    xs = np.linspace(x0, x1, max(2, round((x1 - x0) / pixel) + 1))
+    ys = np.linspace(y0, y1, max(2, round((y1 - y0) / pixel) + 1))
+    places = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
+    sd = np.full(len(places), np.nan)
+    inside = region.contains(places)
+    sd[inside] = posterior_sd(criterion.kernel, criterion.noise_sd, readings, places[inside])
+    return xs, ys, sd.reshape(len(ys), len(xs))

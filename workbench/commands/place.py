@@ -126,9 +126,9 @@ def _place(
     if out is not None:
         write_placement(placement, out)
     if plot is not None:
-        from workbench.commands.place_pictures import draw  # here: matplotlib takes its time
+        from workbench.commands.place_how_many import draw_placement_map
 
-        draw(problem, placement, plot)
+        draw_placement_map(problem, placement, plot)
     if as_json:
         kind = None if bound is None else bound.kind
         click.echo(json.dumps({**placement.as_dict(), "certificate_kind": kind}))

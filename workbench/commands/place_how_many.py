@@ -10,12 +10,15 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 
 from formulations.task_location.criterion import Convention, Criterion
 from formulations.task_location.fewest import fewest_tasks
 from formulations.task_location.how_many import Recommendation, Trial, recommend, trials
 from formulations.task_location.placement import Placement, PlacementMethod, PlacementProblem, PlacementStatus
 from formulations.task_location.placement_files import write_placement
+from formulations.task_location.tour import along
+from formulations.task_location.uncertainty import sd_map
 from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.errors import InputError
@@ -68,9 +71,7 @@ def run_study(
     if out is not None:
         write_aside(out, _csv(done) if out.suffix == ".csv" else json.dumps(answer))
     if plot is not None:
-        from workbench.commands.place_pictures import draw_trials  # here: matplotlib takes its time
-
-        draw_trials(region, criterion, done, advice, spacing, plot)
+        _draw_trials(region, criterion, done, advice, spacing, plot)
     click.echo(json.dumps(answer) if as_json else _text(done, advice))
 
 
@@ -102,9 +103,7 @@ def run_fewest(
     if out is not None:
         write_placement(placement, out)
     if plot is not None:
-        from workbench.commands.place_pictures import draw
-
-        draw(PlacementProblem(region, criterion, len(found.points)), placement, plot)
+        draw_placement_map(PlacementProblem(region, criterion, len(found.points)), placement, plot)
     n = len(found.points)
     if as_json:
         more = {
@@ -166,3 +165,52 @@ def _text(done: list[Trial], advice: Recommendation) -> str:
         )
     edges = f"underfitted below {advice.underfitted_below}, overfitted above {advice.overfitted_above}"
     return "\n".join([*lines, f"recommended: {advice.n} tasks, {advice.reason}", edges])
+
+
+def draw_placement_map(problem: PlacementProblem, placement: Placement, path: Path) -> None:
+    """Draw a placement over its uncertainty map."""
+    from reports.figures.placement import draw_placement  # here: matplotlib takes its time
+    from reports.figures.svg import save_figure
+
+    criterion = problem.criterion
+    drawn = draw_placement(
+        problem.region,
+        placement.points,
+        criterion.tests,
+        sd_map(problem.region, criterion, placement.points),
+        criterion.kernel.signal_sd,
+        placement.summary(),
+    )
+    save_figure(drawn.figure, path)
+
+
+def _draw_trials(
+    region: Region, criterion: Criterion, done: list[Trial], advice: Recommendation, spacing: float, path: Path
+) -> None:
+    """Draw a study: tours of the fewest, the recommended and the most tasks, and the curves."""
+    from reports.figures.placement_study import Curves, Tour, draw_study  # here: matplotlib takes its time
+    from reports.figures.svg import save_figure
+
+    chosen = {trial.n: trial for trial in done}
+    numbers = sorted({done[0].n, advice.n, done[-1].n})
+    verdict = {done[0].n: "few", done[-1].n: "many", advice.n: "recommended"}
+    tours = [
+        Tour(
+            (t := chosen[n]).points,
+            t.order,
+            sd_map(region, criterion, along(t.points, t.order, spacing)),
+            f"{n} tasks ({verdict[n]}), {t.length / 1000:.0f} km",
+        )
+        for n in numbers
+    ]
+    curves = Curves(
+        *(
+            np.array([np.nan if value is None else value for value in column], dtype=float)
+            for column in zip(
+                *((t.n, t.mi1, t.mi2, t.lawnmower, t.length / 1000, t.uncovered, t.planning_noise) for t in done),
+                strict=True,
+            )
+        )
+    )
+    drawn = draw_study(region, tours, curves, advice.n, criterion.kernel.signal_sd)
+    save_figure(drawn.figure, path)

@@ -22,8 +22,8 @@ from typing import Any
 
 import psutil
 
-from workbench.jobs.threads import with_threads
 from workbench.jobs.worker import Assignment
+from workbench.threads import with_threads
 
 PREPARE_LIMIT = 300.0
 """Seconds a child may take to start, import and compile: not part of the solve, but not endless either."""

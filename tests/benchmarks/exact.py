@@ -1,6 +1,6 @@
 """Bars of the exact methods: measured figure beside bar.
 
-    python tests/benchmarks/exact.py [--quick] [--tasks 40] [--seconds 120] [SECTION...]
+    python tests/benchmarks/exact.py [--quick] [--tasks 40] [--seconds 120] [--benchmarks DIR] [SECTION...]
 
 Sections: subset (subset-dp, n = 20 and 22), proofs (branch-and-price, n = 40 to 100), long (exact, m = 2), gaps
 (certified where no proof is in reach), public (eil51, berlin52, eil76), agreement (300 random instances against
@@ -17,10 +17,10 @@ import argparse
 import os
 import resource
 import time
-from pathlib import Path
 from statistics import geometric_mean, median
 
 import numpy as np
+import public_sets
 
 from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
@@ -60,7 +60,7 @@ PROOFS = (  # n, m, CPU seconds, how many of ten
     (80, 8, 120.0, 8),
     (100, 10, 120.0, 8),
 )
-BENCHMARKS = Path(__file__).parents[3] / "shared" / "benchmarks"
+CLASSICS = ("eil51_2", "eil51_3", "eil51_5", "berlin52_2", "berlin52_3", "berlin52_5", "eil76_5", "eil76_7")
 
 
 def wind_instance(n: int, m: int, seed: int) -> Instance:
@@ -163,20 +163,18 @@ def gaps(asked: argparse.Namespace) -> None:
 
 def public(asked: argparse.Namespace) -> None:
     """The classics of mTSPLib, one depot."""
-    from instances.files import read_instance
-
-    if not BENCHMARKS.exists():
-        print("public: skipped, the benchmark folder is not here")
+    if not asked.benchmarks.is_dir():
+        print(f"public: skipped, the public instances are not there ({asked.benchmarks}; --benchmarks DIR)")
         return
     print("public instances by exact on two threads: name | status | routes | bound | gap | wall s")
     solver = make_solver("exact")
-    for name in ("eil51_2", "eil51_3", "eil51_5", "berlin52_2", "berlin52_3", "berlin52_5", "eil76_5", "eil76_7"):
-        instance = read_instance(BENCHMARKS / "single_mtsplib" / f"{name}.mdm")
+    for instance, _ in public_sets.public(asked.benchmarks, "single_mtsplib", only=CLASSICS):
         solver.prepare(instance)
         result, _, lasted = run(solver, instance, asked.seconds or (20.0 if asked.quick else 120.0), 2)
         bound = "none" if result.bound is None else f"{result.bound:.3f}"
         print(
-            f"{name} | {result.status} | {result.objective:.3f} | {bound} | {result.gap or 0:.2%} | {lasted:.1f}",
+            f"{instance.name} | {result.status} | {result.objective:.3f} | {bound} | {result.gap or 0:.2%} | "
+            f"{lasted:.1f}",
             flush=True,
         )
 
@@ -268,6 +266,7 @@ if __name__ == "__main__":
     parser.add_argument("--quick", action="store_true", help="fewer seeds, shorter limits")
     parser.add_argument("--tasks", type=int, help="only this many tasks, in proofs, long, gaps and ratio")
     parser.add_argument("--seconds", type=float, help="limit of a run by the clock, in proofs, gaps and public")
+    public_sets.add_option(parser)
     asked = parser.parse_args()
     for section in asked.sections or SECTIONS:
         SECTIONS[section](asked)

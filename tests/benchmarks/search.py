@@ -1,7 +1,7 @@
 """Bars of the searches: measured figure beside bar.
 
     python tests/benchmarks/search.py [--quick] [--seeds 3] [--seconds S] [--instances a,b] [--alone] [--keep FOLDER]
-                                       [SECTION...]
+                                       [--benchmarks DIR] [SECTION...]
 
 Sections: multi (multi-depot, 30 s, beside PyVRP with a tightening cap), classics (16 small single-depot, 10 s), single
 (single-depot to 600 tasks, 45 s), wind (asymmetric multi-depot, 30 s), proved (n ≤ 60 with proved optima, 2 s), large
@@ -18,7 +18,6 @@ where it is absent. Parameters were tuned on TUNED_ON and, of those in PROVED, o
 from __future__ import annotations
 
 import argparse
-import csv
 import resource
 import time
 from collections.abc import Callable
@@ -29,6 +28,7 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+from public_sets import add_option, public
 
 import formulations.routing.recorder
 import formulations.routing.search.pace
@@ -38,9 +38,8 @@ from formulations.routing.search import cooling, population
 from formulations.routing.search.recreate import WIDTH
 from instances import Instance, Routes, check_routes, makespan
 from instances.families import generate
-from instances.files import read_instance, write_routes
+from instances.files import write_routes
 
-BENCHMARKS = Path(__file__).parents[3] / "shared" / "benchmarks"
 PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`
     (20, 2): (2295.084, 2048.518, 1979.242),
     (20, 3): (1578.891, 1603.418, 1697.514),
@@ -179,19 +178,6 @@ def wind_instance(n: int, m: int, seed: int) -> Instance:
     return generate("square-wind", n, m, seed)
 
 
-def public(*sets: str, most: int = 10**9, only: tuple[str, ...] = ()) -> list[tuple[Instance, float]]:
-    """Return the instances of the public sets that have a best known value, with it."""
-    if not BENCHMARKS.exists():
-        raise SystemExit(f"The public instances are not there ({BENCHMARKS}).")
-    with (BENCHMARKS / "best_known.csv").open() as file:
-        rows = [row for row in csv.DictReader(file) if row["set"] in sets and row["best_known"]]
-    return [
-        (read_instance(BENCHMARKS / row["set"] / f"{row['instance']}.mdm"), float(row["best_known"]))
-        for row in rows
-        if int(row["n_tasks"]) <= most and (not only or row["instance"] in only)
-    ]
-
-
 def gaps_of(
     search: Search, instance: Instance, best: float, seconds: float, seeds: int, keep: Path | None = None
 ) -> list[float]:
@@ -234,7 +220,7 @@ def table(
 
 def multi(args: argparse.Namespace) -> None:
     """Multi-depot: mean ≤ 0.8 % (aim 0.5 %), no instance mean above 2.5 %, mean below PyVRP's; 5 minutes: ≤ 0.3 %."""
-    cases = public("multi_he43", only=args.only)
+    cases = public(args.benchmarks, "multi_he43", only=args.only)
     searches: dict[str, Search] = {"memetic": by_solver("memetic")}
     if not args.alone and has_pyvrp():
         searches["PyVRP, tightening"] = pyvrp_tightening
@@ -246,7 +232,7 @@ def multi(args: argparse.Namespace) -> None:
 
 def classics(args: argparse.Namespace) -> None:
     """The 16 classics of mTSPLib: best known on all."""
-    cases = public("single_mtsplib", only=args.only)
+    cases = public(args.benchmarks, "single_mtsplib", only=args.only)
     gaps = table("classics", cases, {"memetic": by_solver("memetic")}, args, 10.0)["memetic"]
     for (case, _), of_case in zip(cases, gaps, strict=True):
         if max(of_case) >= 1e-4:
@@ -257,14 +243,15 @@ def classics(args: argparse.Namespace) -> None:
 
 def single(args: argparse.Namespace) -> None:
     """Single-depot up to 600 tasks, symmetric and asymmetric: mean ≤ 0.6 %."""
-    cases = public("single_he77", "single_atsp", most=600, only=args.only)
+    cases = public(args.benchmarks, "single_he77", "single_atsp", most=600, only=args.only)
     table("single depot", cases, {"memetic": by_solver("memetic")}, args, 45.0)
     print("bar: mean ≤ 0.6 %")
 
 
 def wind(args: argparse.Namespace) -> None:
     """Asymmetric multi-depot: never worse than the stored values."""
-    gaps = table("asymmetric multi-depot", public("multi_asym_derived"), {"memetic": by_solver("memetic")}, args, 30.0)
+    cases = public(args.benchmarks, "multi_asym_derived")
+    gaps = table("asymmetric multi-depot", cases, {"memetic": by_solver("memetic")}, args, 30.0)
     worst = max(max(g) for g in gaps["memetic"])
     print(f"worst run {worst:+.3f} %, bar: ≤ 0 %")
 
@@ -322,14 +309,14 @@ def peers(args: argparse.Namespace) -> None:
         searches["PyVRP, tightening"] = pyvrp_tightening
     for name in ("ruin-recreate", "routing-library", "ga", "greedy"):
         searches[name] = by_solver(name)
-    table("peers", public("multi_he43", only=args.only or PEERS), searches, args, 30.0)
+    table("peers", public(args.benchmarks, "multi_he43", only=args.only or PEERS), searches, args, 30.0)
     print("bar: memetic's mean below PyVRP's")
 
 
 def ablation(args: argparse.Namespace) -> None:
     """What each ingredient is worth."""
     sources = ("multi_he43", "single_he77", "single_mtsplib")
-    cases = public(*sources, only=args.only or ("md10", "md25", "md40", "lin318_5", "rat99_5"))
+    cases = public(args.benchmarks, *sources, only=args.only or ("md10", "md25", "md40", "lin318_5", "rat99_5"))
     seconds = args.seconds or 10.0
     print(f"\n== ablation: {seconds:g} CPU s, {args.seeds} seeds, mean gap [%] on {len(cases)} instances ==")
     for label in (*ABLATIONS, *CONSTANTS):
@@ -354,6 +341,7 @@ def main() -> None:
     parser.add_argument("--instances", default="", help="only these, separated by commas (not in proved and limits)")
     parser.add_argument("--alone", action="store_true", help="multi: without PyVRP")
     parser.add_argument("--keep", type=Path, default=None, help="write routes better than the best known here")
+    add_option(parser)
     args = parser.parse_args()
     args.only = tuple(filter(None, args.instances.split(",")))
     if args.keep:

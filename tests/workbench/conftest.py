@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ def random_instance(n_tasks: int, n_depots: int, seed: int) -> Instance:
 @pytest.fixture(autouse=True)
 def misbehaving_solvers(monkeypatch):
     """Let child processes import the solvers of misbehaving.py by the name ``misbehaving:Class``."""
-    monkeypatch.setenv("PYTHONPATH", str(HERE))
+    monkeypatch.setenv("PYTHONPATH", str(HERE), prepend=os.pathsep)
     monkeypatch.syspath_prepend(str(HERE))
 
 

@@ -88,8 +88,8 @@ def held_karp() -> Oracle:
 def windy() -> Callable[..., Instance]:
     """Return random instances: points in a 20 km square, 20 m/s airspeed, straight legs in uniform wind and a rotation.
 
-    ``windy(n, m, seed, wind=True)``; without wind the costs are symmetric. Closed form: |d|/v − w·d/v² for uniform
-    wind w, less the rotation's circulation along the leg.
+    ``windy(n, m, seed, wind=True)``, with coordinates; without wind the costs are symmetric. Closed form:
+    |d|/v − w·d/v² for uniform wind w, less the rotation's circulation along the leg.
     """
 
     def make(n: int, m: int, seed: int, wind: bool = True) -> Instance:
@@ -100,6 +100,6 @@ def windy() -> Callable[..., Instance]:
             x, y = points.T
             cost -= (4 * d[..., 0] - 2 * d[..., 1] + 5e-4 * (np.outer(x, y) - np.outer(y, x))) / 400
         np.fill_diagonal(cost, 0.0)
-        return Instance(f"windy-{n}-{m}-{seed}", cost, n, m)
+        return Instance(f"windy-{n}-{m}-{seed}", cost, n, m, points)
 
     return make

@@ -105,10 +105,10 @@ def points_instance(name: str, points: list[tuple[float, float]], n_depots: int)
 
 
 def edge_cases(windy: Windy) -> dict[str, Instance]:
+    """Return the cases by name, each with its places; where costs have none, the solver must do without."""
     base = windy(6, 2, 0)
-    shared = base.cost.copy()
-    shared[:, 7], shared[7, :] = shared[:, 6], shared[6, :]
-    shared[6, 7] = shared[7, 6] = shared[7, 7] = 0.0
+    assert base.coordinates is not None
+    xy, one_depot = base.coordinates, [0, 1, 2, 3, 4, 5, 6, 6]
     mixed = np.where(np.add.outer(np.arange(8), np.arange(8)) % 3 == 0, base.cost * 1e6, base.cost * 1e-9)
     rough = np.random.default_rng(5).uniform(0, 1, (8, 8)) ** 6  # far from the triangle inequality
     np.fill_diagonal(rough, 0.0)
@@ -122,12 +122,12 @@ def edge_cases(windy: Windy) -> dict[str, Instance]:
         "all tasks in one place": points_instance("heap", [(3.0, 4.0)] * 5 + [(0.0, 0.0), (1.0, 0.0)], 2),
         "everything in one place": points_instance("point", [(1.0, 1.0)] * 6, 2),
         "a depot on a task": points_instance("on", [(0, 0), (4, 1), (2, 5), (7, 7), (0, 0), (6, 3)], 2),
-        "two UAVs at one depot": Instance("shared", shared, 6, 2),
-        "costs of 1e-6": Instance("small", base.cost * 1e-9, 6, 2),
-        "costs of 1e9": Instance("large", base.cost * 1e6, 6, 2),
-        "costs of 1e-6 beside 1e9": Instance("mixed", mixed, 6, 2),
+        "two UAVs at one depot": Instance("shared", base.cost[np.ix_(one_depot, one_depot)], 6, 2, xy[one_depot]),
+        "costs of 1e-6": Instance("small", base.cost * 1e-9, 6, 2, xy),
+        "costs of 1e9": Instance("large", base.cost * 1e6, 6, 2, xy),
+        "costs of 1e-6 beside 1e9": Instance("mixed", mixed, 6, 2, xy),
         "no triangle inequality": Instance("rough", rough, 6, 2),
-        "dear arcs between depots": Instance("apart", depots_apart, 6, 2),
+        "dear arcs between depots": Instance("apart", depots_apart, 6, 2, xy),
     }
 
 
@@ -182,7 +182,8 @@ def test_relabelled(solver: Solver, windy: Windy, brute_force: Oracle) -> None:
     instance = windy(6, 3, 5)
     rng = np.random.default_rng(0)
     order = np.concatenate([rng.permutation(6), 6 + rng.permutation(3)])
-    relabelled = Instance("relabelled", instance.cost[np.ix_(order, order)], 6, 3)
+    assert instance.coordinates is not None
+    relabelled = Instance("relabelled", instance.cost[np.ix_(order, order)], 6, 3, instance.coordinates[order])
     agrees(solver, run(solver, relabelled), brute_force(instance)[0])
 
 
@@ -190,7 +191,7 @@ def test_relabelled(solver: Solver, windy: Windy, brute_force: Oracle) -> None:
 def test_scaled(solver: Solver, windy: Windy, brute_force: Oracle, factor: float) -> None:
     """Costs in another unit scale the optimum."""
     instance = windy(6, 2, 6)
-    result = run(solver, Instance("scaled", instance.cost * factor, 6, 2))
+    result = run(solver, Instance("scaled", instance.cost * factor, 6, 2, instance.coordinates))
     optimum = brute_force(instance)[0] * factor
     assert result.objective is not None
     assert result.objective >= optimum * (1 - RELATIVE)

@@ -1,8 +1,7 @@
 """Paths between nodes, their files, and their independent check: length, wind integral and collision, recomputed.
 
-The cost of a path σ at constant speed v0 is the paper's C(σ) = τ − (1/v0²) ∫ w(σ)·dσ (eq. moving_cost), τ the
-length over v0. `path_costs` uses the wind's exact line integrals; `check_paths` trusts neither these nor a
-planner's collision tests: it samples the wind itself and asks the region's polygon.
+`check_paths` trusts neither a planner's costs (`moving_cost.moving_costs`) and the wind's exact line integrals they are
+made of nor its collision tests: it samples the wind itself and asks the region's polygon.
 
 The file lies beside the instance, ``NAME.paths.json.gz`` for ``NAME.json``; its points are rounded to the millimetre.
 """
@@ -25,6 +24,7 @@ from instances.disk import read_bytes, write_aside
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.errors import InputError
+from instances.moving_cost import moving_cost, segments
 
 if TYPE_CHECKING:
     from instances.instance import Instance
@@ -85,21 +85,6 @@ class Paths:
         return Paths.of(n, paths)
 
 
-def path_costs(points: Floats, offsets: Ints, wind: WindField, v0: float) -> Floats:
-    """Return C(σ) [s] of polylines held end to end, shape (len(offsets) − 1,), by exact line integrals."""
-    a, b, owner = _segments(points, offsets)
-    count = len(offsets) - 1
-    lengths = np.bincount(owner, np.hypot(*(b - a).T), minlength=count)
-    return lengths / v0 - np.bincount(owner, wind.line_integral(a, b), minlength=count) / v0**2
-
-
-def _segments(points: Floats, offsets: Ints) -> tuple[Floats, Floats, Ints]:
-    """Return the starts and ends of all segments (k, 2) [m] and the path each belongs to (k,)."""
-    owner = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    inner = np.flatnonzero(owner[:-1] == owner[1:])
-    return points[inner], points[inner + 1], owner[inner]
-
-
 def check_paths(
     paths: Paths,
     cost: Floats,
@@ -145,7 +130,7 @@ def check_paths(
         )
     lengths, push = _recomputed(paths, wind)
     tau = lengths[k] / v0
-    actual = tau - push[k] / v0**2
+    actual = moving_cost(tau, push[k], v0)
     if potential is not None:
         actual = actual + potential[j] - potential[i]
     wrong = np.abs(cost[i, j] - actual) > TOLERANCE * np.maximum(tau, 1e-3)
@@ -160,7 +145,7 @@ def check_paths(
 
 def _recomputed(paths: Paths, wind: WindField | None) -> tuple[Floats, Floats]:
     """Return length [m] and ∫ w·dσ [m²/s] of each path, the wind sampled by composite Gauss quadrature."""
-    a, b, owner = _segments(paths.points, paths.offsets)
+    a, b, owner = segments(paths.points, paths.offsets)
     d = b - a
     size = np.hypot(*d.T)
     count = paths.n_nodes**2

@@ -17,7 +17,7 @@ from formulations.moving_cost.graph import build_graph, near_pairs, standard_rad
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from formulations.moving_cost.tree import paths_of_trees, require_reached, shortest_path_trees
 from instances.errors import InputError
-from instances.paths import path_costs
+from instances.moving_cost import moving_costs
 
 
 @dataclass(frozen=True)
@@ -45,5 +45,5 @@ class Dijkstra(MovingCostMethod):
         paths = paths_of_trees(points, predecessor, terminals)
         require_reached(query, paths)
         progress(1.0, "trees")
-        cost = path_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
+        cost = moving_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
         return MovingCosts(cost, paths, {"nodes": len(points), "edges": len(graph.cost), "collision_tests": len(pairs)})

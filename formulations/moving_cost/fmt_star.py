@@ -4,7 +4,7 @@ Fast Marching Tree* (Janson, Schmerling, Clark & Pavone, IJRR 34, 2015): random 
 in order of cost; each new sample is connected to the best open neighbour, and only that one edge is tested for
 collision (lazy). The paper's modifications:
 
-1. the cost of an edge is c_ij = |σ|/v0 − (1/v0²)∫ w·dσ, directed;
+1. the cost of an edge is its C(σ) in the wind (`instances.moving_cost`), another one each way;
 2. multi-query: one tree per start gives the paths to all other terminals, n problems instead of n²;
 3. the n problems share the information on edges: costs are computed once, and so is every collision test.
 
@@ -27,7 +27,7 @@ from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progr
 from formulations.moving_cost.tree import paths_of_trees, require_reached
 from instances.arrays import Floats, Ints
 from instances.errors import InputError
-from instances.paths import path_costs
+from instances.moving_cost import moving_costs
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class FmtStar(MovingCostMethod):
         planned = time.process_time() - began
         paths = paths_of_trees(points, predecessor, np.arange(n))
         require_reached(query, paths)
-        cost = path_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
+        cost = moving_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
         figures = {"nodes": len(points), "edges": 2 * len(pairs), "collision_tests": tests, "planning_cpu": planned}
         return MovingCosts(cost, paths, figures)
 

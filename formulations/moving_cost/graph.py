@@ -21,6 +21,7 @@ from instances.arrays import Floats, Ints
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.errors import InputError
+from instances.moving_cost import moving_cost
 
 UNKNOWN, FREE, BLOCKED = 0, 1, 2
 
@@ -80,16 +81,15 @@ def build_graph(
 def pair_costs(points: Floats, pairs: Ints, wind: WindField, field: SearchField, v0: float) -> tuple[Floats, Floats]:
     """Return the reduced costs [s] of each pair, there and back."""
     a, b = points[pairs[:, 0]], points[pairs[:, 1]]
-    length = np.hypot(*(b - a).T)
+    tau = np.hypot(*(b - a).T) / v0
     phi = field.potential(points)
     push = wind.line_integral(a, b)
     # The gauge is exact whatever φ is; where the raw cost is safe and the reduced one is not, go without.
     for shift in (phi[pairs[:, 1]] - phi[pairs[:, 0]], 0.0):
-        reduced = (push - shift) / v0**2
-        forward, backward = length / v0 - reduced, length / v0 + reduced
+        forward, backward = moving_cost(tau, push - shift, v0), moving_cost(tau, shift - push, v0)
         if len(pairs) == 0 or min(forward.min(), backward.min()) > 0:
             return forward, backward
-    k = int(np.argmin(np.minimum(forward, backward) - length / v0))
+    k = int(np.argmin(np.minimum(forward, backward) - tau))
     x, y = 0.5 * (a[k] + b[k])
     raise InputError(
         f"wind: near ({x:.0f}, {y:.0f}) m it blows at the airspeed of {v0:.3g} m/s or more: a leg has no positive cost"

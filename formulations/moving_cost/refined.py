@@ -26,7 +26,8 @@ from formulations.moving_cost.pool import Pool
 from formulations.moving_cost.tree import shortest_path_trees
 from instances.arrays import Floats
 from instances.errors import InputError
-from instances.paths import Paths, path_costs
+from instances.moving_cost import moving_costs
+from instances.paths import Paths
 
 REACH = 3.2
 """Connection radius of the lattice in spacings: 36 neighbours."""
@@ -75,7 +76,7 @@ class Refined(MovingCostMethod):
         full = np.zeros(n * n, dtype=np.int64)
         full[pool.start * n + pool.target] = np.diff(pool.offsets)
         paths = Paths(n, pool.points, np.concatenate([[0], np.cumsum(full)]))
-        cost = path_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
+        cost = moving_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
         return MovingCosts(cost, paths, {"edges": edges, "candidates": len(found)})
 
 
@@ -90,7 +91,7 @@ class _Polish:
 
     def costs(self, pool: Pool) -> Floats:
         """Return C(σ) [s] of each candidate, by exact line integrals."""
-        return path_costs(pool.points, pool.offsets, self.query.wind, self.query.v0)
+        return moving_costs(pool.points, pool.offsets, self.query.wind, self.query.v0)
 
     def best(self, pool: Pool) -> Pool:
         """Return the cheapest candidate of each pair."""

@@ -11,7 +11,8 @@ import shapely
 from instances import InputError, Instance
 from instances.environment.region import Region
 from instances.environment.wind import Rotation
-from instances.paths import Paths, check_paths, path_costs, paths_file, read_paths, write_paths
+from instances.moving_cost import moving_costs
+from instances.paths import Paths, check_paths, paths_file, read_paths, write_paths
 
 WIND, V0 = Rotation(4e-4, (500.0, 500.0)), 20.0
 NODES = np.array([[100.0, 100.0], [900.0, 120.0], [480.0, 930.0]])
@@ -26,7 +27,7 @@ def bent(i: int, j: int, by: float = 30.0) -> np.ndarray:
 
 def paths_and_cost() -> tuple[Paths, np.ndarray]:
     paths = Paths.of(3, [np.empty((0, 2)) if i == j else bent(i, j) for i in range(3) for j in range(3)])
-    return paths, path_costs(paths.points, paths.offsets, WIND, V0).reshape(3, 3)
+    return paths, moving_costs(paths.points, paths.offsets, WIND, V0).reshape(3, 3)
 
 
 def check(paths: Paths, cost: np.ndarray, region: Region = REGION) -> list[str]:

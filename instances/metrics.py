@@ -5,9 +5,8 @@ A metric is a small dictionary, as it stands in an instance file's `cost`:
 * ``{"metric": "euclidean", "speed": v, "rounding": r}``: c_ij = r(|x_j − x_i| / v) with speed v [m/s], 1 if left
   out, and r one of ``none`` (if left out), ``nearest`` (TSPLIB EUC_2D), ``up`` (CEIL_2D), ``down`` (FLOOR_2D);
 * ``{"metric": "att"}``: TSPLIB's pseudo-Euclidean distance;
-* ``{"metric": "wind", "airspeed": v0, "wind": {...}, "region": [ring, ...]}``: the closed forms of
-  `instances.environment.closed_form` over open country or, where a region is given (the rings of a GeoJSON polygon),
-  of `instances.environment.corner_paths` inside it.
+* ``{"metric": "wind", "airspeed": v0, "wind": {...}}``: the moving cost in a wind of constant vorticity over open
+  country, `instances.wind_metric`; in old files with a ``"region"``, `instances.old_corridor_metric`.
 
 Source of the TSPLIB roundings: G. Reinelt, TSPLIB 95, 1995, §2.
 """
@@ -21,7 +20,9 @@ from typing import Any
 import numpy as np
 
 from instances.arrays import Floats
+from instances.environment.wind import wind_from_toml
 from instances.errors import InputError, suggestion
+from instances.wind_metric import cost_matrix
 
 ROUNDINGS: dict[str, Callable[[Floats], Floats]] = {
     "none": lambda d: d,
@@ -80,20 +81,17 @@ def _att(points: Floats) -> Floats:
 
 
 def _wind(points: Floats, airspeed: Any = None, wind: Any = None, region: Any = None) -> Floats:
-    # here, not above: files without wind need neither shapely nor the wind fields
-    from instances.environment.closed_form import cost_matrix
-    from instances.environment.corner_paths import corner_path_costs
-    from instances.environment.region import Region, single_polygon
-    from instances.environment.wind import wind_from_toml
-
     v0 = positive(airspeed, "cost: airspeed")
     if wind is not None and not isinstance(wind, Mapping):
         raise InputError(f"cost: wind must be a table or null, got {wind!r}")
     field = None if wind is None else wind_from_toml(wind)
     if region is None:
         return cost_matrix(points, v0, field)
-    polygon = single_polygon({"type": "Polygon", "coordinates": region})
-    return corner_path_costs(points, Region(polygon), v0, field)
+    # here, not above: shapely takes its time, and few files need it
+    from instances.environment.region import Region, single_polygon
+    from instances.old_corridor_metric import old_corridor_costs
+
+    return old_corridor_costs(points, Region(single_polygon({"type": "Polygon", "coordinates": region})), v0, field)
 
 
 METRICS: dict[str, tuple[Callable[..., Floats], tuple[str, ...]]] = {

@@ -26,10 +26,14 @@ def plan(
 ) -> tuple[Instance, Paths]:
     """Return the instance `scenario` becomes and its paths, re-evaluated independently; RuntimeError where refuted."""
     instance, paths = instance_of(scenario, method, options, progress)
-    faults = refute(instance, paths, scenario)
-    if faults:
-        raise RuntimeError("the independent check refutes the moving costs: " + " ".join(faults))
+    require_confirmed(instance, paths, scenario)
     return instance, paths
+
+
+def require_confirmed(instance: Instance, paths: Paths, scenario: Scenario) -> None:
+    """Raise RuntimeError where the moving costs of `instance` or the paths behind them are refuted."""
+    if faults := refute(instance, paths, scenario):
+        raise RuntimeError("the independent check refutes the moving costs: " + " ".join(faults))
 
 
 def refute(instance: Instance, paths: Paths, scenario: Scenario) -> list[str]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
+from formulations.moving_cost.families import generate
 from instances import InputError, Instance
 from instances.files import read_instance
-from workbench.making import make_instance
 
 ENDINGS = (".json", ".json.gz", ".mdm", ".mtsp", ".tsp", ".atsp", ".vrp")
 """Endings by which instance files are found in a folder."""
@@ -46,7 +46,7 @@ class FamilySource:
 
     def load(self) -> Instance:
         """Generate the instance."""
-        return make_instance(self.family, self.n_tasks, self.n_depots, self.seed, self.parameters)
+        return generate(self.family, self.n_tasks, self.n_depots, self.seed, **self.parameters)
 
 
 def instance_files(given: Path) -> list[Path]:

@@ -1,8 +1,7 @@
 """The family `corridor`: a non-convex region, a square crossed by walls, and legs that must keep inside.
 
 Walls stand alternately on the lower and the upper side and leave an opening at their other end, so that the region is
-one winding corridor. Legs bend at the walls' corners: exact for calm and uniform wind, an upper bound of the true
-moving cost for shear and rotation; see `instances.environment.corner_paths`.
+one winding corridor.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from shapely.geometry import Polygon
 from instances.environment.region import Region
 from instances.errors import InputError
 from instances.families import depots, winds
-from instances.families.family import Family
+from instances.families.family import Family, Legs
 from instances.families.parameter import Parameter, Values
 from instances.families.square import SIZE, uniform_tasks
 
@@ -49,5 +48,5 @@ CORRIDOR = Family(
     ),
     winding,
     uniform_tasks,
-    walls=True,
+    legs=Legs.INSIDE,
 )

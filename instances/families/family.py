@@ -1,9 +1,10 @@
-"""What a generator family is: a description, parameters with units, a region, and where its tasks lie in it."""
+"""What a generator family is: a description, parameters with units, a region, where its tasks lie, what legs are."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -14,14 +15,20 @@ from instances.errors import InputError, suggestion
 from instances.families.depots import place_depots
 from instances.families.parameter import Parameter, Values
 from instances.families.winds import make_wind
-from instances.instance import Instance
-from instances.metrics import metric_cost
 from instances.scenario import Scenario
+
+
+class Legs(Enum):
+    """What the legs of a family's instances are: from this `formulations.moving_cost` knows how to cost them."""
+
+    OPEN = "the cheapest paths over open country, which may leave the region"
+    STRAIGHT = "straight lines, whatever the wind"
+    INSIDE = "the cheapest paths inside the region, around its no-fly zones"
 
 
 @dataclass(frozen=True)
 class Family:
-    """One generator family, with moving costs in closed form."""
+    """One generator family: it makes Scenarios."""
 
     name: str
     description: str
@@ -30,8 +37,7 @@ class Family:
     """Parameters → the region."""
     tasks: Callable[[Region, int, np.random.Generator, Values], Floats]
     """Region, n, random numbers, parameters → task points (n, 2) [m]."""
-    walls: bool = False
-    """Whether legs keep inside the region (`corner_paths`) or fly over open country (`closed_form`)."""
+    legs: Legs = Legs.OPEN
 
     def values(self, given: Mapping[str, Any]) -> Values:
         """Return every parameter's value, `given` ones checked, others by default; InputError with the near miss."""
@@ -50,33 +56,19 @@ class Family:
         values = self.values(given)
         region = self.region(values)
         for_tasks, for_depots = map(np.random.default_rng, np.random.SeedSequence(seed).spawn(2))
-        wind = [] if values["wind"] == "none" else [f"{values['wind']}-wind"]
+        blows = [] if values["wind"] == "none" else [f"{values['wind']}-wind"]
         depots = [] if values["depots"] == "spread" else [f"{values['depots']}-depots"]
+        wind = make_wind(region, values)
+        provenance: dict[str, Any] = {"family": self.name, "parameters": values, "seed": seed}
+        if self.legs is Legs.INSIDE:  # for pictures: costs do not say what legs flew around
+            provenance["surroundings"] = {"region": [ring.tolist() for ring in region.rings]}
+            provenance["surroundings"] |= {} if wind is None else {"wind": wind.to_toml()}
         return Scenario(
-            name="-".join([self.name, *wind, *depots, f"n{n_tasks}", f"m{n_depots}", f"s{seed}"]),
+            name="-".join([self.name, *blows, *depots, f"n{n_tasks}", f"m{n_depots}", f"s{seed}"]),
             region=region,
             depots=place_depots(region, n_depots, for_depots, values),
             airspeed=values["airspeed"],
-            wind=make_wind(region, values),
+            wind=wind,
             tasks=self.tasks(region, n_tasks, for_tasks, values),
-            provenance={"family": self.name, "parameters": values, "seed": seed},
-        )
-
-    def instance(self, scenario: Scenario) -> Instance:
-        """Return the scenario of this family with its moving costs in closed form [s]."""
-        metric: dict[str, Any] = {
-            "metric": "wind",
-            "airspeed": scenario.airspeed,
-            "wind": None if scenario.wind is None else scenario.wind.to_toml(),
-        }
-        if self.walls:
-            metric["region"] = [ring.tolist() for ring in scenario.region.rings]
-        points = scenario.points
-        return Instance(
-            scenario.name,
-            metric_cost(metric, points),
-            scenario.n_tasks,
-            scenario.n_depots,
-            points,
-            {**scenario.provenance, "metric": metric},
+            provenance=provenance,
         )

@@ -19,9 +19,8 @@ import numpy as np
 from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.environment.wind import Rotation
-from instances.families.family import Family
+from instances.families.family import Family, Legs
 from instances.families.square import uniform_tasks
-from instances.instance import Instance
 from instances.scenario import Scenario
 
 SIZE = 20_000.0
@@ -37,17 +36,6 @@ def points(n_tasks: int, n_depots: int, seed: int) -> Floats:
     """Return tasks, then depots, shape (n+m, 2) [m]."""
     rng = np.random.default_rng(1000 * n_tasks + 100 * n_depots + seed)
     return rng.uniform(0, SIZE, (n_tasks + n_depots, 2))
-
-
-def straight_cost(p: Floats) -> Floats:
-    """Return ``cost[i, j]`` [s], shape (k, k), of straight legs between `p` (k, 2) [m]."""
-    q = p - SIZE / 2
-    dx, dy = q[None, :, 0] - q[:, None, 0], q[None, :, 1] - q[:, None, 1]
-    cross = q[:, None, 0] * q[None, :, 1] - q[:, None, 1] * q[None, :, 0]
-    along = VELOCITY[0] * dx + VELOCITY[1] * dy
-    cost = np.sqrt(dx * dx + dy * dy) / AIRSPEED - along / AIRSPEED**2 - RATE * cross / AIRSPEED**2
-    np.fill_diagonal(cost, 0.0)
-    return np.asarray(cost)
 
 
 class SquareWind(Family):
@@ -67,11 +55,6 @@ class SquareWind(Family):
             provenance={"family": self.name, "parameters": values, "seed": seed},
         )
 
-    def instance(self, scenario: Scenario) -> Instance:
-        """Return the instance with the costs of straight legs."""
-        p = scenario.points
-        return Instance(scenario.name, straight_cost(p), scenario.n_tasks, scenario.n_depots, p, scenario.provenance)
-
 
 SQUARE_WIND = SquareWind(
     "square-wind",
@@ -79,4 +62,5 @@ SQUARE_WIND = SquareWind(
     (),
     lambda values: Region.rectangle(SIZE, SIZE),
     uniform_tasks,
+    Legs.STRAIGHT,
 )

@@ -1,7 +1,6 @@
 """The families `wind-uniform`, `wind-vortices`, `wind-mountains`: missions with no-fly zones in a wind with vorticity.
 
-They make Scenarios. Their moving costs have no closed form: `formulations.moving_cost` finds them. A wind without
-vorticity changes no tour, so each wind here carries some.
+A wind without vorticity changes no tour, so each wind here carries some.
 """
 
 from __future__ import annotations
@@ -18,12 +17,11 @@ from instances.environment.wind import Sum, Uniform, WindField
 from instances.environment.wind_vortices import Vortices
 from instances.errors import InputError
 from instances.families import depots
-from instances.families.family import Family
+from instances.families.family import Family, Legs
 from instances.families.parameter import Parameter, Values
 from instances.families.square import SIZE, square, uniform_tasks
 from instances.families.wind_zones import PARAMETERS as ZONES
 from instances.families.wind_zones import no_fly_zones
-from instances.instance import Instance
 from instances.scenario import Scenario
 
 STEADY = (
@@ -41,8 +39,8 @@ MakeWind = Callable[[Region, np.random.Generator, Values], WindField]
 
 
 @dataclass(frozen=True)
-class Mission(Family):
-    """A family of missions whose moving costs are found by path planning."""
+class WindFamily(Family):
+    """A family with no-fly zones and a wind that is drawn."""
 
     wind: MakeWind | None = None
     """Region, random numbers, parameters → the wind."""
@@ -68,12 +66,6 @@ class Mission(Family):
             tasks=self.tasks(free, n_tasks, for_tasks, values),
             no_fly=zones,
             provenance={"family": self.name, "parameters": values, "seed": seed},
-        )
-
-    def instance(self, scenario: Scenario) -> Instance:
-        """Raise InputError: there is no closed form."""
-        raise InputError(
-            f"family {self.name}: its moving costs have no closed form; they are planned by formulations.moving_cost"
         )
 
 
@@ -124,7 +116,7 @@ def _mountains(region: Region, rng: np.random.Generator, values: Values) -> Wind
     return _with_turbulence(flow, rng, values)
 
 
-WIND_UNIFORM = Mission(
+WIND_UNIFORM = WindFamily(
     "wind-uniform",
     "a steady wind with turbulence (stream function), no-fly zones; turbulence=0 leaves a wind that changes no tour",
     (
@@ -136,10 +128,11 @@ WIND_UNIFORM = Mission(
     ),
     square,
     uniform_tasks,
+    Legs.INSIDE,
     wind=_gusty,
 )
 
-WIND_VORTICES = Mission(
+WIND_VORTICES = WindFamily(
     "wind-vortices",
     "a steady wind from the north-east with vortices, no-fly zones",
     (
@@ -153,10 +146,11 @@ WIND_VORTICES = Mission(
     ),
     square,
     uniform_tasks,
+    Legs.INSIDE,
     wind=_vortices,
 )
 
-WIND_MOUNTAINS = Mission(
+WIND_MOUNTAINS = WindFamily(
     "wind-mountains",
     "mass-consistent flow over synthetic mountains at an altitude, with turbulence in their lee, no-fly zones",
     (
@@ -173,5 +167,6 @@ WIND_MOUNTAINS = Mission(
     ),
     square,
     uniform_tasks,
+    Legs.INSIDE,
     wind=_mountains,
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,39 +16,34 @@ from matplotlib.ticker import MaxNLocator
 from instances import Instance, Routes, tour_costs
 from instances.arrays import Floats
 from instances.environment.region import Region
+from instances.environment.wind import WindField
+from instances.paths import Paths
 from reports.figures.style import COLOURS, DASHES, FAINT, INK, PAPER, RC
-from reports.figures.surroundings import flown, surroundings
+from reports.figures.surroundings import surroundings
 from reports.figures.svg import save_figure
-
-Wind = Callable[[Floats], Floats]
-"""Wind velocity [m/s], shape (k, 2), at points [m], shape (k, 2)."""
 
 ARROWS_BELOW = 400
 """Legs get an arrow each where there are fewer tasks than this; more would hide the tours."""
 
 
-def save_routes(
-    instance: Instance, routes: Routes, path: Path | str, *, region: Region | None = None, wind: Wind | None = None
-) -> None:
+def save_routes(instance: Instance, routes: Routes, path: Path | str, paths: Paths | None = None) -> None:
     """Draw `routes` and write the picture to `path` (.svg, .png or .pdf); InputError where it cannot be written."""
-    save_figure(draw_routes(instance, routes, region=region, wind=wind), path)
+    save_figure(draw_routes(instance, routes, paths), path)
 
 
 def draw_routes(
     instance: Instance,
     routes: Routes,
-    *,
-    region: Region | None = None,
-    wind: Wind | None = None,
+    paths: Paths | None = None,
     title: str | None = None,
 ) -> Figure:
     """Return the tours on the map and, beside it, bars of their costs C_k [s].
 
-    region, wind : drawn below the tours; where not given, those the instance was made in, if it states them. Where the
-    instance has no coordinates only the bars are drawn.
+    Below the tours lie the region and the wind the instance was made in, if it states them. paths : behind the costs of
+    `instance`, drawn as legs; straight lines where not given. Where the instance has no coordinates only the bars are
+    drawn.
     """
-    stated_region, stated_wind = surroundings(instance)
-    region, wind = region or stated_region, wind or stated_wind
+    region, wind = surroundings(instance)
     with rc_context(RC):
         if instance.coordinates is None:
             figure = Figure(figsize=(7.2, 1.2 + 0.24 * min(instance.n_depots, 40)), layout="constrained")
@@ -56,7 +51,7 @@ def draw_routes(
         else:
             figure = Figure(figsize=(7.2, 4.6), layout="constrained")
             plan, bars = figure.subplots(1, 2, width_ratios=[2.6, 1.0])
-            _map(plan, instance, routes, instance.coordinates, region, wind)
+            _map(plan, instance, routes, instance.coordinates, paths, region, wind)
             _bars(bars, instance, routes)
         figure.suptitle(title if title is not None else _title(instance, routes), fontsize=10, color=INK)
     return figure
@@ -74,8 +69,9 @@ def _map(
     instance: Instance,
     routes: Routes,
     coordinates: Floats,
+    paths: Paths | None,
     region: Region | None,
-    wind: Wind | None,
+    wind: WindField | None,
 ) -> None:
     scale, unit = (1e3, "km") if np.ptp(coordinates, axis=0).max() >= 5e3 else (1.0, "m")
     xy = coordinates / scale
@@ -86,7 +82,8 @@ def _map(
         _wind_arrows(axes, wind, region, corners, scale)
     for k, route in enumerate(routes):
         if len(route):
-            legs = flown(instance, [instance.n_tasks + k, *route, instance.n_tasks + k], region)
+            stops = [instance.n_tasks + k, *route, instance.n_tasks + k]
+            legs = [coordinates[[i, j]] if paths is None else paths.between(i, j) for i, j in pairwise(stops)]
             _tour(axes, [leg / scale for leg in legs], k, instance.n_tasks < ARROWS_BELOW)
     size = float(np.clip(30 - 5 * np.log(instance.n_tasks), 2, 20))
     axes.scatter(xy[: instance.n_tasks, 0], xy[: instance.n_tasks, 1], s=size, color=INK, zorder=4, linewidths=0)
@@ -105,7 +102,7 @@ def _outline(region: Region, scale: float) -> PathPatch:
     return PathPatch(Outline.make_compound_path(*rings), facecolor=FAINT, alpha=0.14, edgecolor=INK, linewidth=0.8)
 
 
-def _wind_arrows(axes: Axes, wind: Wind, region: Region | None, corners: Floats, scale: float) -> None:
+def _wind_arrows(axes: Axes, wind: WindField, region: Region | None, corners: Floats, scale: float) -> None:
     """Draw the wind on a coarse grid and say how strong the strongest arrow is [m/s]."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     span = np.where(high > low, high - low, 1.0)

@@ -13,10 +13,10 @@ import time
 from dataclasses import fields
 
 from formulations.limits import Limits
+from formulations.moving_cost.families import generate
 from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.routing.solver import Result, Status
 from instances import Instance
-from instances.families import generate
 
 OPTIMA = {
     (20, 2): (2295.084, 2048.518, 1979.242),

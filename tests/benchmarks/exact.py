@@ -23,12 +23,12 @@ import numpy as np
 import public_sets
 
 from formulations.limits import Limits
+from formulations.moving_cost.families import generate
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.registry import make_solver
 from formulations.routing.solver import Result, Solver, Status
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes, check_routes
-from instances.families import generate
 
 KNOWN = {  # proved optima [s] of seeds 0, 1, 2
     (20, 2): (2295.084, 2048.518, 1979.242),

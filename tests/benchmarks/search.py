@@ -33,11 +33,11 @@ from public_sets import add_option, public
 import formulations.routing.recorder
 import formulations.routing.search.pace
 from formulations.limits import Limits
+from formulations.moving_cost.families import generate
 from formulations.routing.registry import make_solver
 from formulations.routing.search import cooling, population
 from formulations.routing.search.recreate import WIDTH
 from instances import Instance, Routes, check_routes, makespan
-from instances.families import generate
 from instances.files import write_routes
 
 PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`

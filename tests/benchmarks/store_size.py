@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
+from formulations.moving_cost.families import generate
 from formulations.routing.solver import Status
 from instances import Instance, as_routes, tour_costs
-from instances.families import generate
 from reports.record import Run
 from workbench.jobs.job import Job
 from workbench.jobs.store import Store

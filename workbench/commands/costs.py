@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @click.command("costs")
 @click.argument("scenario_file", metavar="SCENARIO.toml", type=click.Path(path_type=Path))
-@click.option("--method", default="refined", show_default=True, help="refined, fmt-star or dijkstra.")
+@click.option("--method", default="refined", show_default=True, help="refined, closed-form, fmt-star or dijkstra.")
 @click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Instance file (.json, .json.gz, .atsp).")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw wind, tasks and the paths from one start (.svg).")

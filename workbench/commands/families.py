@@ -11,15 +11,24 @@ import click
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(as_json: bool) -> None:
     """List the generator families with their parameters and defaults."""
-    from workbench.making import families
+    from instances.families import FAMILIES
 
-    found = families()
+    found = {
+        name: {
+            "about": family.description,
+            "parameters": {
+                p.name: {"default": p.default, "unit": p.unit, "meaning": p.meaning, "choices": list(p.choices)}
+                for p in family.parameters
+            },
+        }
+        for name, family in FAMILIES.items()
+    }
     if as_json:
         click.echo(json.dumps(found, indent=1))
         return
-    for name, family in found.items():
-        click.echo(f"{name}: {family['about']}")
-        for key, parameter in family["parameters"].items():
-            unit = f" [{parameter['unit']}]" if parameter["unit"] else ""
-            choices = f" ({', '.join(parameter['choices'])})" if parameter["choices"] else ""
-            click.echo(f"    {key} = {json.dumps(parameter['default'])}{unit}: {parameter['meaning']}{choices}")
+    for name, family in FAMILIES.items():
+        click.echo(f"{name}: {family.description}")
+        for p in family.parameters:
+            unit = f" [{p.unit}]" if p.unit else ""
+            choices = f" ({', '.join(p.choices)})" if p.choices else ""
+            click.echo(f"    {p.name} = {json.dumps(p.default)}{unit}: {p.meaning}{choices}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -21,40 +20,33 @@ from instances.errors import InputError
 def command(family: str, tasks: int, depots: int, count: int, seed: int, settings: tuple[str, ...], out: Path) -> None:
     """Make instances of FAMILY, one file each, and print their paths (workbench families lists families).
 
-    A family of missions in wind has its moving costs planned; its scenario and paths lie beside the instance.
+    Where legs lead around walls or through a wind without closed form their costs are planned; the scenario and the
+    paths then lie beside the instance.
     """
-    from instances.families import MISSIONS
+    from formulations.moving_cost.families import costed
+    from instances.families import family as family_of
+    from instances.families import make_scenario
     from instances.files import write_instance
-    from workbench.making import make_instance
+    from instances.scenario import write_scenario
     from workbench.settings import key_values
 
     if count < 1:
         raise InputError(f"--count: must be at least 1, got {count}")
     parameters = key_values(settings, "--set")
     for number in range(seed, seed + count):
-        if family in MISSIONS:
-            click.echo(str(_make_mission(out, family, tasks, depots, number, parameters)))
-            continue
-        instance = make_instance(family, tasks, depots, number, parameters)
+        scenario = make_scenario(family, tasks, depots, number, **parameters)
+        instance, paths = costed(scenario, family_of(family).legs)
         _make_folder(out)
         path = out / f"{instance.name}.json"
-        write_instance(instance, path)
+        if paths is None:
+            write_instance(instance, path)
+        else:
+            from workbench.planning import require_confirmed, write_plan  # here: numba takes its time
+
+            require_confirmed(instance, paths, scenario)
+            write_scenario(scenario, path.with_suffix(".toml"))
+            write_plan(instance, paths, path, path.with_suffix(".toml"))
         click.echo(str(path))
-
-
-def _make_mission(out: Path, family: str, tasks: int, depots: int, seed: int, parameters: dict[str, Any]) -> Path:
-    """Write a mission's scenario, its instance and the paths behind its costs; return the instance's file."""
-    from instances.families import make_scenario
-    from instances.scenario import write_scenario
-    from workbench.planning import plan, write_plan
-
-    scenario = make_scenario(family, tasks, depots, seed, **parameters)
-    instance, paths = plan(scenario)
-    _make_folder(out)
-    path = out / f"{instance.name}.json"
-    write_scenario(scenario, path.with_suffix(".toml"))
-    write_plan(instance, paths, path, path.with_suffix(".toml"))
-    return path
 
 
 def _make_folder(folder: Path) -> None:

@@ -41,6 +41,7 @@ def command(
 ) -> None:
     """Solve INSTANCE. Exit code 1 where that ends without routes, by a crash or by a kill."""
     from instances.files import read_instance, read_routes, write_routes
+    from instances.paths import paths_file, read_paths
     from workbench.jobs.job import Job, folder_of
     from workbench.jobs.runner import run
     from workbench.jobs.study import checked_entry
@@ -54,6 +55,8 @@ def command(
     begin = read_routes(start, instance) if start else None
     for path, endings in ((out, (".sol",)), (plot, (".svg",))):
         check_target(path, endings)
+    beside = paths_file(instance_file)
+    paths = read_paths(beside, instance) if plot and beside.exists() else None
     job = Job(folder_of(instance), solver, entry.options, seed, time_limit, threads, iterations)
     result = run(ROUTING, job, instance, start=begin, observe=_tell)
     routes = result.own["routes"]
@@ -62,7 +65,7 @@ def command(
     if plot and routes is not None:
         from reports.figures.routes import save_routes  # here: matplotlib takes its time
 
-        save_routes(instance, routes, plot)
+        save_routes(instance, routes, plot, paths)
     click.echo(json.dumps(_object(result)) if as_json else _text(result))
     context.exit(0 if routes is not None and result.status in ("OPTIMAL", "FEASIBLE") else 1)
 

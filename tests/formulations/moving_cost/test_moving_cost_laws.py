@@ -102,7 +102,7 @@ EASY = Query(
 )
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", [name for name in METHODS if name != "closed-form"])  # that needs constant vorticity
 def test_every_method_returns_confirmed_paths_and_the_same_ones_again(name: str) -> None:
     options = {"samples": 600}
     found, again = (make_method(name, options).solve(EASY) for _ in range(2))

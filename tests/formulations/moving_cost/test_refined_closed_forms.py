@@ -11,11 +11,11 @@ from scipy.optimize import brentq
 from formulations.moving_cost.costing import CALM
 from formulations.moving_cost.method import Query
 from formulations.moving_cost.refined import Refined
-from instances.environment.closed_form import cost_matrix
 from instances.environment.region import Region
 from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
 from instances.environment.wind_grid import Grid
 from instances.environment.wind_vortices import Vortices
+from instances.wind_metric import cost_matrix
 
 SIDE = 20_000.0
 INNER = np.random.default_rng(4).uniform(6_000, 14_000, (6, 2))

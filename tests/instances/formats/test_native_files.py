@@ -7,8 +7,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from formulations.moving_cost.families import generate
 from instances import InputError, Instance
-from instances.families import generate
 from instances.files import read_instance, write_instance
 from instances.formats import native
 
@@ -129,7 +129,7 @@ def metric(**entries):
         (metric(metric="wind"), "airspeed must be a positive number, got None"),
         (metric(metric="wind", airspeed=20, wind={"kind": "unifrom"}), "did you mean 'uniform'"),
         (metric(metric="wind", airspeed=20, wind={"kind": "uniform", "velocity": [20, 0]}), "below the airspeed"),
-        (metric(metric="wind", airspeed=20, region=[[[0, 0], [1, 0], [1, 1]]]), "lies outside the region"),
+        (metric(metric="wind", airspeed=20, region=[[[0, 0], [1, 0], [1, 1]]]), r"cost\[0\]\[2\] is infinite"),
     ],
 )
 def test_one_sentence_names_file_field_and_value(tmp_path, changes, sentence):

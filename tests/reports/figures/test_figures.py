@@ -6,11 +6,10 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pandas as pd
 import pytest
-from shapely.geometry import LineString
 
+from formulations.moving_cost.families import generate
 from instances import InputError, Instance
-from instances.environment.region import Region
-from instances.families import generate
+from instances.paths import Paths
 from reports import load
 from reports.figures import study_figures
 from reports.figures.ablation import ablated_solvers, worth
@@ -18,7 +17,7 @@ from reports.figures.profiles import ratios
 from reports.figures.routes import draw_routes, save_routes
 from reports.figures.steps import cumulative
 from reports.figures.style import COLOURS, DASHES, styles
-from reports.figures.surroundings import flown, surroundings
+from reports.figures.surroundings import surroundings
 from reports.figures.svg import inline_svg
 from reports.metrics import with_gaps
 
@@ -92,8 +91,7 @@ def instance(coordinates=True):
 @pytest.mark.parametrize("ending", ["svg", "png", "pdf"])
 def test_routes_are_drawn_and_written(tmp_path, ending):
     target = tmp_path / f"routes.{ending}"
-    wind = lambda p: np.column_stack([-p[:, 1], p[:, 0]]) / 1e3  # noqa: E731
-    save_routes(instance(), ((0, 1, 2), (3,)), target, region=Region.rectangle(12e3, 12e3), wind=wind)
+    save_routes(generate("corridor", 4, 2, 0, wind="rotation"), ((0, 1, 2), (3,)), target)
     start = {"svg": b"<?xml", "png": b"\x89PNG", "pdf": b"%PDF"}[ending]
     assert target.read_bytes().startswith(start)
     assert list(tmp_path.iterdir()) == [target]
@@ -120,27 +118,26 @@ def test_a_picture_of_unknown_ending_is_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("wind", ["none", "rotation"])
-def test_legs_bend_around_walls_as_their_costs_do(wind):
-    given = generate("corridor", 12, 2, 3, wind=wind)
-    region, _ = surroundings(given)
-    roomy = region.polygon.buffer(1e-3)
-    bent = 0
-    for i in range(0, 12, 3):
-        for j in range(1, 12, 4):
-            (leg,) = flown(given, [i, j], region)
-            np.testing.assert_array_equal(leg[[0, -1]], given.coordinates[[i, j]])
-            assert roomy.covers(LineString(leg))
-            if wind == "none":
-                assert LineString(leg).length / 20.0 == pytest.approx(given.cost[i, j], rel=1e-9)
-            bent += len(leg) > 2
-    assert bent > 2
+def test_legs_are_drawn_along_given_paths_else_straight():
+    around = np.array([[0.0, 0.0], [1e3, -4e3], [10e3, 0.0]])
+    xy = instance().coordinates
+    paths = Paths.of(
+        6, [around if (i, j) == (0, 1) else xy[[i, j]] if i != j else xy[:0] for i in range(6) for j in range(6)]
+    )
+    bent, straight = (
+        draw_routes(instance(), ((0, 1), (2, 3)), given).axes[0].lines[0].get_xydata() * 1e3 for given in (paths, None)
+    )
+    assert [*around[1]] in bent.tolist()
+    np.testing.assert_allclose(straight, xy[[4, 0, 0, 1, 1, 4]])
 
 
-def test_legs_in_open_country_are_straight():
-    given = generate("uniform", 5, 2, 0, wind="uniform")
-    region, wind = surroundings(given)
+def test_regions_and_winds_are_those_an_instance_states():
+    walls = generate("corridor", 3, 1, 0, wind="rotation")
+    region, wind = surroundings(walls)
+    assert region.area == pytest.approx(20_000**2 - 3 * 400 * 16_000)
+    assert wind.rate > 0
+    open_country = generate("uniform", 5, 2, 0, wind="uniform")
+    region, wind = surroundings(open_country)
     assert region is None
     assert wind is not None
-    assert [len(leg) for leg in flown(given, [5, 0, 1, 5], region)] == [2, 2, 2]
     assert surroundings(instance()) == (None, None)

@@ -75,6 +75,36 @@ def test_generate_plans_missions_in_wind(tmp_path: Path) -> None:
     assert len(list(tmp_path.glob("*.toml"))) == 1
 
 
+def test_generate_plans_around_walls_and_solve_draws_along_the_paths(tmp_path: Path) -> None:
+    out = run("generate", "corridor", "--tasks", 5, "--depots", 2, "--out", tmp_path).stdout
+    assert run("check", next(tmp_path.glob("*.paths.json.gz"))).exit_code == 0
+    instance = Path(out.strip())
+    pictures = []
+    for name in ("planned", "straight"):
+        picture = tmp_path / f"{name}.svg"
+        assert run("solve", instance, "--solver", "greedy", "--plot", picture).exit_code == 0
+        pictures.append(picture.read_bytes())
+        paths_file(instance).unlink(missing_ok=True)
+    assert pictures[0] != pictures[1]
+
+
+def test_generate_in_open_country_writes_the_instance_alone(tmp_path: Path) -> None:
+    out = run("generate", "uniform", "--tasks", 5, "--depots", 2, "--set", "wind=rotation", "--out", tmp_path).stdout
+    assert list(tmp_path.iterdir()) == [Path(out.strip())]
+
+
+def test_costs_in_closed_form(folder: Path) -> None:
+    calm = SCENARIO[: SCENARIO.index("[wind]")].replace('no_fly = "zones.geojson"\n', "")
+    (folder / "s.toml").write_text(calm + '[wind]\nkind = "rotation"\nrate = 1e-4\ncentre = [5000, 5000]\n')
+    for method in ("closed-form", "refined"):
+        result = run("costs", folder / "s.toml", "--out", folder / f"{method}.json", "--method", method)
+        assert result.exit_code == 0, result.output
+        assert f"30 paths by {method}" in result.stdout
+    exact, refined = (read_instance(folder / f"{method}.json").cost for method in ("closed-form", "refined"))
+    np.testing.assert_allclose(refined, exact, rtol=1e-5)
+    assert run("check", folder / "closed-form.paths.json.gz").exit_code == 0
+
+
 @pytest.mark.parametrize(
     ("change", "arguments", "words"),
     [

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from instances import InputError
-from instances.environment.closed_form import cost_matrix, pair_costs
 from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
+from instances.wind_metric import cost_matrix, pair_costs
 
 V0 = 20.0
 WINDS = [

@@ -1,16 +1,16 @@
-"""Paths through corners: against shapely's sight and against shortest paths of a lattice, which knows no corners."""
+"""Costs of old corridor files: against shapely's sight and shortest paths of a lattice, which knows no corners."""
 
 import numpy as np
 import pytest
 import shapely
 from scipy.sparse.csgraph import dijkstra
 
-from instances import InputError
-from instances.environment.closed_form import cost_matrix
-from instances.environment.corner_paths import corner_path_costs, sees, turning_corners
 from instances.environment.region import Region
 from instances.environment.wind import Rotation, Shear, Sum, Uniform
-from instances.environment.wind_vortices import Vortices
+from instances.families.corridor import winding
+from instances.formats.native import instance_of
+from instances.old_corridor_metric import old_corridor_costs, turning_corners
+from instances.wind_metric import cost_matrix
 
 V0 = 20.0
 WINDS = [
@@ -41,15 +41,9 @@ def test_corners_a_string_can_bend_around():
     }
 
 
-def test_sight_agrees_with_shapely():
-    p = HOLED.sample(60, np.random.default_rng(0))
-    ends = np.stack(np.broadcast_arrays(p[:, None], p[None, :]), axis=2)
-    assert (sees(p, HOLED) == shapely.covers(HOLED.polygon, shapely.linestrings(ends)))[~np.eye(60, dtype=bool)].all()
-
-
 def test_legs_along_a_wall_and_from_corner_to_corner_are_seen():
     p = 1000.0 * np.array([(8, 5), (8, 8), (8, 13), (8, 18), (15, 13)])
-    cost = corner_path_costs(p, HOLED, 1.0, None)
+    cost = old_corridor_costs(p, HOLED, 1.0, None)
     assert cost[0, 3] == pytest.approx(13_000)
     assert cost[1, 2] == pytest.approx(5_000)
     assert cost[2, 4] == pytest.approx(7_000)
@@ -59,10 +53,9 @@ def test_legs_along_a_wall_and_from_corner_to_corner_are_seen():
 def test_corner_paths_against_shortest_paths_of_a_fine_lattice(wind):
     """A fine lattice with straight links is another way to the same shortest paths, from above."""
     p = HOLED.sample(8, np.random.default_rng(3))
-    cost = corner_path_costs(p, HOLED, V0, wind)
+    cost = old_corridor_costs(p, HOLED, V0, wind)
     free = cost_matrix(p, V0, wind)
     assert (cost >= free * (1 - 1e-12)).all()  # walls never help
-    seen = sees(p, HOLED)
     nodes = np.concatenate([p, HOLED.cell_centres(14, 14), turning_corners(HOLED)])
     roomy = HOLED.polygon.buffer(1e-6)
     ends = np.stack(np.broadcast_arrays(nodes[:, None], nodes[None, :]), axis=2)
@@ -71,6 +64,7 @@ def test_corner_paths_against_shortest_paths_of_a_fine_lattice(wind):
     if wind is not None:
         flat = ends.reshape(-1, 2, 2)
         legs -= wind.line_integral(flat[:, 0], flat[:, 1]).reshape(legs.shape) / V0**2
+    seen = inside[:8, :8]
     assert (cost[seen] <= legs[:8, :8][seen] * (1 + 1e-12) + 1e-9).all()
     other = dijkstra(np.where(inside, legs, 0.0), indices=range(8))[:, :8]
     if wind is None or isinstance(wind, Uniform):
@@ -80,13 +74,32 @@ def test_corner_paths_against_shortest_paths_of_a_fine_lattice(wind):
         assert (cost <= other * 1.06 + 1e-6).all()
 
 
-def test_points_outside_and_unusable_wind():
-    with pytest.raises(InputError, match="there is no closed form for a Vortices"):
-        corner_path_costs([[7_000.0, 1.0]], HOLED, V0, Vortices(((0.0, 0.0),), (1.0,), (10.0,)))
-    with pytest.raises(InputError, match=r"point 1 at \[1.0, 1.0\] m lies outside the region"):
-        corner_path_costs([[7_000.0, 1.0], [1.0, 1.0]], HOLED, V0, None)
-    with pytest.raises(InputError, match="it reaches 20 m/s in the region"):
-        corner_path_costs([[7_000.0, 1.0]], HOLED, V0, Uniform((0.0, 20.0)))
+def test_an_old_file_has_the_digest_it_was_stored_with():
+    """The digest is of the code that wrote such files."""
+    ring = [[0, 0], [4, 0], [4, 6], [6, 6], [6, 0], [10, 0], [10, 10], [0, 10], [0, 0]]
+    wind = {"kind": "rotation", "rate": 0.05, "centre": [5, 5]}
+    document = {
+        "schema": 1,
+        "name": "old",
+        "n_tasks": 2,
+        "n_depots": 1,
+        "cost": {"metric": "wind", "airspeed": 2.0, "wind": wind, "region": [ring]},
+        "coordinates": [[1.0, 3.0], [9.0, 3.0], [2.0, 9.0]],
+    }
+    assert instance_of(document).digest == "b216cd752530"
+
+
+def test_one_stretch_of_corridor_by_hand():
+    """One wall of thickness 2 at x in [4, 6], opening 3 at the top of a 10 m square: a taut string over two corners."""
+    region = winding({"size": 10.0, "walls": 1, "opening": 3.0, "thickness": 2.0})
+    points = np.array([[1.0, 3.0], [9.0, 3.0], [2.0, 9.0]])
+    cost = old_corridor_costs(points, region, 2.0, None)
+    assert cost[0, 1] == pytest.approx((5 + 2 + 5) / 2)
+    assert cost[0, 2] == pytest.approx(np.sqrt(1 + 36) / 2)
+    # closed form 2: uniform wind adds a potential difference, whatever the way
+    windy = old_corridor_costs(points, region, 2.0, Uniform((0.5, -0.3)))
+    shift = -(points[None] - points[:, None]) @ np.array([0.5, -0.3]) / 4
+    assert windy == pytest.approx(cost + shift)
 
 
 def block_world(seed):
@@ -112,4 +125,4 @@ def test_points_on_walls_on_corners_and_on_each_other(seed):
     length = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=-1)
     seen = shapely.covers(region.polygon.buffer(1e-6), shapely.linestrings(ends)) | (length == 0)
     shortest = dijkstra(np.where(seen, np.maximum(length, 1e-7), 0.0))[: len(p), : len(p)]  # 0 would mean no link
-    assert corner_path_costs(p, region, 1.0, None) == pytest.approx(shortest, abs=1e-5)
+    assert old_corridor_costs(p, region, 1.0, None) == pytest.approx(shortest, abs=1e-5)

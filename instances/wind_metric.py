@@ -1,23 +1,17 @@
-"""Moving costs in closed form: winds whose vorticity is the same everywhere, over the open plane.
+"""The file metric `wind`: moving costs in winds whose vorticity is the same everywhere, over the open plane.
 
-Cost of a path σ at constant airspeed v0 (paper, eq. moving_cost): C(σ) = τ − (1/v0²)∫w·dσ, with τ = length/v0.
-With d = |b − a|, ω = curl w constant and κ = |ω|/v0, the cheapest path is an arc of curvature κ (straight for ω = 0),
-and with φ = asin(κd/2) ≤ π/2 and R = 1/κ it costs, by Stokes' theorem between the arc and its chord,
+    C = τ·g(κd/2) − (1/v0²) ∫_chord w·dσ,   τ = d/v0,   κ = |curl w|/v0,   g(s) = (asin(s)/s + √(1 − s²))/2,   g(0) = 1
 
-    uniform    C = d/v0 − w·(b − a)/v0²
-    rotation   C = 2φR/v0 − [Ω (a − c)×(b − c) + 2ΩA]/v0²,          ω = 2Ω
-    shear      C = 2φR/v0 − [α (ȳ − y0) Δx + |α| A]/v0²,             ω = −α
+for nodes at a distance d. Why this is C(σ) of the cheapest path is derived in `formulations.moving_cost.closed_form`,
+which uses it. It is computed here because it is what the cost of an instance file means where the file names this
+metric, and files are read without formulations.
 
-where A = R²(φ − sin φ cos φ) is the area between the two. All three are one formula, the one computed here:
-
-    C = (d/v0)·g(κd/2) − (1/v0²)∫_chord w·dσ,    g(s) = (asin(s)/s + √(1 − s²))/2,    g(0) = 1.
-
-Valid where |w| < v0 (otherwise the cost is no metric: Randers) and κd/2 ≤ 1. Arcs bulge beyond the convex hull of their
-ends by at most R(1 − cos φ): this is the cost over open country, without walls. For walls see
-`instances.environment.corner_paths`.
+Valid where |w| < v0 (otherwise the cost is no metric: Randers) and κd/2 ≤ 1.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,9 +19,15 @@ from numpy.typing import ArrayLike
 from instances.arrays import Floats
 from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
 from instances.errors import InputError
+from instances.moving_cost import moving_cost
 
 BLOCK = 2_000_000
 """Pairs computed at a time: bounds the memory beside the matrix itself."""
+
+
+def wind_metric(airspeed: float, wind: WindField | None) -> dict[str, Any]:
+    """Return the metric as it stands in an instance file."""
+    return {"metric": "wind", "airspeed": airspeed, "wind": None if wind is None else wind.to_toml()}
 
 
 def vorticity(wind: WindField | None) -> float:
@@ -51,7 +51,7 @@ def pair_costs(a: ArrayLike, b: ArrayLike, airspeed: float, wind: WindField | No
     """
     p, q = np.asarray(a, dtype=float).reshape(-1, 2), np.asarray(b, dtype=float).reshape(-1, 2)
     d = np.sqrt(((q - p) ** 2).sum(axis=1))
-    costs = d / airspeed
+    tau = d / airspeed
     curl = vorticity(wind)
     if curl:
         s = (0.5 * abs(curl) / airspeed) * d
@@ -61,10 +61,8 @@ def pair_costs(a: ArrayLike, b: ArrayLike, airspeed: float, wind: WindField | No
                 f"{airspeed:g} m/s: at most {2 * airspeed / abs(curl):g} m"
             )
         arc_over_chord = np.divide(np.arcsin(s), s, out=np.ones_like(s), where=s > 0)
-        costs *= 0.5 * (arc_over_chord + np.sqrt(1.0 - s * s))
-    if wind is not None:
-        costs -= wind.line_integral(p, q) / airspeed**2
-    return costs
+        tau *= 0.5 * (arc_over_chord + np.sqrt(1.0 - s * s))
+    return tau if wind is None else moving_cost(tau, wind.line_integral(p, q), airspeed)
 
 
 def cost_matrix(points: ArrayLike, airspeed: float, wind: WindField | None) -> Floats:

@@ -69,6 +69,16 @@ class Flight:
         )
         return poses
 
+    def track(self, step: float) -> tuple[Floats, Floats]:
+        """Return times [s], shape (k,), every `step` seconds and at landing, and the poses then, shape (k, 3).
+
+        Headings are in [−π, π).
+        """
+        times = np.append(np.arange(0.0, self.duration, step), self.duration)
+        poses = self.poses(times * self.speed)
+        poses[:, 2] = (poses[:, 2] + np.pi) % (2 * np.pi) - np.pi
+        return times, poses
+
     def measurements(self, period: float) -> tuple[Floats, Floats]:
         """Return times [s], shape (k,), and positions [m], shape (k, 2), of a measurement every `period` seconds.
 

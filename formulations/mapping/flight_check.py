@@ -16,6 +16,7 @@ from shapely.geometry import Polygon
 
 from formulations.mapping.flight import Flight
 from instances.arrays import Floats
+from instances.environment.region import Region
 
 STEP = 2.0
 """Distance between samples of the track [m]."""
@@ -64,3 +65,9 @@ def check_flight(
         deviation=float(shapely.distance(shapely.points(poses[:, :2]), reference).max()),
         in_no_fly=float(inside),
     )
+
+
+def length_outside(flights: Sequence[Flight], region: Region, step: float = 10.0) -> float:
+    """Return the length [m] flown outside `region` by all `flights`, on tracks of a point every `step` metres."""
+    tracks = [flight.poses(np.arange(0.0, flight.length, step))[:, :2] for flight in flights if flight.length > 0]
+    return float(sum(shapely.length(shapely.difference(shapely.linestrings(t), region.polygon)) for t in tracks))

@@ -2,23 +2,67 @@
 
 Parallel lanes of equal spacing, flown to and fro (boustrophedon), clipped to the region. Several UAVs share one such
 track: it is cut into as many stretches, and each UAV flies out to the start of its stretch, along it and back home.
-Cuts and who flies which stretch are chosen so that the longest closed tour is about least.
+Cuts and who flies which stretch are chosen so that the longest closed tour is about least. Of the fewest lanes that
+make tours of a given length, `best_lawnmower` takes the direction and the margin that promise most.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
+from formulations.mapping.flight import Flight, plan_flight
 from instances.arrays import Floats
 from instances.environment.region import Region
 
 ROUNDS = 40
 """Rounds of balancing the cuts."""
+MOST_LANES = 60
+INSETS = (0.5, 0.3)
+"""Margins at the ends of lanes that are tried, in spacings of the lanes."""
+
+
+def best_lawnmower(
+    region: Region,
+    depots: Floats,
+    length: float,
+    worth: Callable[[list[Flight]], float],
+    *,
+    speed: float,
+    radius: float,
+) -> tuple[int, list[Flight]]:
+    """Return the number of lanes and the flights, one a depot, of the lawnmower of least `worth`.
+
+    For lanes west–east and south–north and each margin of INSETS: the fewest lanes whose flights are `length` [m] long
+    together (or MOST_LANES − 1). depots (m, 2) [m]; worth : such as the sd that a survey by these flights promises;
+    speed v [m/s]; radius r_min [m].
+    """
+    tried = [_fewest_lanes(region, depots, length, along, inset, speed, radius) for along in (0, 1) for inset in INSETS]
+    return min(tried, key=lambda lawnmower: worth(lawnmower[1]))
+
+
+def _fewest_lanes(
+    region: Region, depots: Floats, length: float, along: int, inset: float, speed: float, radius: float
+) -> tuple[int, list[Flight]]:
+    flights: list[Flight] = []
+    for count in range(len(depots), max(MOST_LANES, len(depots) + 1)):
+        tours = lawnmower_tours(region, depots, count, along, inset)
+        flights = [_flown(tour, speed, radius) for tour in tours]
+        if sum(flight.length for flight in flights) >= length:
+            break
+    return count, flights
+
+
+def _flown(tour: Floats, speed: float, radius: float) -> Flight:
+    """Return the flight over the corners of a closed tour."""
+    moved = np.append(True, np.hypot(*np.diff(tour, axis=0).T) > 0)
+    corners = tour[moved]
+    return plan_flight([corners[k : k + 2] for k in range(len(corners) - 1)], speed=speed, radius=radius)
 
 
 def lanes(region: Region, count: int, along: int, inset: float = 0.5) -> Floats:

@@ -135,6 +135,20 @@ def fly_survey(
     return Survey(tuple(ticks), position, value, uav, when)
 
 
+def promised_sd(
+    flights: Sequence[Flight], points: Floats, *, kernel: SquaredExponential, noise_sd: float, period: float
+) -> float:
+    """Return the mean posterior sd at `points` [m], shape (p, 2), that a survey by `flights` promises under `kernel`.
+
+    It is known before take-off: the posterior sd (eq. GPR1) does not depend on what is measured.
+    """
+    process = GaussianProcess(kernel, noise_sd, points)
+    for flight in flights:
+        positions = flight.measurements(period)[1]
+        process.extend(positions, np.zeros(len(positions)))
+    return float(process.posterior().sd.mean())
+
+
 def _schedule(flights: Sequence[Flight], period: float) -> list[tuple[float, Ints, Floats]]:
     """Return (time [s], UAVs measuring, their positions [m]) of every tick, in order."""
     if not period > 0:

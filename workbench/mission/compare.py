@@ -1,7 +1,6 @@
 """Stage 7, compare: what a person would fly otherwise, measured and mapped over the same field with the same UAVs.
 
-lawnmower: the fewest lanes whose tours are at least as long as the mission's, in the direction and with the margin at
-the border that promise least uncertainty.
+lawnmower: the fewest lanes whose tours are at least as long as the mission's (`formulations.mapping.lawnmower`).
 random: uniform random tasks, as many as make the tours at least as long; routed as the mission is.
 greedy: as many tasks as the mission has, placed greedily; routed as the mission is.
 
@@ -13,18 +12,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import shapely
 
 from formulations.kernel import SquaredExponential
-from formulations.mapping.flight import Flight, plan_flight
-from formulations.mapping.gaussian_process import GaussianProcess
-from formulations.mapping.lawnmower import lawnmower_tours
-from formulations.mapping.survey import Survey
+from formulations.mapping.flight import Flight
+from formulations.mapping.flight_check import length_outside
+from formulations.mapping.lawnmower import best_lawnmower
+from formulations.mapping.map_grid import MapGrid
+from formulations.mapping.survey import Survey, promised_sd
 from instances.arrays import Floats
 from instances.disk import write_aside
 from instances.environment.radio import RadioMap
@@ -32,7 +32,7 @@ from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario
 from workbench.mission.costs import moving_costs
 from workbench.mission.flight import fly, kept_flights, track_frame
-from workbench.mission.map import MapGrid, survey_of, ticks_frame
+from workbench.mission.map import survey_of, ticks_frame
 from workbench.mission.place import place_tasks, scales_of, widened
 from workbench.mission.routes import solve
 from workbench.mission.settings import Mission
@@ -43,9 +43,6 @@ MOST_TRIES = 3
 """Numbers of random tasks that are tried until the tours are long enough."""
 MORE_TASKS = 1.75
 """So many times as many random tasks as placed ones make about equally long tours."""
-MOST_LANES = 60
-INSETS = (0.5, 0.3)
-"""Margins at the ends of lanes that are tried, in spacings of the lanes."""
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -102,37 +99,18 @@ def _plans(mission: Mission, scenario: Scenario, length: float, tell: Tell) -> I
 
 
 def lawnmower(mission: Mission, scenario: Scenario, length: float) -> Plan:
-    """Return the lawnmower of at least `length` [m] that promises least uncertainty."""
-    plans = [_lawnmower_along(mission, scenario, length, along, inset) for along in (0, 1) for inset in INSETS]
-    return min(plans, key=lambda plan: _promised_sd(mission, scenario, plan))
-
-
-def _lawnmower_along(mission: Mission, scenario: Scenario, length: float, along: int, inset: float) -> Plan:
-    for count in range(scenario.n_depots, MOST_LANES):
-        tours = lawnmower_tours(scenario.free, scenario.depots, count, along, inset)
-        flights = [_straight(mission, tour) for tour in tours]
-        plan = Plan("lawnmower", 0, count, flights)
-        if plan.length >= length:
-            return plan
-    return plan
-
-
-def _straight(mission: Mission, tour: Floats) -> Flight:
-    """Return the flight over the corners of a closed tour."""
-    moved = np.append(True, np.hypot(*np.diff(tour, axis=0).T) > 0)
-    corners = tour[moved]
-    legs = [corners[k : k + 2] for k in range(len(corners) - 1)]
-    return plan_flight(legs, speed=mission.speed, radius=mission.flight.turning_radius)
-
-
-def _promised_sd(mission: Mission, scenario: Scenario, plan: Plan) -> float:
-    """Return the mean posterior sd the plan promises under the kernel known before take-off."""
-    kernel = SquaredExponential(mission.map.signal_sd, scales_of(mission.map.length_scale))
-    process = GaussianProcess(kernel, mission.sensing.noise_sd, MapGrid.over(scenario.region, 40).points)
-    for flight in plan.flights:
-        positions = flight.measurements(mission.sensing.period)[1]
-        process.extend(positions, np.zeros(len(positions)))
-    return float(process.posterior().sd.mean())
+    """Return the lawnmower of at least `length` [m] that promises least uncertainty before take-off."""
+    promised = partial(
+        promised_sd,
+        points=MapGrid.over(scenario.region, 40).points,
+        kernel=SquaredExponential(mission.map.signal_sd, scales_of(mission.map.length_scale)),
+        noise_sd=mission.sensing.noise_sd,
+        period=mission.sensing.period,
+    )
+    lanes, flights = best_lawnmower(
+        scenario.free, scenario.depots, length, promised, speed=mission.speed, radius=mission.flight.turning_radius
+    )
+    return Plan("lawnmower", 0, lanes, flights)
 
 
 def _random(mission: Mission, scenario: Scenario, length: float, draw: int) -> Plan:
@@ -164,18 +142,11 @@ def _row(plan: Plan, survey: Survey, scenario: Scenario) -> dict[str, Any]:
         "count": plan.count,
         "length": plan.length,
         "longest": max(flight.length for flight in plan.flights),
-        "outside": _outside(plan, scenario),
+        "outside": length_outside(plan.flights, scenario.free),
         "samples": end.samples,
         "information": end.information,
         **asdict(end.score),
     }
-
-
-def _outside(plan: Plan, scenario: Scenario) -> float:
-    """Return the length [m] flown outside the region or in its no-fly zones."""
-    tracks = [flight.poses(np.arange(0.0, flight.length, 10.0))[:, :2] for flight in plan.flights if flight.length > 0]
-    room = scenario.free.polygon
-    return float(sum(shapely.length(shapely.difference(shapely.linestrings(track), room)) for track in tracks))
 
 
 def _said(table: pd.DataFrame, field: RadioMap) -> str:

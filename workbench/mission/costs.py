@@ -10,16 +10,16 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from formulations.moving_cost.costing import instance_of, query_of
 from formulations.moving_cost.effect import WindEffect
 from instances import Instance
 from instances.arrays import Floats
 from instances.files import read_instance, write_instance
-from instances.paths import Paths, check_paths, paths_file, read_paths, write_paths
+from instances.paths import Paths, paths_file, read_paths, write_paths
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
 from workbench.mission.place import kept_tasks, widened
 from workbench.mission.settings import Mission
+from workbench.planning import plan
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -41,13 +41,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
 def moving_costs(mission: Mission, scenario: Scenario, tasks: Floats) -> tuple[Instance, Paths]:
     """Return the instance with these tasks and its paths, checked independently."""
     planned = widened(replace(scenario, tasks=tasks, n_tasks=len(tasks)), mission.clearance)
-    instance, paths = instance_of(planned, mission.costs.method, mission.costs.options)
-    query = query_of(planned)
-    potential = instance.provenance.get("node_potential")
-    faults = check_paths(paths, instance.cost, query.terminals, query.region, query.wind, query.v0, potential)
-    if faults:
-        raise RuntimeError("the independent check refutes the moving costs: " + " ".join(faults))
-    return instance, paths
+    return plan(planned, mission.costs.method, mission.costs.options)
 
 
 def kept_costs(folder: Path) -> tuple[Instance, Paths]:

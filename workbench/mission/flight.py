@@ -105,9 +105,8 @@ def track_frame(flights: Sequence[Flight]) -> pd.DataFrame:
     for k, flight in enumerate(flights):
         if flight.length == 0.0:
             continue
-        times = np.append(np.arange(0.0, flight.duration, TRACK_STEP), flight.duration)
-        x, y, heading = flight.poses(times * flight.speed).T
-        heading = (heading + np.pi) % (2 * np.pi) - np.pi
+        times, poses = flight.track(TRACK_STEP)
+        x, y, heading = poses.T
         frames.append(pd.DataFrame({"uav": k, "time": times, "x": x, "y": y, "heading": heading}).round(4))
     return pd.concat(frames, ignore_index=True)
 

@@ -9,7 +9,8 @@ import pytest
 from shapely.geometry import box
 
 from formulations.mapping.flight import STRAY_RADII, plan_flight
-from formulations.mapping.flight_check import check_flight
+from formulations.mapping.flight_check import check_flight, length_outside
+from instances.environment.region import Region
 
 SQUARE = np.array([[0.0, 0.0], [8e3, 0.0], [8e3, 8e3], [0.0, 8e3], [0.0, 0.0]])
 LEGS = [SQUARE[k : k + 2] for k in range(4)]
@@ -52,3 +53,10 @@ def test_a_reference_path_round_an_obstacle_is_followed() -> None:
     assert upper.any()
     # Douglas & Peucker's tolerance, and what turning onto the next chord takes
     assert np.abs(np.hypot(*poses[upper, :2].T) - 1500.0).max() <= 2 * STRAY_RADII * 50.0
+
+
+def test_the_length_outside_a_region_is_that_of_all_flights() -> None:
+    flight = plan_flight(LEGS, radius=100.0)
+    assert length_outside([flight, plan_flight([])], Region(box(-500, -500, 9e3, 9e3))) == 0.0
+    western_half = Region(box(-500, -500, 4e3, 9e3))
+    assert length_outside([flight, flight], western_half) == pytest.approx(2 * 16e3, rel=0.01)

@@ -10,7 +10,7 @@ import pytest
 from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.gaussian_process import GaussianProcess, Posterior
-from formulations.mapping.survey import fly_survey, score
+from formulations.mapping.survey import fly_survey, promised_sd, score
 from instances import InputError
 
 KERNEL = SquaredExponential(10.0, (4000.0, 4000.0))
@@ -71,3 +71,10 @@ def test_score_of_a_map_known_by_hand() -> None:
 def test_a_period_longer_than_the_tour_is_said() -> None:
     with pytest.raises(InputError, match=r"sensing period \(100000 s\) is longer than the longest tour"):
         fly_survey([loop(1000.0, 9000.0)], smooth_field, GRID, kernel=KERNEL, period=1e5)
+
+
+def test_the_uncertainty_promised_is_that_of_the_survey() -> None:
+    flights = [loop(1000.0, 4000.0), loop(6000.0, 9000.0)]
+    promised = promised_sd(flights, GRID, kernel=KERNEL, noise_sd=1.0, period=10.0)
+    flown = fly_survey(flights, smooth_field, GRID, kernel=KERNEL, refit_every=0)
+    assert promised == pytest.approx(flown.ticks[-1].score.mean_sd, rel=1e-9)

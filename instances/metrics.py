@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from instances.arrays import Floats
-from instances.environment.wind import wind_from_toml
+from instances.environment.wind_table import wind_from_toml
 from instances.errors import InputError, suggestion
 from instances.wind_metric import cost_matrix
 

@@ -30,7 +30,8 @@ from shapely.geometry import MultiPolygon, Polygon, mapping
 from instances.arrays import Floats
 from instances.disk import read_toml, write_aside
 from instances.environment.region import Region, polygons, read_geojson
-from instances.environment.wind import WindField, wind_from_toml
+from instances.environment.wind import WindField
+from instances.environment.wind_table import wind_from_toml
 from instances.errors import InputError, naming, suggestion
 from instances.instance import check_name
 from instances.metrics import positive

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
+from instances.environment.wind import Rotation, Shear, Uniform, WindField
+from instances.environment.wind_table import Sum
 from instances.errors import InputError
 from instances.moving_cost import moving_cost
 

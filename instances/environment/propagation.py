@@ -24,8 +24,10 @@ import numpy as np
 from numba import njit
 
 from instances.arrays import Floats
+from instances.environment.itm.loss import attenuation_map
 from instances.environment.radio import RadioMap, RadioSource
 from instances.environment.terrain import Terrain
+from instances.environment.terrain_profile import profile
 from instances.errors import InputError, suggestion
 
 EFFECTIVE_EARTH = 4.0 / 3.0 * 6_371_000.0
@@ -71,26 +73,6 @@ def bullington(heights: Floats, step: float, transmitter: float, receiver: float
         v = clearance * math.sqrt(2.0 * d / (wavelength * at * (d - at)))
     loss = knife_edge(v)
     return loss + (1.0 - math.exp(-loss / 6.0)) * (10.0 + 0.02 * d / 1000.0)
-
-
-@njit(cache=True)
-def profile(
-    ground: Floats, x0: float, y0: float, dx: float, dy: float, ax: float, ay: float, bx: float, by: float, step: float
-) -> Floats:
-    """Return terrain heights [m] from (ax, ay) to (bx, by) at about `step` [m], bilinear."""
-    rows, columns = ground.shape
-    count = max(2, int(math.hypot(bx - ax, by - ay) / step) + 1)
-    out = np.empty(count)
-    for i in range(count):
-        t = i / (count - 1)
-        fx = min(max((ax + t * (bx - ax) - x0) / dx, 0.0), columns - 1.0)
-        fy = min(max((ay + t * (by - ay) - y0) / dy, 0.0), rows - 1.0)
-        c, r = min(int(fx), columns - 2), min(int(fy), rows - 2)
-        s, u = fx - c, fy - r
-        south = (1 - s) * ground[r, c] + s * ground[r, c + 1]
-        north = (1 - s) * ground[r + 1, c] + s * ground[r + 1, c + 1]
-        out[i] = (1 - u) * south + u * north
-    return out
 
 
 @njit(cache=True)
@@ -168,8 +150,6 @@ def radio_map(
         grid = (ground.height, *ground.origin, *ground.spacing)
         signal -= _diffraction_map(*grid, ax, ay, mast, xs, ys, altitude, source.wavelength)
     if model == "itm":
-        from instances.environment.itm.loss import attenuation_map
-
         signal -= attenuation_map(ground, source.position, source.height, (xs, ys), altitude, source.frequency)
     if shadowing_sd > 0:
         signal += shadowing(

@@ -9,12 +9,12 @@ direction the wind blows *from*, degrees clockwise from north.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from instances.arrays import Floats
 from instances.environment.raster import METRES, coordinate, open_netcdf, projection, read_ascii_grid
-from instances.environment.wind_grid import Grid
 from instances.errors import InputError, suggestion
 
 if TYPE_CHECKING:
@@ -31,7 +31,18 @@ SPEED = {"m/s": 1.0, "mps": 1.0, "mph": 0.44704, "kph": 1 / 3.6, "km/h": 1 / 3.6
 """Unit of a WindNinja file → m/s."""
 
 
-def read_wind(path: Path | str, units: str | None = None) -> Grid:
+class WindData(NamedTuple):
+    """What a file says, and what a `wind_grid.Grid` is made of: u, v [m/s] (rows, columns), x and y rising."""
+
+    origin: tuple[float, float]
+    spacing: tuple[float, float]
+    u: Floats
+    v: Floats
+    source: str
+    crs: str
+
+
+def read_wind(path: Path | str, units: str | None = None) -> WindData:
     """Read a wind grid by the ending of its name; InputError names the file and what is wrong.
 
     `units` applies to WindNinja's ``.asc`` files only: NetCDF states its own.
@@ -46,7 +57,7 @@ def read_wind(path: Path | str, units: str | None = None) -> Grid:
     return read_netcdf(path)
 
 
-def read_netcdf(path: Path) -> Grid:
+def read_netcdf(path: Path) -> WindData:
     """Read a CF NetCDF wind grid."""
     with open_netcdf(path) as data:
         u, v = (_component(data, path, *names) for names in COMPONENTS)
@@ -75,18 +86,18 @@ def _component(data: xarray.Dataset, path: Path, standard: tuple[str, ...], usua
     return w
 
 
-def _oriented(x: Any, y: Any, u: Any, v: Any, source: str, crs: str) -> Grid:
-    """Return the Grid with x and y rising."""
+def _oriented(x: Any, y: Any, u: Any, v: Any, source: str, crs: str) -> WindData:
+    """Return the grid with x and y rising."""
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if x[-1] < x[0]:
         x, u, v = x[::-1], u[:, ::-1], v[:, ::-1]
     if y[-1] < y[0]:
         y, u, v = y[::-1], u[::-1], v[::-1]
     spacing = (float((x[-1] - x[0]) / (len(x) - 1)), float((y[-1] - y[0]) / (len(y) - 1)))
-    return Grid((float(x[0]), float(y[0])), spacing, u, v, source, crs)
+    return WindData((float(x[0]), float(y[0])), spacing, u, v, source, crs)
 
 
-def write_netcdf(grid: Grid, path: Path) -> None:
+def write_netcdf(grid: WindData, path: Path) -> None:
     """Write `grid` as CF NetCDF, aside and renamed."""
     try:
         import xarray
@@ -116,7 +127,7 @@ def write_netcdf(grid: Grid, path: Path) -> None:
     aside.replace(path)
 
 
-def read_windninja(path: Path, units: str) -> Grid:
+def read_windninja(path: Path, units: str) -> WindData:
     """Read WindNinja's ``*_vel.asc`` together with the ``*_ang.asc`` beside it."""
     if units not in SPEED:
         raise InputError(f"{path}: unknown units '{units}'{suggestion(units, SPEED)} (known: {', '.join(SPEED)})")
@@ -133,4 +144,4 @@ def read_windninja(path: Path, units: str) -> Grid:
     towards = np.radians(direction.values) + np.pi
     s = speed.values * SPEED[units]
     cell = (speed.spacing, speed.spacing)
-    return Grid(speed.origin, cell, s * np.sin(towards), s * np.cos(towards), str(path), speed.crs)
+    return WindData(speed.origin, cell, s * np.sin(towards), s * np.cos(towards), str(path), speed.crs)

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.wind import only_fields, points_of
+from instances.environment.wind_files import WindData, read_wind, write_netcdf
 from instances.errors import InputError
 
 GAUSS = 0.5 / math.sqrt(3.0)
@@ -132,12 +133,11 @@ class Grid:
 
     def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
         """Return the ``[wind]`` table and write the field as NetCDF ``wind.nc`` into `folder`."""
-        from instances.environment.wind_files import write_netcdf
-
         if folder is None:
             raise InputError("wind: a grid is data and needs a folder to write its file into")
         name = "wind.nc"
-        write_netcdf(self, Path(folder) / name)
+        data = WindData(self.origin, self.spacing, self.u, self.v, self.source, self.crs)
+        write_netcdf(data, Path(folder) / name)
         return {"kind": "grid", "file": name}
 
     @classmethod
@@ -146,12 +146,10 @@ class Grid:
 
         `units` says what a WindNinja file holds ("m/s", "mph", "kph" or "knots"; "m/s" where it is not given).
         """
-        from instances.environment.wind_files import read_wind
-
         only_fields(table, "grid", ("file", "units"))
         if not isinstance(table.get("file"), str):
             raise InputError(f"wind: kind 'grid' needs the name of a file, got {table.get('file')!r}")
-        return read_wind(folder / table["file"], units=table.get("units"))
+        return cls(*read_wind(folder / table["file"], units=table.get("units")))
 
     @classmethod
     def sampled(

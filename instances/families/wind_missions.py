@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from instances.environment.region import Region
-from instances.environment.wind import Sum, Uniform, WindField
+from instances.environment.wind import Uniform, WindField
+from instances.environment.wind_table import Sum
 from instances.environment.wind_vortices import Vortices
 from instances.errors import InputError
 from instances.families import depots

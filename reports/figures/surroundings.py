@@ -10,7 +10,8 @@ from collections.abc import Mapping
 
 from instances import InputError, Instance
 from instances.environment.region import Region, single_polygon
-from instances.environment.wind import WindField, wind_from_toml
+from instances.environment.wind import WindField
+from instances.environment.wind_table import wind_from_toml
 
 
 def surroundings(instance: Instance) -> tuple[Region | None, WindField | None]:

@@ -18,9 +18,10 @@ from formulations.mapping import dubins
 from formulations.mapping.gaussian_process import GaussianProcess
 from instances.environment.radio import RadioMap
 from workbench.mission.compare import Plan, lawnmower, routed
+from workbench.mission.file import mission_of
 from workbench.mission.map import survey_of
 from workbench.mission.place import place_tasks
-from workbench.mission.settings import Mission, mission_of
+from workbench.mission.settings import Mission
 
 KERNEL = SquaredExponential(30.0, (4000.0, 4000.0))
 

@@ -6,7 +6,8 @@ import shapely
 from scipy.sparse.csgraph import dijkstra
 
 from instances.environment.region import Region
-from instances.environment.wind import Rotation, Shear, Sum, Uniform
+from instances.environment.wind import Rotation, Shear, Uniform
+from instances.environment.wind_table import Sum
 from instances.families.corridor import winding
 from instances.formats.native import instance_of
 from instances.old_corridor_metric import old_corridor_costs, turning_corners

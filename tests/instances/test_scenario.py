@@ -9,7 +9,8 @@ from shapely.geometry import Polygon
 
 from instances import InputError
 from instances.environment.region import Region
-from instances.environment.wind import Rotation, Shear, Sum, Uniform
+from instances.environment.wind import Rotation, Shear, Uniform
+from instances.environment.wind_table import Sum
 from instances.families import FAMILIES, make_scenario
 from instances.scenario import Scenario, read_scenario, write_scenario
 

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from instances import InputError
-from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
+from instances.environment.wind import Rotation, Shear, Uniform, WindField
+from instances.environment.wind_table import Sum
 from instances.wind_metric import cost_matrix, pair_costs
 
 V0 = 20.0

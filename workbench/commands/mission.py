@@ -20,8 +20,8 @@ def command(mission_file: Path | None, out: Path, stage: str | None, force_from:
     is skipped where they are up to date; the page is OUT/report.html.
     """
     from instances.errors import InputError
+    from workbench.mission.file import read_mission, shipped_mission
     from workbench.mission.pipeline import check_stage, run_mission
-    from workbench.mission.settings import read_mission, shipped_mission
 
     if stage is not None and force_from is not None:
         raise InputError("mission: --stage and --from answer different questions; give one of them")

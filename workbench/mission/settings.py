@@ -1,11 +1,4 @@
-"""Mission file: a scenario, what is measured, and the settings of each stage. TOML, SI units, every key checked.
-
-    scenario = "file.toml"       # or the scenario's own keys here: airspeed, size, depots, tasks, [wind], [radio] …
-    origin = [lat, lon]          # of the point (0, 0) [degrees], for ground-control files
-    [field] [place] [costs] [routes] [flight] [sensing] [map] [compare]    # the classes below
-
-Files are relative to the mission file.
-"""
+"""Settings of a mission: the scenario, what is measured, and the tables of each stage, every key checked."""
 
 # ruff: noqa: RUF009 - keys.* make dataclass fields
 
@@ -13,17 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from instances.disk import read_toml
-from instances.errors import InputError, naming, suggestion
 from instances.geodesy import TangentPlane
-from instances.scenario import KEYS as SCENARIO_KEYS
-from instances.scenario import Scenario, read_scenario, scenario_of
+from instances.scenario import Scenario
 from workbench.mission import keys
-from workbench.mission.keys import is_number, settings_of
 
 
 @dataclass(frozen=True)
@@ -144,65 +132,3 @@ class Mission:
     def clearance(self) -> float:
         """How far no-fly zones are widened for planning [m]."""
         return 2 * self.flight.turning_radius if self.costs.clearance is None else self.costs.clearance
-
-
-TABLES: dict[str, type[Any]] = {
-    "field": FieldSettings,
-    "place": PlaceSettings,
-    "costs": CostSettings,
-    "routes": RouteSettings,
-    "flight": FlightSettings,
-    "sensing": SensingSettings,
-    "map": MapSettings,
-    "compare": CompareSettings,
-}
-KEYS = ("scenario", "origin", *SCENARIO_KEYS, *TABLES)
-"""Every key of a mission file."""
-
-
-def shipped_mission() -> Path:
-    """Return the mission file that comes with the workbench: the paper's numerical example."""
-    return Path(str(files("workbench") / "missions" / "paper.toml"))
-
-
-def read_mission(path: Path | str) -> Mission:
-    """Read a mission file; InputError names the file, the key and the value that cannot be used."""
-    path = Path(path)
-    table = read_toml(path)
-    with naming(path):
-        return mission_of(table, path.parent, path.stem)
-
-
-def mission_of(table: Mapping[str, Any], folder: Path, name: str) -> Mission:
-    """Return the mission a parsed TOML table describes, its files relative to `folder`; InputError names the key."""
-    from workbench.mission.fitting import check_mission  # here: the registries take their time
-
-    for key in table:
-        if key not in KEYS:
-            raise InputError(f"unknown key '{key[:40]}'{suggestion(key, KEYS)}")
-    settings = {key: settings_of(cls, table.get(key, {}), key) for key, cls in TABLES.items()}
-    mission = Mission(_scenario(table, folder, name), _origin(table), folder, table, **settings)
-    check_mission(mission)
-    return mission
-
-
-def _scenario(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
-    own = {key: value for key, value in table.items() if key in SCENARIO_KEYS}
-    if "scenario" not in table:
-        return scenario_of(own, folder, name)
-    if own:
-        raise InputError(
-            f"'{next(iter(own))}' belongs into the scenario file, which 'scenario' names; give one of them"
-        )
-    if not isinstance(table["scenario"], str):
-        raise InputError(f"scenario must be the name of a file, got {table['scenario']!r}")
-    return read_scenario(folder / table["scenario"])
-
-
-def _origin(table: Mapping[str, Any]) -> TangentPlane | None:
-    if "origin" not in table:
-        return None
-    origin = table["origin"]
-    if not (isinstance(origin, list) and len(origin) == 2 and all(is_number(c) for c in origin)):
-        raise InputError(f"origin must be [latitude, longitude] in degrees, got {origin!r}")
-    return TangentPlane(float(origin[0]), float(origin[1]))

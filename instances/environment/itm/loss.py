@@ -19,8 +19,8 @@ from instances.arrays import Floats
 from instances.environment.itm.attenuation import ground_impedance, reference_attenuation
 from instances.environment.itm.profile import roughness, terrain_parameters
 from instances.environment.itm.variability import CLIMATES, quantile_loss
-from instances.environment.propagation import profile
 from instances.environment.terrain import Terrain
+from instances.environment.terrain_profile import profile
 from instances.errors import InputError, suggestion
 
 MODES = ("single-message", "accidental", "mobile", "broadcast")

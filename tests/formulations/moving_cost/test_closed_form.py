@@ -9,7 +9,8 @@ from formulations.moving_cost.costing import CALM, solve_query
 from formulations.moving_cost.method import Query
 from instances import InputError
 from instances.environment.region import Region
-from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
+from instances.environment.wind import Rotation, Shear, Uniform, WindField
+from instances.environment.wind_table import Sum
 from instances.environment.wind_vortices import Vortices
 from instances.paths import check_paths
 

@@ -12,7 +12,8 @@ from formulations.moving_cost.refined import Refined
 from formulations.moving_cost.registry import METHODS, make_method
 from instances import InputError
 from instances.environment.region import Region
-from instances.environment.wind import Sum, Uniform
+from instances.environment.wind import Uniform
+from instances.environment.wind_table import Sum
 from instances.environment.wind_vortices import Vortices
 from instances.paths import check_paths
 

@@ -12,8 +12,9 @@ from formulations.moving_cost.costing import CALM
 from formulations.moving_cost.method import Query
 from formulations.moving_cost.refined import Refined
 from instances.environment.region import Region
-from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField
+from instances.environment.wind import Rotation, Shear, Uniform, WindField
 from instances.environment.wind_grid import Grid
+from instances.environment.wind_table import Sum
 from instances.environment.wind_vortices import Vortices
 from instances.wind_metric import cost_matrix
 

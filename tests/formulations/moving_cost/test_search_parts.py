@@ -16,8 +16,9 @@ from formulations.moving_cost.newton import newton_step
 from formulations.moving_cost.polish import relax, subdivide
 from instances import InputError
 from instances.environment.region import Region
-from instances.environment.wind import Rotation, Sum, Uniform
+from instances.environment.wind import Rotation, Uniform
 from instances.environment.wind_grid import Grid
+from instances.environment.wind_table import Sum
 from instances.environment.wind_vortices import Vortices
 from instances.scenario import Scenario
 

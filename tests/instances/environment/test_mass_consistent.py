@@ -8,7 +8,7 @@ import pytest
 from instances import InputError
 from instances.environment.mass_consistent import Inflow, solve_flow
 from instances.environment.terrain import Terrain, mountains
-from instances.environment.wind import wind_from_toml
+from instances.environment.wind_table import wind_from_toml
 from instances.environment.wind_terrain import TerrainWind
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from instances import InputError
-from instances.environment.wind import Rotation, Shear, Sum, Uniform, WindField, wind_from_toml
+from instances.environment.wind import Rotation, Shear, Uniform, WindField
 from instances.environment.wind_grid import Grid
+from instances.environment.wind_table import Sum, wind_from_toml
 from instances.environment.wind_turbulence import Turbulence
 from instances.environment.wind_vortices import Vortices
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from instances import InputError
-from instances.environment.wind import wind_from_toml
 from instances.environment.wind_files import read_wind
 from instances.environment.wind_grid import Grid
+from instances.environment.wind_table import wind_from_toml
 
 HEADER = "ncols 3\nnrows 2\nxllcorner -50\nyllcorner 950\ncellsize 100\nNODATA_value -9999\n"
 
@@ -46,7 +46,8 @@ def test_a_grid_whose_rows_go_south_is_turned(tmp_path: Path) -> None:
 def test_windninja_direction_is_where_the_wind_comes_from(tmp_path: Path) -> None:
     (tmp_path / "hill_vel.asc").write_text(HEADER + "10 10 10\n20 20 20\n")
     (tmp_path / "hill_ang.asc").write_text(HEADER + "45 90 0\n180 270 360\n")
-    wind = read_wind(tmp_path / "hill_vel.asc", units="kph")
+    wind = wind_from_toml({"kind": "grid", "file": "hill_vel.asc", "units": "kph"}, tmp_path)
+    assert isinstance(wind, Grid)
     assert (wind.origin, wind.spacing) == ((0.0, 1000.0), (100.0, 100.0))
     # From the north-east: blows towards the south-west.
     np.testing.assert_allclose(wind([[0.0, 1100.0]]), [[-10 / 3.6 / 2**0.5, -10 / 3.6 / 2**0.5]])
@@ -75,7 +76,7 @@ GOOD = HEADER + "1 1 1\n1 1 1\n"
 )
 def test_bad_windninja_files_are_named(tmp_path: Path, vel: str, ang: str, units: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        read_wind(asc(tmp_path, vel, ang), units=units)
+        wind_from_toml({"kind": "grid", "file": asc(tmp_path, vel, ang).name, "units": units}, tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,9 @@ from instances.environment.region import Region
 from instances.errors import InputError
 from instances.scenario import Scenario
 from workbench.mission.environment import field_of
+from workbench.mission.file import mission_of
 from workbench.mission.place import widened, zones_of
-from workbench.mission.settings import Mission, mission_of
+from workbench.mission.settings import Mission
 
 TABLE = {"airspeed": 50.0, "size": [2000, 1000], "depots": [[100, 100]], "tasks": 3}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from instances.errors import InputError
-from workbench.mission.settings import mission_of, read_mission, shipped_mission
+from workbench.mission.file import mission_of, read_mission, shipped_mission
 
 TABLE = {
     "airspeed": 100.0,

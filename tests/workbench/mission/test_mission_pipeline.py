@@ -21,8 +21,8 @@ from instances.files import read_instance, read_routes
 from instances.formats.netcdf import read_grids
 from instances.routes import check_routes
 from workbench.mission import environment
+from workbench.mission.file import mission_of, read_mission
 from workbench.mission.pipeline import NAMES, STAGES, folder_names, run_mission
-from workbench.mission.settings import mission_of, read_mission
 
 SMALL = """
 airspeed = 50.0

@@ -1,0 +1,78 @@
+"""Winds as a scenario's ``[wind]`` table names them: every kind, and sums of them.
+
+This file knows all kinds of wind; they know `wind` only, so that nothing goes in a circle.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from instances.arrays import Floats
+from instances.environment.wind import WindField, only_fields, points_of
+from instances.errors import InputError, suggestion
+
+KINDS = {
+    "uniform": "instances.environment.wind:Uniform",
+    "shear": "instances.environment.wind:Shear",
+    "rotation": "instances.environment.wind:Rotation",
+    "sum": "instances.environment.wind_table:Sum",
+    "vortices": "instances.environment.wind_vortices:Vortices",
+    "turbulence": "instances.environment.wind_turbulence:Turbulence",
+    "grid": "instances.environment.wind_grid:Grid",
+    "terrain": "instances.environment.wind_terrain:TerrainWind",
+}
+"""``kind`` in a scenario's ``[wind]`` table → ``"module:Class"``, imported when met: numba takes its time."""
+
+
+def wind_from_toml(table: Mapping[str, Any], folder: Path | str = ".") -> WindField:
+    """Return the wind field of a scenario's ``[wind]`` table; files in it are relative to `folder`.
+
+    Raises InputError for an unknown kind or field (with the near miss) and for unusable values.
+    """
+    kind = table.get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise InputError(f"wind: unknown kind {kind!r}{suggestion(str(kind), KINDS)} (kinds: {', '.join(KINDS)})")
+    module, _, name = KINDS[kind].partition(":")
+    cls: type[WindField] = getattr(importlib.import_module(module), name)
+    return cls.from_toml({k: v for k, v in table.items() if k != "kind"}, Path(folder))
+
+
+@dataclass(frozen=True)
+class Sum:
+    """The sum of several winds, for example a uniform wind and vortices."""
+
+    parts: tuple[WindField, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parts", tuple(self.parts))
+        if not self.parts:
+            raise InputError("wind: a sum needs at least one part")
+
+    def __call__(self, points: ArrayLike) -> Floats:
+        """Return the velocity [m/s] at `points` (k, 2) [m]."""
+        p = points_of(points)
+        return np.sum([part(p) for part in self.parts], axis=0)
+
+    def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
+        """Return ∫ w·dσ [m²/s] along the segments `a` → `b`."""
+        return np.sum([part.line_integral(a, b) for part in self.parts], axis=0)
+
+    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
+        """Return the ``[wind]`` table, one table a part."""
+        return {"kind": "sum", "parts": [part.to_toml(folder) for part in self.parts]}
+
+    @classmethod
+    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Sum:
+        """Return the field of a ``[wind]`` table."""
+        only_fields(table, "sum", ("parts",))
+        parts = table.get("parts")
+        if not isinstance(parts, list) or not all(isinstance(part, Mapping) for part in parts):
+            raise InputError("wind: the parts of a sum must be tables, each with its kind")
+        return cls(tuple(wind_from_toml(part, folder) for part in parts))

@@ -12,9 +12,7 @@ from shapely.geometry import Polygon
 
 from formulations.kernel import SquaredExponential
 from formulations.task_location.certificate import certificate, design_nodes, information_gain_bound, trivial_bound
-from formulations.task_location.criterion import Convention, Criterion, log_det
-from formulations.task_location.discrete_certificate import base_vector, discrete_certificate
-from formulations.task_location.log_det_relaxation import log_det_relaxation
+from formulations.task_location.criterion import Convention, Criterion
 from formulations.task_location.placement import PlacementProblem, lattice, place
 from formulations.task_location.registry import make_method
 from formulations.task_location.supremum import supremum
@@ -36,10 +34,7 @@ def test_bounds_hold_over_brute_force(n, brute):
     assert best_gain == pytest.approx(brute, abs=1e-4)
     best_b = max(LONG.value(sites[s]) for s in choices)
     assert best_gain <= information_gain_bound(gain, SQUARE, n).bound <= trivial_bound(gain, n)
-    assert best_gain <= discrete_certificate(gain, sites, n).bound
-    assert best_b <= discrete_certificate(LONG, sites, n).bound <= 1.05 * best_b
     assert best_b <= certificate(LONG, SQUARE, n).bound
-    assert best_gain <= log_det_relaxation(gain, sites, n)[0] + 1e-5
 
 
 @settings(deadline=None, max_examples=12)
@@ -90,35 +85,6 @@ def test_supremum_is_above_every_point_and_tight():
     assert highest <= bound <= 1.002 * highest
 
 
-def test_base_vectors_lie_in_the_base_polytope():
-    rng = np.random.default_rng(2)
-    points = SQUARE.sample(7, rng)
-    kernel = SquaredExponential(1.0, (8000.0, 8000.0))(points, points)
-    base = base_vector(kernel, 0.5, rng.permutation(7))
-
-    def value(chosen):
-        return log_det(np.eye(len(chosen)) + kernel[np.ix_(chosen, chosen)] / 0.5)
-
-    assert base.sum() == pytest.approx(value(list(range(7))))
-    for size in range(1, 7):
-        for chosen in itertools.combinations(range(7), size):
-            assert base[list(chosen)].sum() <= value(list(chosen)) + 1e-10
-
-
-def test_log_det_relaxation_of_equal_sites_is_the_uniform_one():
-    corners = np.array([[0, 0], [0, 20_000], [20_000, 0], [20_000, 20_000.0]])
-    value, w = log_det_relaxation(Criterion(KERNEL, corners), corners, 2)
-    assert w == pytest.approx([0.5] * 4, abs=1e-3)
-    assert value == pytest.approx(2 * np.log1p(450), rel=1e-3)
-
-
 def test_bounds_refuse_what_does_not_fit():
-    sites = lattice(SQUARE, 3)
     with pytest.raises(InputError, match="at least 1"):
         certificate(LONG, SQUARE, 0)
-    with pytest.raises(InputError, match="do not fit"):
-        discrete_certificate(LONG, sites, 10)
-    with pytest.raises(InputError, match="do not fit"):
-        log_det_relaxation(LONG, sites, 10)
-    with pytest.raises(InputError, match="at most 36"):
-        log_det_relaxation(LONG, lattice(SQUARE, 7), 3)

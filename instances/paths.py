@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import shapely
@@ -24,11 +24,8 @@ from instances.disk import read_bytes, write_aside
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.errors import InputError
+from instances.instance import Instance
 from instances.moving_cost import moving_cost, segments
-
-if TYPE_CHECKING:
-    from instances.instance import Instance
-
 
 ENDING = ".paths.json.gz"
 NEAR = 5e-3

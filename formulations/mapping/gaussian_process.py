@@ -1,4 +1,4 @@
-"""Gaussian-process map of a measured field, updated tick by tick.
+"""Gaussian-process map of a measured field, updated tick by tick: `extend` by what was measured, then `posterior`.
 
 Paper, §Gaussian Process Regression: constant mean (eq. mean), non-isotropic squared-exponential covariance
 (eq. cov) and, with noisy observations y at X, at the map's points X_* (eq. GPR1)

@@ -21,28 +21,8 @@ from instances.scenario import KEYS as SCENARIO_KEYS
 from instances.scenario import Scenario, read_scenario, scenario_of
 from workbench.mission.fitting import check_mission
 from workbench.mission.keys import is_number, settings_of
-from workbench.mission.settings import (
-    CompareSettings,
-    CostSettings,
-    FieldSettings,
-    FlightSettings,
-    MapSettings,
-    Mission,
-    PlaceSettings,
-    RouteSettings,
-    SensingSettings,
-)
+from workbench.mission.settings import TABLES, Mission
 
-TABLES: dict[str, type[Any]] = {
-    "field": FieldSettings,
-    "place": PlaceSettings,
-    "costs": CostSettings,
-    "routes": RouteSettings,
-    "flight": FlightSettings,
-    "sensing": SensingSettings,
-    "map": MapSettings,
-    "compare": CompareSettings,
-}
 KEYS = ("scenario", "origin", *SCENARIO_KEYS, *TABLES)
 """Every key of a mission file."""
 

@@ -132,3 +132,16 @@ class Mission:
     def clearance(self) -> float:
         """How far no-fly zones are widened for planning [m]."""
         return 2 * self.flight.turning_radius if self.costs.clearance is None else self.costs.clearance
+
+
+TABLES: dict[str, type[Any]] = {
+    "field": FieldSettings,
+    "place": PlaceSettings,
+    "costs": CostSettings,
+    "routes": RouteSettings,
+    "flight": FlightSettings,
+    "sensing": SensingSettings,
+    "map": MapSettings,
+    "compare": CompareSettings,
+}
+"""Table of a mission file → what it may hold."""

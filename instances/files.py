@@ -13,33 +13,45 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from instances.errors import InputError, suggestion
-from instances.formats import atsp, native, sol, tsplib
+from instances.formats import sol
+from instances.formats.format import Format
 from instances.instance import Instance
+from instances.registry import Registry
 from instances.routes import Routes
 
-READERS = {
-    ".json": native.read_native,
-    ".json.gz": native.read_native,
-    ".tsp": tsplib.read_tsplib,
-    ".atsp": tsplib.read_tsplib,
-    ".mtsp": tsplib.read_tsplib,
-    ".mdm": tsplib.read_tsplib,
-    ".vrp": tsplib.read_tsplib,
-}
-"""Ending of an instance file → its reader."""
+_TSPLIB = ("instances.formats.tsplib:TSPLIB", "TSPLIB, LKH and VRPLIB")
+_NATIVE = ("instances.formats.native:NATIVE", "everything an instance holds")
+FORMATS: Registry[Format] = Registry(
+    "file format",
+    {
+        ".json": _NATIVE,
+        ".json.gz": _NATIVE,
+        ".tsp": _TSPLIB,
+        ".atsp": ("instances.formats.atsp:ATSP", "TSPLIB with every cost, the only one of these that is written"),
+        ".mtsp": _TSPLIB,
+        ".mdm": _TSPLIB,
+        ".vrp": _TSPLIB,
+    },
+    group="mmmdmtsp_workbench.formats",
+)
+"""Ending of an instance file → its format."""
 
-WRITERS = {".json": native.write_native, ".json.gz": native.write_native, ".atsp": atsp.write_atsp}
-"""Ending of an instance file → its writer."""
+
+def endings(*, written: bool = False) -> tuple[str, ...]:
+    """Return the endings of instance files, all that are read or only those that are `written`."""
+    return tuple(ending for ending in FORMATS.targets() if not written or FORMATS.load(ending).write is not None)
 
 
 def read_instance(path: Path | str) -> Instance:
     """Read an instance of any known format; InputError names the file, the field and the value."""
-    return READERS[_ending(path, READERS, "instance")](Path(path))
+    return FORMATS.load(_ending(path, endings(), "instance")).read(Path(path))
 
 
 def write_instance(instance: Instance, path: Path | str) -> None:
     """Write an instance; InputError where the ending is unknown or the file cannot be written."""
-    WRITERS[_ending(path, WRITERS, "instance")](instance, Path(path))
+    write = FORMATS.load(_ending(path, endings(written=True), "instance")).write
+    assert write is not None
+    write(instance, Path(path))
 
 
 def read_routes(path: Path | str, instance: Instance) -> Routes:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import math
+import sys
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from importlib.metadata import entry_points
@@ -18,6 +19,7 @@ from instances.errors import InputError, suggestion
 
 T = TypeVar("T")
 
+LARGEST = sys.float_info.max
 KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}
 """Type of an option → what its value must be, in words."""
 
@@ -113,7 +115,7 @@ def unfit(value: Any, default: Any, at_least: float = -math.inf) -> str:
     if kind not in KINDS:
         return ""
     fits = type(value) is kind or (kind is float and type(value) is int)
-    if fits and (kind not in (int, float) or (math.isfinite(value) and value >= at_least)):
+    if fits and (kind not in (int, float) or max(at_least, -LARGEST) <= value <= LARGEST):
         return ""
     return KINDS[kind] + (f" of at least {at_least:g}" if at_least > -math.inf else "")
 

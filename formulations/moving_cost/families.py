@@ -6,14 +6,14 @@ from typing import Any
 
 from formulations.moving_cost.closed_form import open_country, straight_legs
 from instances import Instance
-from instances.families import Legs, family, make_scenario
+from instances.families import FAMILIES, Legs, make_scenario
 from instances.paths import Paths
 from instances.scenario import Scenario
 
 
 def generate(name: str, n_tasks: int, n_depots: int, seed: int, **parameters: Any) -> Instance:
     """Return the instance of a family of this size and seed; InputError as `make_scenario` and `costed`."""
-    return costed(make_scenario(name, n_tasks, n_depots, seed, **parameters), family(name).legs)[0]
+    return costed(make_scenario(name, n_tasks, n_depots, seed, **parameters), FAMILIES.load(name).legs)[0]
 
 
 def costed(scenario: Scenario, legs: Legs) -> tuple[Instance, Paths | None]:

@@ -8,34 +8,60 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from instances.errors import InputError, suggestion
-from instances.families.corridor import CORRIDOR
+from instances.errors import InputError
 from instances.families.family import Family, Legs
 from instances.families.parameter import Parameter
-from instances.families.square import CLUSTERED, RING, UNIFORM
-from instances.families.square_wind import SQUARE_WIND
-from instances.families.wind_missions import WIND_MOUNTAINS, WIND_UNIFORM, WIND_VORTICES
 from instances.instance import check_size
+from instances.registry import Registry
 from instances.scenario import Scenario
 
-__all__ = ["FAMILIES", "Family", "Legs", "Parameter", "check_family", "family", "make_scenario"]
+__all__ = ["FAMILIES", "Family", "Legs", "Parameter", "check_family", "make_scenario"]
 
-FAMILIES: dict[str, Family] = {
-    f.name: f for f in (UNIFORM, CLUSTERED, RING, CORRIDOR, SQUARE_WIND, WIND_UNIFORM, WIND_VORTICES, WIND_MOUNTAINS)
-}
-"""Name → family; its `description` and `parameters` (name, default, unit, meaning, choices) are there to be listed."""
-
-
-def family(name: str) -> Family:
-    """Return the family of this name; InputError with the near miss."""
-    if name not in FAMILIES:
-        raise InputError(f"unknown family '{name}'{suggestion(name, FAMILIES)} (known: {', '.join(FAMILIES)})")
-    return FAMILIES[name]
+FAMILIES: Registry[Family] = Registry(
+    "family",
+    {
+        "uniform": (
+            "instances.families.square:UNIFORM",
+            "tasks uniform in a square",
+        ),
+        "clustered": (
+            "instances.families.square:CLUSTERED",
+            "tasks in normal clusters around random centres in a square",
+        ),
+        "ring": (
+            "instances.families.square:RING",
+            "tasks on a ring about the centre of a square",
+        ),
+        "corridor": (
+            "instances.families.corridor:CORRIDOR",
+            "tasks uniform in a winding corridor, a square crossed by walls that legs must fly around",
+        ),
+        "square-wind": (
+            "instances.families.square_wind:SQUARE_WIND",
+            "uniform in a 20 km square, straight legs in one wind with rotation: instances with published optima",
+        ),
+        "wind-uniform": (
+            "instances.families.wind_missions:WIND_UNIFORM",
+            "a steady wind with turbulence (stream function) and no-fly zones; turbulence=0 changes no tour",
+        ),
+        "wind-vortices": (
+            "instances.families.wind_missions:WIND_VORTICES",
+            "a steady wind from the north-east with vortices, no-fly zones",
+        ),
+        "wind-mountains": (
+            "instances.families.wind_missions:WIND_MOUNTAINS",
+            "mass-consistent flow over synthetic mountains at an altitude, with turbulence in their lee, no-fly zones",
+        ),
+    },
+    group="mmmdmtsp_workbench.families",
+    listing="workbench families",
+)
+"""Name → family; its `parameters` (name, default, unit, meaning, choices) are there to be listed."""
 
 
 def check_family(name: str, parameters: Mapping[str, Any]) -> None:
     """Raise InputError for an unknown family, parameter or value, without making anything."""
-    family(name).values(parameters)
+    FAMILIES.load(name).values(parameters)
 
 
 def make_scenario(name: str, n_tasks: int, n_depots: int, seed: int, **parameters: Any) -> Scenario:
@@ -48,4 +74,4 @@ def make_scenario(name: str, n_tasks: int, n_depots: int, seed: int, **parameter
         if isinstance(value, bool) or not isinstance(value, int) or value < least:
             raise InputError(f"{label} must be a whole number of at least {least}, got {value!r}")
     check_size(n_tasks, n_depots)
-    return family(name).scenario(n_tasks, n_depots, seed, parameters)
+    return FAMILIES.load(name).scenario(n_tasks, n_depots, seed, parameters)

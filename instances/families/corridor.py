@@ -37,7 +37,6 @@ def winding(values: Values) -> Region:
 
 CORRIDOR = Family(
     "corridor",
-    "tasks uniform in a winding corridor, a square crossed by walls that legs must fly around",
     (
         SIZE,
         Parameter("walls", 3, "", "number of walls", at_least=0),

@@ -1,4 +1,4 @@
-"""What a generator family is: a description, parameters with units, a region, where its tasks lie, what legs are."""
+"""What a generator family is: parameters with units, a region, where its tasks lie, what legs are."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ import numpy as np
 
 from instances.arrays import Floats
 from instances.environment.region import Region
-from instances.errors import InputError, suggestion
+from instances.errors import InputError
 from instances.families.depots import place_depots
 from instances.families.parameter import Parameter, Values
 from instances.families.winds import make_wind
+from instances.registry import refuse_unknown
 from instances.scenario import Scenario
 
 
@@ -31,7 +32,6 @@ class Family:
     """One generator family: it makes Scenarios."""
 
     name: str
-    description: str
     parameters: tuple[Parameter, ...]
     region: Callable[[Values], Region]
     """Parameters → the region."""
@@ -41,11 +41,7 @@ class Family:
 
     def values(self, given: Mapping[str, Any]) -> Values:
         """Return every parameter's value, `given` ones checked, others by default; InputError with the near miss."""
-        known = [p.name for p in self.parameters]
-        for name in given:
-            if name not in known:
-                have = f" (it has: {', '.join(known)})" if known else " (it has none)"
-                raise InputError(f"family {self.name} has no parameter '{name}'{suggestion(name, known)}{have}")
+        refuse_unknown(f"family {self.name}", "parameter", given, [p.name for p in self.parameters])
         try:
             return {p.name: p.checked(given.get(p.name, p.default)) for p in self.parameters}
         except InputError as error:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from instances.errors import InputError, suggestion
+from instances.registry import unfit
 
 Values = dict[str, Any]
 """Parameter name → value, complete and checked."""
@@ -30,15 +34,17 @@ class Parameter:
                 near = suggestion(value, self.choices) if isinstance(value, str) else ""
                 raise InputError(f"{self.name}: {value!r} is not one of {', '.join(self.choices)}{near}")
             return value
-        kind: type[int] | type[float] = int if isinstance(self.default, int) else float
-        try:
-            number = kind(value) if isinstance(value, str) or not isinstance(value, bool) else math.nan
-            usable = math.isfinite(number) and number >= self.at_least and (isinstance(value, str) or number == value)
-        except (TypeError, ValueError, OverflowError):
-            usable = False
-        if not usable:
-            what = "a whole number" if kind is int else "a number"
-            bound = f" of at least {self.at_least:g}" if self.at_least > -math.inf else ""
+        kind = type(self.default)
+        number = _read(value, kind)
+        if wanted := unfit(number, self.default, self.at_least):
             unit = f" [{self.unit}]" if self.unit else ""
-            raise InputError(f"{self.name}: must be {what}{bound}{unit}, got {value!r}")
-        return number
+            raise InputError(f"{self.name}: must be {wanted}{unit}, got {value!r}")
+        return kind(number)
+
+
+def _read(value: Any, kind: type[int] | type[float]) -> Any:
+    """Return a number written as text, and a whole number that comes as a float, in `kind`; else `value`."""
+    if isinstance(value, str) or (isinstance(value, float) and value.is_integer()):
+        with contextlib.suppress(ValueError):
+            return kind(value)
+    return value.item() if isinstance(value, np.generic) else value

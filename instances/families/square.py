@@ -50,7 +50,6 @@ def ring_tasks(region: Region, count: int, rng: np.random.Generator, values: Val
 
 UNIFORM = Family(
     "uniform",
-    "tasks uniform in a square",
     (SIZE, *winds.PARAMETERS, *depots.PARAMETERS),
     square,
     uniform_tasks,
@@ -58,7 +57,6 @@ UNIFORM = Family(
 
 CLUSTERED = Family(
     "clustered",
-    "tasks in normal clusters around random centres in a square",
     (
         SIZE,
         Parameter("clusters", 5, "", "number of clusters", at_least=1),
@@ -72,7 +70,6 @@ CLUSTERED = Family(
 
 RING = Family(
     "ring",
-    "tasks on a ring about the centre of a square",
     (
         SIZE,
         Parameter("radius", 8_000.0, "m", "mean radius of the ring", at_least=0.0),

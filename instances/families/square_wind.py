@@ -58,7 +58,6 @@ class SquareWind(Family):
 
 SQUARE_WIND = SquareWind(
     "square-wind",
-    "uniform in a 20 km square, straight legs in one wind with rotation: instances with published optima",
     (),
     lambda values: Region.rectangle(SIZE, SIZE),
     uniform_tasks,

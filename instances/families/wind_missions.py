@@ -119,7 +119,6 @@ def _mountains(region: Region, rng: np.random.Generator, values: Values) -> Wind
 
 WIND_UNIFORM = WindFamily(
     "wind-uniform",
-    "a steady wind with turbulence (stream function), no-fly zones; turbulence=0 leaves a wind that changes no tour",
     (
         SIZE,
         *STEADY,
@@ -135,7 +134,6 @@ WIND_UNIFORM = WindFamily(
 
 WIND_VORTICES = WindFamily(
     "wind-vortices",
-    "a steady wind from the north-east with vortices, no-fly zones",
     (
         SIZE,
         *STEADY,
@@ -153,7 +151,6 @@ WIND_VORTICES = WindFamily(
 
 WIND_MOUNTAINS = WindFamily(
     "wind-mountains",
-    "mass-consistent flow over synthetic mountains at an altitude, with turbulence in their lee, no-fly zones",
     (
         SIZE,
         *STEADY,

@@ -16,6 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from instances.disk import write_aside
+from instances.formats.format import Format
+from instances.formats.tsplib import read_tsplib
 from instances.instance import Instance
 
 LARGEST = 10**9
@@ -57,3 +59,6 @@ def weight_scale(instance: Instance) -> float:
         return 1.0
     exponent = min(math.floor(math.log10(LARGEST) - math.log10(largest)), 300)
     return float(10**exponent) if exponent >= 0 else 1 / float(10**-exponent)
+
+
+ATSP = Format(read_tsplib, write_atsp)

@@ -19,6 +19,7 @@ import numpy as np
 from instances.arrays import Floats
 from instances.disk import as_text, read_bytes, write_aside
 from instances.errors import InputError, naming, suggestion
+from instances.formats.format import Format
 from instances.instance import Instance, check_size
 from instances.metrics import metric_cost
 
@@ -172,3 +173,6 @@ def _without_duplicates(pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
             raise InputError(f"the key '{key[:40]}' is given twice")
         found[key] = value
     return found
+
+
+NATIVE = Format(read_native, write_native)

@@ -29,6 +29,7 @@ from instances.arrays import Floats, Ints
 from instances.disk import read_text
 from instances.errors import InputError, naming
 from instances.formats.edge_weights import explicit_weights, metric_of
+from instances.formats.format import Format
 from instances.instance import Instance, check_size
 from instances.metrics import metric_cost
 from instances.routes import Routes, as_routes
@@ -253,3 +254,6 @@ def _check_weights(weights: Floats) -> None:
         if (bad & off_diagonal).any():
             i, j = np.argwhere(bad & off_diagonal)[0]
             raise InputError(f"EDGE_WEIGHT_SECTION: the weight from {i + 1} to {j + 1} is {what} ({weights[i, j]})")
+
+
+TSPLIB = Format(read_tsplib)

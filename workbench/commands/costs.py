@@ -29,15 +29,15 @@ def command(
     """
     from formulations.moving_cost.effect import WindEffect
     from formulations.moving_cost.registry import make_method
-    from instances.files import WRITERS
+    from instances.files import endings
     from instances.scenario import read_scenario
     from workbench.planning import plan, write_plan
     from workbench.settings import check_target, key_values
 
     chosen = key_values(options, "--option")
     make_method(method, chosen)
-    for path, endings in ((out, tuple(WRITERS)), (plot, (".svg",)), (report, (".html",))):
-        check_target(path, endings)
+    for path, known in ((out, endings(written=True)), (plot, (".svg",)), (report, (".html",))):
+        check_target(path, known)
     scenario = read_scenario(scenario_file)
     began = time.perf_counter()
     instance, paths = plan(scenario, method, chosen, _tell)

@@ -15,20 +15,20 @@ def command(as_json: bool) -> None:
 
     found = {
         name: {
-            "about": family.description,
+            "about": about,
             "parameters": {
                 p.name: {"default": p.default, "unit": p.unit, "meaning": p.meaning, "choices": list(p.choices)}
-                for p in family.parameters
+                for p in FAMILIES.load(name).parameters
             },
         }
-        for name, family in FAMILIES.items()
+        for name, (_, about) in FAMILIES.targets().items()
     }
     if as_json:
         click.echo(json.dumps(found, indent=1))
         return
-    for name, family in FAMILIES.items():
-        click.echo(f"{name}: {family.description}")
-        for p in family.parameters:
+    for name, (_, about) in FAMILIES.targets().items():
+        click.echo(f"{name}: {about}")
+        for p in FAMILIES.load(name).parameters:
             unit = f" [{p.unit}]" if p.unit else ""
             choices = f" ({', '.join(p.choices)})" if p.choices else ""
             click.echo(f"    {p.name} = {json.dumps(p.default)}{unit}: {p.meaning}{choices}")

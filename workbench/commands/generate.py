@@ -24,8 +24,7 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
     paths then lie beside the instance.
     """
     from formulations.moving_cost.families import costed
-    from instances.families import family as family_of
-    from instances.families import make_scenario
+    from instances.families import FAMILIES, make_scenario
     from instances.files import write_instance
     from instances.scenario import write_scenario
     from workbench.settings import key_values
@@ -35,7 +34,7 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
     parameters = key_values(settings, "--set")
     for number in range(seed, seed + count):
         scenario = make_scenario(family, tasks, depots, number, **parameters)
-        instance, paths = costed(scenario, family_of(family).legs)
+        instance, paths = costed(scenario, FAMILIES.load(family).legs)
         _make_folder(out)
         path = out / f"{instance.name}.json"
         if paths is None:

@@ -28,11 +28,11 @@ from formulations.routing.registry import SOLVERS
 from formulations.routing.solver import Event, Result, Solver, Status
 from instances import InputError, Instance, as_routes, check_routes, makespan, tour_costs
 from instances.best_known import best_known
+from instances.families import check_family
 from instances.files import read_instance, write_instance
 from reports.record import ITEM_FILES, Run, code_note
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.tables import counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
-from workbench.making import check_family
 from workbench.sources import FamilySource, FileSource, instance_files
 from workbench.terminal import print_table
 

@@ -10,7 +10,7 @@ import pytest
 from formulations.moving_cost.families import costed, generate
 from instances import InputError, check_routes
 from instances.best_known import best_known
-from instances.families import FAMILIES, family, make_scenario
+from instances.families import FAMILIES, make_scenario
 from instances.files import read_instance, write_instance
 from instances.old_corridor_metric import old_corridor_costs
 from instances.paths import check_paths
@@ -19,7 +19,7 @@ WINDY = ["uniform", "clustered", "ring", "corridor"]
 """Families with every option of wind and depots."""
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", FAMILIES.built_in)
 def test_same_seed_same_file_in_another_process(tmp_path, name):
     write_instance(generate(name, 6, 3, seed=5), tmp_path / "here.json")
     program = (
@@ -32,7 +32,7 @@ def test_same_seed_same_file_in_another_process(tmp_path, name):
     assert generate(name, 6, 3, seed=6).digest != generate(name, 6, 3, seed=5).digest
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", FAMILIES.built_in)
 def test_sizes_places_and_provenance(name):
     instance = generate(name, 12, 4, seed=1)
     scenario = make_scenario(name, 12, 4, seed=1)
@@ -88,7 +88,7 @@ def test_corridor_says_what_its_legs_flew_around():
 @pytest.mark.parametrize("name", ["wind-uniform", "wind-vortices"])
 def test_planned_costs_come_with_their_paths(name):
     scenario = make_scenario(name, 4, 2, seed=1)
-    instance, paths = costed(scenario, family(name).legs)
+    instance, paths = costed(scenario, FAMILIES.load(name).legs)
     assert instance.provenance["moving_cost"] == {"method": "refined"}
     assert check_paths(paths, instance.cost, scenario.points, scenario.free, scenario.wind, scenario.airspeed) == []
 
@@ -105,7 +105,7 @@ def test_parameters_as_text_from_a_command_line():
 
 
 @pytest.mark.parametrize(("n", "m"), [(1, 1), (1, 4), (3, 7)])
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", FAMILIES.built_in)
 def test_few_tasks_and_many_uavs(tmp_path, name, n, m):
     instance = generate(name, n, m, seed=0)
     write_instance(instance, tmp_path / "a.json.gz")

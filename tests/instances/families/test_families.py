@@ -11,10 +11,10 @@ WINDY = ["uniform", "clustered", "ring", "corridor"]
 
 def test_the_families_we_promise_are_there_and_say_what_they_take():
     plain = {"uniform", "clustered", "ring", "corridor", "square-wind"}
-    assert set(FAMILIES) == plain | {"wind-uniform", "wind-vortices", "wind-mountains"}
-    for family in FAMILIES.values():
-        assert family.description
-        for parameter in family.parameters:
+    assert set(FAMILIES.built_in) == plain | {"wind-uniform", "wind-vortices", "wind-mountains"}
+    for name, (_, about) in FAMILIES.targets().items():
+        assert about
+        for parameter in FAMILIES.load(name).parameters:
             assert parameter.meaning
             assert parameter.checked(parameter.default) == parameter.default
             assert parameter.checked(str(parameter.default)) == parameter.default

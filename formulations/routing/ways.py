@@ -1,22 +1,18 @@
 """Cheapest ways: what flying to a task and back costs at least, over any tasks on the way.
 
 Costs need not obey the triangle inequality (a detour may be downwind), so a direct arc bounds nothing; the cheapest way
-does. Floyd and Warshall's recursion over the tasks, then out of and back to a depot.
+does: the shortest walks over the tasks, then out of and back to a depot.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
 from instances.arrays import Floats
+from instances.walks import shortest_walks
 
 
 def ways_between_tasks(cost: Floats, n_tasks: int) -> Floats:
     """Return the cost of the cheapest way from each task to each, over tasks only, shape (n, n), rounded down."""
-    way = cost[:n_tasks, :n_tasks].copy()
-    for through in range(n_tasks):
-        np.minimum(way, way[:, through, None] + way[None, through, :], out=way)
-    return way * (1 - (n_tasks + 2) * 2.0**-52)
+    return shortest_walks(cost[:n_tasks, :n_tasks]) * (1 - (n_tasks + 2) * 2.0**-52)
 
 
 def ways_from_depot(cost: Floats, between: Floats, k: int) -> tuple[Floats, Floats]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from instances import Instance
 from instances.arrays import Bools, Floats
+from instances.walks import shortest_walks
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class Legs:
         walk = np.empty((0, 0))
         for k in range(self.n_uavs):
             if k == 0 or not np.array_equal(self.between[k], self.between[k - 1]):
-                walk = _shortest_walks(self.between[k])
+                walk = shortest_walks(self.between[k])
             there = (out[k][:, None] + walk).min(axis=0)
             back = (walk + home[k][None, :]).min(axis=1)
             between[k][there[:, None] + between[k] + back[None, :] > limit] = np.inf
@@ -70,12 +71,3 @@ class Legs:
     def may_visit(self) -> Bools:
         """Say which UAV has a leg left into which task, shape (m, n)."""
         return np.isfinite(self.out) | np.isfinite(self.between).any(axis=1)
-
-
-def _shortest_walks(between: Floats) -> Floats:
-    """Return the cheapest walk from task to task, 0 on the diagonal (Floyd 1962)."""
-    walk = between.copy()
-    np.fill_diagonal(walk, 0.0)
-    for via in range(walk.shape[0]):
-        np.minimum(walk, walk[:, via, None] + walk[None, via, :], out=walk)
-    return walk

@@ -9,10 +9,10 @@ Let P_k be the tours of UAV k (over any set of tasks, from and to its depot) and
 stronger than that of θ_ijk, most of all because P_k holds only tours that cost less than the best routes known.
 
 1. Incumbent: the memetic search, for a while, and again while a gap is left.                  `columns/searching.py`
-2. Relaxation by column generation; Lagrangian bounds.                `columns/generation.py`, `pricing.py`, `master.py`
-3. Legs fixed away by reduced cost; a UAV's tours listed when they fit. `columns/fixing.py`, `enumeration.py`, `pool.py`
-4. Subset-row cuts, then branching on who takes which task. `columns/cuts.py`, `watching.py`, `branching.py`, `tree.py`
-5. Where the gap stays wide: destructive bisection of the cap.        `columns/destructive.py`
+2. A tree, branching on who takes which task.                                    `columns/tree.py`, `branching.py`
+3. At a node the relaxation by column generation; legs fixed away by reduced cost; a UAV's tours listed when they fit;
+   subset-row cuts.        `columns/tightening.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
+4. Where the gap stays wide: destructive bisection of the cap.                               `columns/destructive.py`
 
 Strong where tours are short (n/m up to about 20). Sources: Baldacci, Mingozzi, Roberti (Oper. Res. 59, 2011) for
 ng-routes and enumeration; Contardo & Martinelli (Discrete Optim. 12, 2014) for cutting over a listed pool.
@@ -23,7 +23,6 @@ Floating point: all bounds are Lagrangian, valid at any duals, with an explicit 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -31,12 +30,13 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.columns.destructive import destructive_bounds
+from formulations.routing.columns.efforts import with_cuts, without_cuts
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.node import Efforts, Workspace
-from formulations.routing.columns.pricing import Column, Effort
+from formulations.routing.columns.node import Workspace
+from formulations.routing.columns.pricing import Column
 from formulations.routing.columns.searching import STEPS, Search, search
-from formulations.routing.columns.tree import Incumbent, Tree
+from formulations.routing.columns.tree import Ended, Incumbent, Tree
 from formulations.routing.columns.warming import warm_up
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
@@ -98,47 +98,45 @@ class BranchAndPrice(Solver):
         """Solve to proof or limit; `limits.iterations` counts nodes of the tree. Deterministic but for the clock."""
         recorder = Recorder(instance, limits, observe, start)
         self.improve(recorder, 1000 * seed, self.starts)
-        ended, counts = self.prove(recorder, seed, lambda: False)
-        proved = ended == "proof"
+        ended, counts = self.prove(recorder, seed)
+        proved = ended == Ended.PROOF
         return recorder.result(ended, proved=proved, tolerance=2 * TOLERANCE * recorder.objective, **counts)
 
-    def prove(self, recorder: Recorder, seed: int, stop: Callable[[], bool]) -> tuple[str, dict[str, Any]]:
-        """Raise the recorder's bound to its incumbent, improving both; return what ended it, and counters.
+    def prove(self, recorder: Recorder, seed: int) -> tuple[str, dict[str, Any]]:
+        """Raise the recorder's bound to its incumbent, improving both; return `Result.stopped_by` and the counters.
 
-        The incumbent may also be improved from outside meanwhile, in `stop`, which is asked often and ends the work.
+        The incumbent may also be improved from outside meanwhile, whenever the recorder is asked for the time left.
         """
         for simple_bound in SIMPLE.values():
             recorder.raise_bound(simple_bound(recorder.instance, recorder.objective))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
-            return "proof", {}
+            return Ended.PROOF.value, {}
         n, limits = recorder.instance.n_tasks, recorder.limits
         store = make_store(n, min(self.labels, max(1000, n << min(n, 40))))  # no more than all sets and last tasks
         legs = Legs.of(recorder.instance)
-        patience = _Patience(recorder, stop)
-        work = Workspace(patience.over, store, self.tours, *self._efforts(n), (legs.out + legs.home).min(axis=0))
+        patience = _Patience(recorder)
+        efforts = without_cuts(n, self.bins), with_cuts(n, self.bins)
+        work = Workspace(patience.over, store, self.tours, *efforts, (legs.out + legs.home).min(axis=0))
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         tree = Tree(legs, _columns(recorder), work, recorder.bound)
         incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
         nodes = np.inf if limits.iterations is None else limits.iterations
         patience.share(1 / 3)
-        proved = tree.grow(incumbent, nodes)
-        if not proved and recorder.limits.iterations is None and recorder.bound < (1 - _WIDE) * recorder.objective:
-            patience.share(1 / 2)
-            self._destruct(recorder, patience.over)
-        patience.share(1)
-        proved = proved or tree.grow(incumbent, nodes - work.counts.get("nodes", 0))
+        ended = tree.grow(incumbent, nodes)
+        if ended is not Ended.PROOF:
+            if limits.iterations is None and recorder.bound < (1 - _WIDE) * recorder.objective:
+                patience.share(1 / 2)
+                self._destruct(recorder, patience)
+            patience.share(1)
+            ended = tree.grow(incumbent, nodes - work.counts.get("nodes", 0))
         recorder.raise_bound(tree.bound(incumbent.cap()) * (1 - 1e-12))
-        if proved:
-            return "proof", work.counts
-        if tree.stuck:
-            return "memory", work.counts
-        return "time" if work.out_of_time() else "iterations", work.counts
+        return ended.value, work.counts
 
-    def _destruct(self, recorder: Recorder, enough: Callable[[], bool]) -> None:
+    def _destruct(self, recorder: Recorder, patience: _Patience) -> None:
         """Raise the bound by bisection: the tree has far to go from a gap as wide as this."""
         lower, upper = recorder.bound, recorder.objective
-        for bound in destructive_bounds(recorder.instance, lower, upper, enough, from_top=False):
+        for bound in destructive_bounds(recorder.instance, lower, upper, patience.over, from_top=False):
             recorder.raise_bound(bound)
 
     def improve(self, recorder: Recorder, seed: int, runs: int) -> None:
@@ -150,38 +148,12 @@ class BranchAndPrice(Solver):
             share = recorder.remaining / (3 * (runs - run))
             search(recorder, STEPS * recorder.instance.n_tasks**2, seed, run, share)
 
-    def _efforts(self, n: int) -> tuple[Efforts, Efforts]:
-        """Return how hard to work at a node without cuts, and at one with cuts."""
-        near = 7 if n <= 100 else 5
-        quick, middle, fine = (max(1, self.bins * share // 10) for share in (3, 5, 8))
-        plain = (
-            Effort(3, quick, 200),
-            Effort(3, quick, 3000),
-            Effort(near - 1, fine, 20_000),
-            Effort(near, self.bins, 300_000),
-        )
-        if n <= 100:
-            cutting = (
-                Effort(3, quick, 200, 3),
-                Effort(3, quick, 3000, 4),
-                Effort(4, middle, 30_000, 4),
-                Effort(5, middle, 300_000, 4),
-            )
-            return Efforts(plain, Effort(near, self.bins, 0)), Efforts(cutting, Effort(5, fine, 0, 4))
-        cutting = (
-            Effort(3, quick, 200, 1),
-            Effort(3, quick, 3000, 2),
-            Effort(3, middle, 30_000, 2),
-            Effort(4, middle, 300_000, 2),
-        )
-        return Efforts(plain, Effort(near, fine, 0)), Efforts(cutting, Effort(4, middle, 0, 2))
-
 
 class _Patience:
     """How long to go on with what is being done."""
 
-    def __init__(self, recorder: Recorder, stop: Callable[[], bool]) -> None:
-        self._recorder, self._stop, self._until = recorder, stop, 0.0
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder, self._until = recorder, 0.0
 
     def share(self, part: float) -> None:
         """Allow a share of the time that remains."""
@@ -189,7 +161,7 @@ class _Patience:
 
     def over(self) -> bool:
         """Say whether the time allowed is over."""
-        return self._recorder.remaining <= self._until or self._stop()
+        return self._recorder.remaining <= self._until
 
 
 def _columns(recorder: Recorder) -> list[Column]:

@@ -80,7 +80,7 @@ class Exact(Solver):
 
 
 def _columns_alone(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
-    ended, counts = columns.prove(recorder, seed, lambda: False)
+    ended, counts = columns.prove(recorder, seed)
     return _result(recorder, ended, "branch-and-price", 2 * TOLERANCE * recorder.objective, counts)
 
 
@@ -92,7 +92,7 @@ def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int)
     counts = {f"cut_{name}": value for name, value in cut.statistics.items()}
     if cut.status is Status.OPTIMAL or recorder.remaining <= 0:
         return _result(recorder, cut.stopped_by, "branch-and-cut", cut.tolerance, counts)
-    ended, own = columns.prove(recorder, seed, lambda: False)
+    ended, own = columns.prove(recorder, seed)
     return _result(recorder, ended, "branch-and-price", 2 * TOLERANCE * recorder.objective, {**own, **counts})
 
 
@@ -121,7 +121,7 @@ def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) 
     there.close()
     recorder.link = here
     try:
-        ended, counts = columns.prove(recorder, seed, lambda: False)
+        ended, counts = columns.prove(recorder, seed)
         while ended != "proof" and recorder.remaining > 0 and recorder.link is not None:
             here.poll(min(recorder.remaining, 0.1))
         by = "branch-and-price" if ended == "proof" else "branch-and-cut"

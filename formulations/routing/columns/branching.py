@@ -16,7 +16,6 @@ import numpy as np
 
 from formulations.routing.columns.cuts import incidence
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.pricing import Duals
 from instances.arrays import Bools, Floats, Ints
 
 _GLANCED, _TRIED = 50, 8
@@ -25,8 +24,6 @@ _GLANCE, _TRIAL = 5, 200
 """Pivots of a rough and of a thorough trial."""
 _LEAST = 1e-6
 """Share of the master's value below which a rise counts as this much: neither side may count as nothing."""
-ALONE = 0.9
-"""Price σ_k from which UAV k is said to set the relaxation alone."""
 _WHOLE = 1e-6
 """How far a share may be from a whole number."""
 
@@ -61,18 +58,14 @@ def choose(
     kinds = [_promising(split * far**2), _promising(split * np.maximum(duals.price, 0.0))]
     if kinds[0].size + kinds[1].size == 0:
         return _dearest(undecided, share, duals.price)
-    if _set_by_one_tour(duals, share) and kinds[0].size > 0:
+    k = duals.bottleneck
+    if k is not None and np.abs(share[k] - share[k].round()).max() < _WHOLE and kinds[0].size > 0:
+        # one whole tour alone makes the relaxation as long as it is: no branch on the others raises it
         return _pair(int(kinds[0][0]), master.n)
     trials = _Trials(master, value, gap, out_of_time)
     roughly = trials.best(_each_once(*kinds), _GLANCE, _TRIED)
     thoroughly = _each_once(*(kind[:_TRIED] for kind in kinds), roughly)
     return _pair(int(trials.best(thoroughly, _TRIAL, 1)[0]), master.n)
-
-
-def _set_by_one_tour(duals: Duals, share: Floats) -> bool:
-    """Say whether one whole tour alone makes the relaxation as long as it is: no branch on the others raises it."""
-    k = int(np.argmax(duals.sigma))
-    return bool(duals.sigma[k] >= ALONE and np.abs(share[k] - share[k].round()).max() < _WHOLE)
 
 
 def _each_once(*candidates: Ints) -> Ints:

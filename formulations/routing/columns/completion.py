@@ -17,19 +17,20 @@ legs in a row, so n rounds always suffice for a valid bound, and usually two con
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.columns.legs import UavLegs
+from formulations.routing.columns.watching import Watch
 from instances.arrays import Floats, Ints
 
 _SLACK = 1e-9  # of a bin: far more than rounding errors, in the direction that forbids less
 
 
-@dataclass(frozen=True)
-class Memory:
+class Memory(NamedTuple):
     """The ng-neighbourhoods: which tasks are remembered where.
 
     near : near[i, q] is the q-th task remembered at i (not i itself, which always is), shape (n, g).
@@ -50,7 +51,7 @@ class Memory:
 
 
 @numba.njit(cache=True)
-def _memory_steps(near):  # type: ignore[no-untyped-def]
+def _memory_steps(near: Ints) -> NDArray[np.int16]:
     n, g = near.shape
     states = 1 << g
     step = np.empty((n, n, states), np.int16)
@@ -72,60 +73,67 @@ def _memory_steps(near):  # type: ignore[no-untyped-def]
     return step
 
 
-@dataclass(frozen=True)
-class Bins:
-    """Time in bins: `width` [s]; `legs` (n, n) and `home` (n,) whole bins of each leg, rounded down."""
+class Bins(NamedTuple):
+    """The time of one UAV's legs in `most` bins of `width` [s], which make up the cap.
+
+    legs, home : whole bins of each leg, rounded down, shape (n, n) and (n,); most + 1 where it is forbidden.
+    order, degree : the successors of each task in order of bins, shape (n, n), and how many there are, (n,).
+    """
 
     width: float
-    count: int
+    most: int
     legs: Ints
     home: Ints
+    order: Ints
+    degree: Ints
 
     @classmethod
-    def of(cls, between: Floats, home: Floats, cap: float, count: int) -> Bins:
-        """Cut `cap` [s] into `count` bins; forbidden legs take count + 1."""
-        width = cap / count
+    def of(cls, legs: UavLegs, cap: float, most: int) -> Bins:
+        """Cut `cap` [s] into `most` bins."""
+        width = cap / most
 
         def whole(cost: Floats) -> Ints:
-            bins = np.minimum(np.floor(cost / width - _SLACK), count + 1)
+            bins = np.minimum(np.floor(cost / width - _SLACK), most + 1)
             return np.maximum(bins, 0).astype(np.int64)
 
-        return cls(width, count, whole(between), whole(home))
+        between = whole(legs.between)
+        return cls(width, most, between, whole(legs.home), *_successors(between, most))
 
 
 @numba.njit(cache=True)
-def bins_left(time, width, count):  # type: ignore[no-untyped-def]
-    """Return the whole bins in what is left of the cap, rounded so that nothing that fits is forbidden."""
-    return min(count, np.int64(np.floor(time / width + 1e-9)))
+def bins_left(time: float, bins: Bins) -> np.int64:
+    """Return the whole bins in the `time` left of the cap, rounded so that nothing that fits is forbidden."""
+    return min(np.int64(bins.most), np.int64(np.floor(time / bins.width + 1e-9)))
 
 
 @numba.njit(cache=True)
-def successors(legs, count):  # type: ignore[no-untyped-def]
-    """Return for each task its successors in order of bins, shape (n, n), and how many there are."""
+def _successors(legs: Ints, most: int) -> tuple[Ints, Ints]:
     n = legs.shape[0]
     order = np.empty((n, n), np.int64)
     degree = np.zeros(n, np.int64)
     for i in range(n):
         ranked = np.argsort(legs[i], kind="mergesort")
         for j in ranked:
-            if legs[i, j] <= count:
+            if legs[i, j] <= most:
                 order[i, degree[i]] = j
                 degree[i] += 1
     return order, degree
 
 
 @numba.njit(cache=True)
-def completion(between, home, legs, home_bins, order, degree, step, turn, charge, price, sigma, count):  # type: ignore[no-untyped-def]
-    """Return B, shape (n, count + 1, 2^q (2^g + 1)): for each state of the cuts watched (`watching.py`) one block.
+def completion(uav: UavLegs, bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: float) -> Floats:
+    """Return B, shape (n, most + 1, 2^q (2^g + 1)): for each state of the cuts watched (`watching.py`) one block.
 
     The last entry of a block is infinite, for forbidden steps.
     """
+    between, home, step, turn, charge = uav.between, uav.home, memory.step, watch.turn, watch.charge
+    legs, home_bins, order, degree = bins.legs, bins.home, bins.order, bins.degree
     n, states, blocks = home.size, step.shape[2], turn.shape[2]
-    best = np.full((n, count + 1, blocks * (states + 1)), np.inf)
+    best = np.full((n, bins.most + 1, blocks * (states + 1)), np.inf)
     zero_legs = False
     for i in range(n):
         zero_legs = zero_legs or (degree[i] > 0 and legs[i, order[i, 0]] == 0)
-    for b in range(count + 1):
+    for b in range(bins.most + 1):
         for i in range(n):
             row = best[i, b]
             if home_bins[i] <= b:
@@ -158,7 +166,15 @@ def completion(between, home, legs, home_bins, order, degree, step, turn, charge
 
 
 @numba.njit(cache=True, inline="always")
-def _relax(row, source, step, turn, charge, weight, states):  # type: ignore[no-untyped-def]
+def _relax(
+    row: Floats,
+    source: Floats,
+    step: NDArray[np.int16],
+    turn: NDArray[np.int16],
+    charge: Floats,
+    weight: float,
+    states: int,
+) -> bool:
     """Lower row(C, M) to weight + charge(C) + source(turn(C), step(M)).
 
     In each block empty memory is the least restricted, full the most.

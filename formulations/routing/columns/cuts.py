@@ -9,6 +9,7 @@ bounds leave ρ out and stay valid, since ρ ≥ 0.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -46,7 +47,7 @@ def separate(tours: Sequence[Sequence[int]], weight: Floats, n_tasks: int, known
 
 
 @numba.njit(cache=True)
-def _violated(holds, weight, least):  # type: ignore[no-untyped-def]
+def _violated(holds: Bools, weight: Floats, least: float) -> tuple[Ints, Floats]:
     """Return all triples whose left-hand side exceeds 1 by `least`, and by how much they do."""
     rows, n = holds.shape
     pair = np.zeros((n, n))
@@ -75,8 +76,17 @@ def _violated(holds, weight, least):  # type: ignore[no-untyped-def]
     return found, np.array(excess)
 
 
-def by_task(cuts: Sequence[Cut], rho: Floats, n_tasks: int) -> tuple[Ints, Floats]:
-    """Return for each task the other two tasks of its cuts, shape (n, q, 2), −1 where none, and their ρ, (n, q)."""
+class TaskCuts(NamedTuple):
+    """The cuts of each task that have a price: their other two tasks, `partners` (n, q, 2), −1 where none; `rho` (n, q)
+    [s], 0 where none.
+    """
+
+    partners: Ints
+    rho: Floats
+
+
+def by_task(cuts: Sequence[Cut], rho: Floats, n_tasks: int) -> TaskCuts:
+    """Return the cuts of each task."""
     member: list[list[tuple[int, int, float]]] = [[] for _ in range(n_tasks)]
     for (i, j, k), price in zip(cuts, rho, strict=True):
         if price > 0:
@@ -88,4 +98,4 @@ def by_task(cuts: Sequence[Cut], rho: Floats, n_tasks: int) -> tuple[Ints, Float
     for i, q in enumerate(member):
         for a, (j, k, r) in enumerate(q):
             partners[i, a], price[i, a] = (j, k), r
-    return partners, price
+    return TaskCuts(partners, price)

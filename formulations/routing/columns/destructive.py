@@ -43,7 +43,7 @@ def destructive_bounds(
         master.add([column for column in columns if column.cost <= cap])
         allowed = legs.under(cap)
         pricers = [Pricer(allowed, cap, effort, store, out_of_time) for effort in _EFFORTS]
-        found = generate(master, pricers, cap, out_of_time).bound
+        found = generate(master, pricers, cap, out_of_time).best.value
         bound, columns = min(found, cap * (1 - 1e-12)), master.columns
         if bound > lower:
             lower = bound

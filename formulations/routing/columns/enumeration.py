@@ -9,29 +9,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.routing.columns.labelling import search
+from formulations.routing.columns.labelling import Orders, search
 from formulations.routing.columns.pool import Pool
-from formulations.routing.columns.pricing import Duals, Pricer
-from instances.arrays import Floats
+from formulations.routing.columns.pricing import DualBound, Pricer
 
 
-def list_tours(
-    pool: Pool, pricer: Pricer, duals: Duals, bound: float, least: Floats, labels: int, room: int
-) -> tuple[Pool, int]:
+def list_tours(pool: Pool, pricer: Pricer, at: DualBound, labels: int, room: int) -> tuple[Pool, int]:
     """Return `pool` with the tours of more UAVs, those with few legs first, and the number of labels made in vain.
 
-    It ends at the first UAV that takes more than `labels` labels, or at `room` tours in all. At these duals `bound` is
-    L and `least` its terms r_k.
+    It ends at the first UAV that takes more than `labels` labels, or at `room` tours in all.
     """
-    s = pricer.store
+    s, allowed = pricer.store, at.allowed(pricer.cap)
     n_legs = np.isfinite(pricer.legs.between).sum(axis=(1, 2))
     for k in sorted(np.flatnonzero(~pool.listed).tolist(), key=lambda k: int(n_legs[k])):
-        threshold = pricer.cap - bound + float(least[k])
-        field = pricer.field(k, duals)
-        found = search(field, s, threshold, pricer.out_of_time, labels=labels, tours=room - pool.size)
+        problem, threshold = pricer.subproblem(k, at.duals), float(allowed[k])
+        found = search(problem, s, threshold, pricer.out_of_time, labels=labels, tours=room - pool.size)
         if not found.complete:
             return pool, found.labels
-        ends, last, parent = found.ends, s.last[: found.labels].copy(), s.parent[: found.labels].copy()
-        cost = s.cost[ends] + pricer.legs.home[k][s.last[ends]]
-        pool = pool.listing(k, s.visited[ends], cost, ends, last, parent)
+        ends = found.ends
+        cost = s.cost[ends] + problem.legs.home[s.last[ends]]
+        orders = Orders(s.last[: found.labels].copy(), s.parent[: found.labels].copy())
+        pool = pool.listing(k, s.visited[ends], cost, ends, orders)
     return pool, 0

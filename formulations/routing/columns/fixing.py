@@ -14,53 +14,50 @@ from collections.abc import Iterable
 import numba
 import numpy as np
 
-from formulations.routing.columns.completion import Bins, bins_left, completion, successors
-from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.pricing import Duals, Pricer
+from formulations.routing.columns.completion import Bins, bins_left, completion
+from formulations.routing.columns.labelling import Subproblem
+from formulations.routing.columns.legs import Legs, UavLegs
+from formulations.routing.columns.pricing import DualBound, Pricer
 from instances.arrays import Floats
 
 
-def fix_legs(pricer: Pricer, uavs: Iterable[int], duals: Duals, bound: float, least: Floats) -> Legs:
-    """Return the legs left, of `uavs` only those needed; at these duals `bound` is L (rounding margin taken off) and
-    `least` its terms r_k.
-    """
-    legs, cap, watch = pricer.legs, pricer.cap, pricer.watch(duals)
-    out, between, home = legs.out.copy(), legs.between.copy(), legs.home.copy()
+def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
+    """Return the legs left, of `uavs` only those needed by routes of cost ≤ the pricer's cap."""
+    legs, allowed = pricer.legs.copy(), at.allowed(pricer.cap)
     for k in uavs:
         if pricer.out_of_time():
             break
-        b, _, _ = pricer.grid(k)
-        back_legs = Bins.of(np.ascontiguousarray(legs.between[k].T), legs.out[k], cap, b.count)
-        order, degree = successors(back_legs.legs, b.count)
-        reverse = completion(
-            np.ascontiguousarray(legs.between[k].T), legs.out[k], back_legs.legs, back_legs.home, order, degree,
-            pricer.memory.step, watch.turn, watch.charge, duals.price, duals.sigma[k], b.count,
-        )  # fmt: skip
-        ahead, allowed = pricer.field(k, duals).best, cap - (bound - least[k])
-        _fix(
-            out[k], between[k], home[k], cap, b.width, b.count, ahead, reverse, pricer.memory.step, duals.price,
-            duals.sigma[k], allowed,
-        )  # fmt: skip
-    return Legs(out, between, home)
+        problem = pricer.subproblem(k, at.duals)
+        back = problem.legs.backwards()
+        bins = Bins.of(back, pricer.cap, problem.bins.most)
+        behind = completion(back, bins, problem.memory, problem.watch, problem.price, problem.sigma)
+        _fix(legs.of_uav(k), problem, behind, allowed[k])
+    return legs
 
 
 @numba.njit(cache=True)
-def _fix(out, between, home, cap, width, count, ahead, behind, step, price, sigma, allowed):  # type: ignore[no-untyped-def]
-    """Forbid, in place, the legs of one UAV whose best reduced cost exceeds what is allowed."""
+def _fix(legs: UavLegs, problem: Subproblem, behind: Floats, allowed: float) -> None:
+    """Forbid, in place, the legs of one UAV whose best reduced cost exceeds what is allowed.
+
+    behind : the completion bounds of the reversed graph.
+    """
+    out, between, home = legs.out, legs.between, legs.home
+    cap, bins, step, ahead = problem.cap, problem.bins, problem.memory.step, problem.best
+    price, sigma = problem.price, problem.sigma
     n = home.size
     for i in range(n):
         if out[i] <= cap:
-            value = sigma * out[i] - price[i] + ahead[i, bins_left(cap - out[i], width, count), 0]
+            value = sigma * out[i] - price[i] + ahead[i, bins_left(cap - out[i], bins), 0]
             if value > allowed:
                 out[i] = np.inf
         if home[i] <= cap:
-            value = sigma * home[i] - price[i] + behind[i, bins_left(cap - home[i], width, count), 0]
+            value = sigma * home[i] - price[i] + behind[i, bins_left(cap - home[i], bins), 0]
             if value > allowed:
                 home[i] = np.inf
         for j in range(n):
             if not between[i, j] <= cap:
                 continue
-            left = bins_left(cap - between[i, j], width, count)
+            left = bins_left(cap - between[i, j], bins)
             least = np.inf
             for b in range(left + 1):
                 least = min(least, behind[i, b, step[j, i, 0]] + ahead[j, left - b, step[i, j, 0]])

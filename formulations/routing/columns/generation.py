@@ -1,4 +1,4 @@
-"""Column generation: the master and pricing in turn, until the capped relaxation is solved or reaches the cap.
+"""Column generation: the master and pricing in turn, until the capped relaxation is solved or its bound passes the cap.
 
 Only tours of cost ≤ cap < U exist, which is what makes the bound strong: a relaxation without columns enough is itself
 a proof. Duals are smoothed (Wentges, "Weighted Dantzig–Wolfe decomposition for linear mixed-integer programming",
@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from enum import Enum, auto
 
 import numpy as np
 
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.pricing import Duals, Prices
+from formulations.routing.columns.pricing import DualBound, Duals, Priced, Prices
 from instances.arrays import Floats
 
 _SMOOTHING = 0.5
@@ -23,19 +24,25 @@ _CLOSE = 0.02  # of the gap to the cap: how near the master's value and the boun
 _EXACT = 1e-7  # of the cap: columns that gain less are not worth adding
 
 
+class Ended(Enum):
+    """How column generation ended."""
+
+    PRUNED = auto()
+    """The bound passed the cap: no routes below it are left."""
+    SOLVED = auto()
+    """No column is missing that could lower the master's value by more than a fraction of the gap."""
+    STUCK = auto()
+    """Even the strongest pricer loses labels: columns may be missing."""
+    INTERRUPTED = auto()
+    """Time is up."""
+
+
 @dataclass(frozen=True)
 class Relaxation:
-    """How column generation ended.
+    """The capped relaxation as far as it was solved: its best bound, and λ of the master's columns, `weight`."""
 
-    bound [s] : the best Lagrangian bound; `duals` and `least` (r_k ≤ 0 of each UAV) are those of that bound.
-    solved : whether no column is missing that could lower the master's value by more than a fraction of the gap.
-    weight : λ of the master's columns.
-    """
-
-    bound: float
-    duals: Duals
-    least: Floats
-    solved: bool
+    ended: Ended
+    best: DualBound
     weight: Floats
     rounds: int
 
@@ -45,44 +52,58 @@ def generate(
     pricers: Sequence[Prices],
     cap: float,
     out_of_time: Callable[[], bool],
-    centre: Relaxation | None = None,
+    centre: DualBound | None = None,
 ) -> Relaxation:
-    """Solve the relaxation over tours of cost ≤ `cap`; stop early where the bound passes the cap or time is up.
+    """Solve the relaxation over tours of cost ≤ `cap`, by `pricers` from the quickest to the strongest.
 
-    centre : how a relaxation with no fewer tours and no more cuts ended; what its duals prove still holds, and new
-        ones are sought near them. With it to fall back to, stop also where even the strongest pricer loses labels.
+    centre : the best bound of a relaxation with no fewer tours and no more cuts; it still holds, and new duals are
+        sought near it. With it to fall back to, generation is stuck as soon as the strongest pricer loses labels.
     """
-    m = pricers[0].n_uavs
-    _, at_master, weight = master.solve()
-    best, best_bound, best_least, trust = at_master, -np.inf, np.zeros(m), 1.0
+    value, at_master, weight = master.solve()
+    best, trust = DualBound(-np.inf, at_master, np.zeros(pricers[0].n_uavs)), 1.0
     if centre is not None:
-        best, best_bound, best_least, trust = centre.duals, centre.bound, centre.least, _SMOOTHING
+        best, trust = centre, _SMOOTHING
     level, rounds = 0, 0
     while True:
         rounds += 1
-        duals = best.towards(at_master, trust)
-        priced = []
-        for k in range(m):
-            if out_of_time():
-                return Relaxation(best_bound, best, best_least, False, weight, rounds)
-            priced.append(pricers[level].price(k, duals, -duals.rent[k] - _EXACT * cap))
-        least = np.array([min(0.0, p.least) for p in priced])
-        bound = duals.offset + float(least.sum()) - duals.margin(cap, m)
-        if bound > best_bound:
-            best, best_bound, best_least = duals, bound, least
-        complete = all(p.complete for p in priced)
-        if best_bound > cap or (centre is not None and level + 1 == len(pricers) and not complete):
-            return Relaxation(best_bound, best, best_least, complete, weight, rounds)
+        duals = best.duals.towards(at_master, trust)
+        priced = _price_all(pricers[level], duals, cap, out_of_time)
+        if priced is None:
+            return Relaxation(Ended.INTERRUPTED, best, weight, rounds)
+        found = _lagrangian(duals, priced, cap)
+        if found.value > best.value:
+            best = found
+        if best.value > cap:
+            return Relaxation(Ended.PRUNED, best, weight, rounds)
+        complete, strongest = all(p.complete for p in priced), level + 1 == len(pricers)
+        if centre is not None and strongest and not complete:
+            return Relaxation(Ended.STUCK, best, weight, rounds)
         if master.add([c for p in priced for c in p.columns]):
             value, at_master, weight = master.solve()
-            if value - best_bound <= _CLOSE * (cap - best_bound) and not master.penalised:
-                return Relaxation(best_bound, best, best_least, True, weight, rounds)
-            trust = _SMOOTHING if value - best_bound > _EXACT * cap else 1.0
+            if value - best.value <= _CLOSE * (cap - best.value) and not master.penalised:
+                return Relaxation(Ended.SOLVED, best, weight, rounds)
+            trust = _SMOOTHING if value - best.value > _EXACT * cap else 1.0
         elif trust < 1.0:
             trust = 1.0
         elif master.widen(2 * cap):
             _, at_master, weight = master.solve()
-        elif not complete and level + 1 < len(pricers):
+        elif not complete and not strongest:
             level += 1
         else:
-            return Relaxation(best_bound, best, best_least, complete, weight, rounds)
+            return Relaxation(Ended.SOLVED if complete else Ended.STUCK, best, weight, rounds)
+
+
+def _price_all(pricer: Prices, duals: Duals, cap: float, out_of_time: Callable[[], bool]) -> list[Priced] | None:
+    """Price every UAV; None where time is up before that."""
+    priced = []
+    for k in range(pricer.n_uavs):
+        if out_of_time():
+            return None
+        priced.append(pricer.price(k, duals, -duals.rent[k] - _EXACT * cap))
+    return priced
+
+
+def _lagrangian(duals: Duals, priced: Sequence[Priced], cap: float) -> DualBound:
+    """Return the Lagrangian bound L(σ, π) of `pricing`, less the rounding it may hold."""
+    least = np.array([min(0.0, p.least) for p in priced])
+    return DualBound(duals.offset + float(least.sum()) - duals.margin(cap, len(priced)), duals, least)

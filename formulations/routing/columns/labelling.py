@@ -19,7 +19,10 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.columns.completion import bins_left
+from formulations.routing.columns.completion import Bins, Memory, bins_left
+from formulations.routing.columns.cuts import TaskCuts
+from formulations.routing.columns.legs import UavLegs
+from formulations.routing.columns.watching import Watch
 from instances.arrays import Floats, Ints
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
@@ -39,28 +42,29 @@ class Store(NamedTuple):
     slots: NDArray[np.int32]
 
 
-class Field(NamedTuple):
-    """What a search runs on: legs of one UAV [s], successors, `n_bins` of `width` [s] under the cap [s], prices.
+class Subproblem(NamedTuple):
+    """The pricing problem of one UAV: tours of cost ≤ `cap` [s] over its legs, least in reduced cost.
 
-    `near` (n, g) are the tasks remembered, `watched` (n, q, 3) the cuts watched (see `watching`), `partners` and `rho`
-    the cuts of each task (see `cuts`), `best` the completion bounds.
+    price : π_i [s] of the tasks, shape (n,); sigma : σ_k of the UAV; cuts : what each task's cuts charge.
+    bins, memory, watch, best : the completion bounds B and the states they are for.
     """
 
-    out: Floats
-    between: Floats
-    home: Floats
-    order: Ints
-    degree: Ints
+    legs: UavLegs
     cap: float
-    width: float
-    n_bins: int
-    near: Ints
-    watched: Ints
+    bins: Bins
+    memory: Memory
+    watch: Watch
     price: Floats
     sigma: float
-    partners: Ints
-    rho: Floats
+    cuts: TaskCuts
     best: Floats
+
+
+class Orders(NamedTuple):
+    """The flying orders of labels: the `last` task of each, and the label before it, `parent`, < 0 for none."""
+
+    last: NDArray[np.int16]
+    parent: NDArray[np.int32]
 
 
 class Found(NamedTuple):
@@ -86,17 +90,17 @@ def make_store(n_tasks: int, room: int) -> Store:
     )
 
 
-def path(last: NDArray[np.int16], parent: NDArray[np.int32], label: int) -> tuple[int, ...]:
+def path(labels: Orders | Store, label: int) -> tuple[int, ...]:
     """Return the tasks of a label in flying order."""
     order = []
     while label >= 0:
-        order.append(int(last[label]))
-        label = int(parent[label])
+        order.append(int(labels.last[label]))
+        label = int(labels.parent[label])
     return tuple(reversed(order))
 
 
 def search(
-    field: Field,
+    problem: Subproblem,
     store: Store,
     threshold: float,
     out_of_time: Callable[[], bool],
@@ -112,13 +116,13 @@ def search(
     """
     room = min(labels or store.last.size, store.last.size)
     ends, values, listed, complete = [], [], 0, True
-    begin, end = 0, depart(field, store, threshold)
+    begin, end = 0, _depart(problem, store, threshold)
     layers = [end]
     while end > begin:
         if beam is not None and end - begin > beam:
             complete = False
             end = _keep_best(store, beam, begin, end)
-        layer_ends, layer_values = _tours(field, store, threshold, begin, end)
+        layer_ends, layer_values = _tours(problem, store, threshold, begin, end)
         ends.append(layer_ends)
         values.append(layer_values)
         listed += layer_ends.size
@@ -127,7 +131,7 @@ def search(
             if stopped or out_of_time():
                 stopped = True
                 break
-            stopped, free = expand(field, store, threshold, low, min(low + _CHUNK, end), free, room)
+            stopped, free = _expand(problem, store, threshold, low, min(low + _CHUNK, end), free, room)
         _clear(store, end, free)
         layers.append(free - end)
         if stopped or (labels is not None and end + _LESS * _projected(layers) > room):
@@ -163,42 +167,56 @@ def compile_beam() -> None:
 
 
 @numba.njit(cache=True)
-def has(words, task):  # type: ignore[no-untyped-def]
+def has(words: NDArray[np.uint64], task: int) -> bool:
     """Say whether a set contains a task."""
     return (words[task >> 6] >> np.uint64(task & 63)) & np.uint64(1) != np.uint64(0)
 
 
 @numba.njit(cache=True)
-def alone(field, task):  # type: ignore[no-untyped-def]
-    """Return the state of the completion bounds at `task` where nothing else was visited."""
-    bits = 0
-    for r in range(field.watched.shape[1]):
+def least_of_all(problem: Subproblem) -> float:
+    """Return a lower bound on the reduced cost [s] of all tours: the best first leg and its completion."""
+    least = np.inf
+    for j in range(problem.price.size):
+        least = min(least, _beginning_with(problem, j))
+    return least
+
+
+@numba.njit(cache=True)
+def _beginning_with(problem: Subproblem, task: int) -> float:
+    """Return a lower bound on the reduced cost [s] of the tours whose first task is `task`, infinite past the cap."""
+    spent = problem.legs.out[task]
+    if not spent <= problem.cap:
+        return np.inf
+    bits, members = 0, problem.watch.members
+    for r in range(members.shape[1]):
         for a in range(3):
-            if field.watched[task, r, a] == task:
+            if members[task, r, a] == task:
                 bits |= 1 << r
-    return bits * ((1 << field.near.shape[1]) + 1)
+    state = bits * ((1 << problem.memory.near.shape[1]) + 1)
+    left = bins_left(problem.cap - spent, problem.bins)
+    return problem.sigma * spent - problem.price[task] + problem.best[task, left, state]
 
 
 @numba.njit(cache=True, inline="always")
-def _state(field, seen, task):  # type: ignore[no-untyped-def]
+def _state(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) -> int:
     """Return the state of the completion bounds at `task` after the tasks `seen`, which are other ones."""
     memory, bits = 0, 0
-    for q in range(field.near.shape[1]):
-        if has(seen, field.near[task, q]):
+    for q in range(near.shape[1]):
+        if has(seen, near[task, q]):
             memory |= 1 << q
-    for r in range(field.watched.shape[1]):
-        if field.watched[task, r, 0] >= 0:
+    for r in range(members.shape[1]):
+        if members[task, r, 0] >= 0:
             held = 0
             for a in range(3):
-                member = field.watched[task, r, a]
+                member = members[task, r, a]
                 held += member == task or has(seen, member)
             if held == 1:
                 bits |= 1 << r
-    return bits * ((1 << field.near.shape[1]) + 1) + memory
+    return bits * ((1 << near.shape[1]) + 1) + memory
 
 
 @numba.njit(cache=True, inline="always")
-def _hash(words, task, mask):  # type: ignore[no-untyped-def]
+def _hash(words: NDArray[np.uint64], task: int, mask: int) -> np.int64:
     h = np.uint64(task + 1) * _GOLDEN
     for w in range(words.size):
         h = (h ^ words[w]) * _GOLDEN
@@ -207,7 +225,7 @@ def _hash(words, task, mask):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, inline="always")
-def _same(a, b):  # type: ignore[no-untyped-def]
+def _same(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> bool:
     equal = True
     for w in range(a.size):
         equal = equal and a[w] == b[w]
@@ -215,42 +233,43 @@ def _same(a, b):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def depart(field, store, threshold):  # type: ignore[no-untyped-def]
+def _depart(problem: Subproblem, store: Store, threshold: float) -> int:
     """Make the labels of one task and return how many there are."""
     free = 0
-    for j in range(field.home.size):
-        spent, earned = field.out[j], field.price[j]
-        if not spent <= field.cap:
-            continue
-        left = bins_left(field.cap - spent, field.width, field.n_bins)
-        least = field.sigma * spent - earned + field.best[j, left, alone(field, j)]
+    for j in range(problem.price.size):
+        least = _beginning_with(problem, j)
         if least < threshold and free < store.last.size:
             store.visited[free] = np.uint64(0)
             store.visited[free, j >> 6] = np.uint64(1) << np.uint64(j & 63)
             store.last[free], store.parent[free] = j, -1
-            store.cost[free], store.gain[free], store.bound[free] = spent, earned, least
+            store.cost[free], store.gain[free], store.bound[free] = problem.legs.out[j], problem.price[j], least
             free += 1
     return free
 
 
 @numba.njit(cache=True)
-def expand(field, store, threshold, low, high, free, room):  # type: ignore[no-untyped-def]
+def _expand(
+    problem: Subproblem, store: Store, threshold: float, low: int, high: int, free: int, room: int
+) -> tuple[bool, int]:
     """Extend the labels low..high−1 by every task; return whether `room` labels are too few, and the next free one."""
+    between, order, degree, cap = problem.legs.between, problem.bins.order, problem.bins.degree, problem.cap
+    price, sigma, best, bins = problem.price, problem.sigma, problem.best, problem.bins
+    partners, rho, near, members = problem.cuts.partners, problem.cuts.rho, problem.memory.near, problem.watch.members
     mask = store.slots.size - 1
     for label in range(low, high):
         here, seen = store.last[label], store.visited[label]
         fresh = seen.copy()
-        for a in range(field.degree[here]):
-            j = field.order[here, a]
-            spent = store.cost[label] + field.between[here, j]
-            if has(seen, j) or not spent <= field.cap:
+        for a in range(degree[here]):
+            j = order[here, a]
+            spent = store.cost[label] + between[here, j]
+            if has(seen, j) or not spent <= cap:
                 continue
-            earned = store.gain[label] + field.price[j]
-            for q in range(field.rho.shape[1]):
-                if field.rho[j, q] > 0 and has(seen, field.partners[j, q, 0]) != has(seen, field.partners[j, q, 1]):
-                    earned -= field.rho[j, q]
-            left = bins_left(field.cap - spent, field.width, field.n_bins)
-            least = field.sigma * spent - earned + field.best[j, left, _state(field, seen, j)]
+            earned = store.gain[label] + price[j]
+            for q in range(rho.shape[1]):
+                if rho[j, q] > 0 and has(seen, partners[j, q, 0]) != has(seen, partners[j, q, 1]):
+                    earned -= rho[j, q]
+            left = bins_left(cap - spent, bins)
+            least = sigma * spent - earned + best[j, left, _state(near, members, seen, j)]
             if least >= threshold:
                 continue
             bit = np.uint64(1) << np.uint64(j & 63)
@@ -277,7 +296,7 @@ def expand(field, store, threshold, low, high, free, room):  # type: ignore[no-u
 
 
 @numba.njit(cache=True)
-def _clear(store, begin, end):  # type: ignore[no-untyped-def]
+def _clear(store: Store, begin: int, end: int) -> None:
     """Take the labels begin..end−1, which are all that is in it, out of the hash table."""
     slots = store.slots
     mask = slots.size - 1
@@ -292,7 +311,7 @@ def _clear(store, begin, end):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _keep_best(store, beam, begin, end):  # type: ignore[no-untyped-def]
+def _keep_best(store: Store, beam: int, begin: int, end: int) -> int:
     """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
     limit = np.partition(store.bound[begin:end], beam - 1)[beam - 1]
     free = begin
@@ -306,20 +325,20 @@ def _keep_best(store, beam, begin, end):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _tours(field, store, threshold, begin, end):  # type: ignore[no-untyped-def]
+def _tours(problem: Subproblem, store: Store, threshold: float, begin: int, end: int) -> tuple[Ints, Floats]:
     """Return the labels of a layer that can fly home for less than the threshold, and at what reduced cost."""
     ends, values, found = np.empty(end - begin, np.int64), np.empty(end - begin), 0
     for label in range(begin, end):
-        whole = store.cost[label] + field.home[store.last[label]]
-        value = field.sigma * whole - store.gain[label]
-        if whole <= field.cap and value < threshold:
+        whole = store.cost[label] + problem.legs.home[store.last[label]]
+        value = problem.sigma * whole - store.gain[label]
+        if whole <= problem.cap and value < threshold:
             ends[found], values[found] = label, value
             found += 1
     return ends[:found].copy(), values[:found].copy()
 
 
 @numba.njit(cache=True)
-def _cheapest_of_each_set(labels, values, visited):  # type: ignore[no-untyped-def]
+def _cheapest_of_each_set(labels: Ints, values: Floats, visited: NDArray[np.uint64]) -> Ints:
     """Return the positions in `labels` of the tour of least value of every set visited, in order of discovery."""
     size = 16
     while size < 2 * labels.size:

@@ -7,12 +7,25 @@ infinity. Every UAV has its own matrix, so that different aircraft need no other
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from instances import Instance
 from instances.arrays import Bools, Floats
 from instances.walks import shortest_walks
+
+
+class UavLegs(NamedTuple):
+    """Costs [s] of one UAV: `out` (n,) depot to task, `between` (n, n), `home` (n,) task to depot."""
+
+    out: Floats
+    between: Floats
+    home: Floats
+
+    def backwards(self) -> UavLegs:
+        """Return the legs flown the other way: the way home becomes the way out."""
+        return UavLegs(self.home, np.ascontiguousarray(self.between.T), self.out)
 
 
 @dataclass(frozen=True)
@@ -41,32 +54,36 @@ class Legs:
         """Number of tasks, n."""
         return self.out.shape[1]
 
-    @property
-    def count(self) -> int:
-        """Number of legs not forbidden."""
-        return int(sum(np.isfinite(part).sum() for part in (self.out, self.between, self.home)))
+    def copy(self) -> Legs:
+        """Return the same legs in arrays of their own."""
+        return Legs(self.out.copy(), self.between.copy(), self.home.copy())
+
+    def of_uav(self, k: int) -> UavLegs:
+        """Return UAV k's part of the arrays."""
+        return UavLegs(self.out[k], self.between[k], self.home[k])
 
     def under(self, cap: float) -> Legs:
         """Forbid every leg that no tour of cost ≤ `cap` can use: the shortest walk through it costs more."""
-        out, between, home = self.out.copy(), self.between.copy(), self.home.copy()
+        left = self.copy()
         limit = cap * (1 + 1e-12)
         walk = np.empty((0, 0))
         for k in range(self.n_uavs):
             if k == 0 or not np.array_equal(self.between[k], self.between[k - 1]):
                 walk = shortest_walks(self.between[k])
-            there = (out[k][:, None] + walk).min(axis=0)
-            back = (walk + home[k][None, :]).min(axis=1)
-            between[k][there[:, None] + between[k] + back[None, :] > limit] = np.inf
-            out[k][out[k] + back > limit] = np.inf
-            home[k][there + home[k] > limit] = np.inf
-        return Legs(out, between, home)
+            out, between, home = left.of_uav(k)
+            there = (out[:, None] + walk).min(axis=0)
+            back = (walk + home[None, :]).min(axis=1)
+            between[there[:, None] + between + back[None, :] > limit] = np.inf
+            out[out + back > limit] = np.inf
+            home[there + home > limit] = np.inf
+        return left
 
     def without(self, task: int, uavs: list[int]) -> Legs:
         """Forbid `task` to `uavs`."""
-        out, between, home = self.out.copy(), self.between.copy(), self.home.copy()
-        out[uavs, task] = home[uavs, task] = np.inf
-        between[uavs, task, :] = between[uavs, :, task] = np.inf
-        return Legs(out, between, home)
+        left = self.copy()
+        left.out[uavs, task] = left.home[uavs, task] = np.inf
+        left.between[uavs, task, :] = left.between[uavs, :, task] = np.inf
+        return left
 
     def may_visit(self) -> Bools:
         """Say which UAV has a leg left into which task, shape (m, n)."""

@@ -14,6 +14,7 @@ come from `pricing`, at the duals found here.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import highspy
 import numpy as np
@@ -25,6 +26,14 @@ from instances.arrays import Bools, Floats
 
 _SIMPLEX = 0  # primal where the basis is primal feasible, as it is after new columns: thrice as fast as always dual
 _SHY = 1 - 1e-14  # keeps Σσ ≤ 1 in exact arithmetic
+
+
+class Optimum(NamedTuple):
+    """The master solved: its `value` [s], the `duals` (σ ≥ 0 scaled to Σσ = 1) and `weight`, λ of the columns."""
+
+    value: float
+    duals: Duals
+    weight: Floats
 
 
 class Master:
@@ -94,8 +103,8 @@ class Master:
             self._lp.addRow(-highspy.kHighsInf, 1.0, len(index), np.array(index, dtype=np.int32), np.ones(len(index)))
             self.cuts.append(cut)
 
-    def solve(self) -> tuple[float, Duals, Floats]:
-        """Return the value [s], the duals (σ ≥ 0 scaled to Σσ = 1) and λ of the columns."""
+    def solve(self) -> Optimum:
+        """Solve the linear programme over the columns known."""
         self._lp.run()
         solution = self._lp.getSolution()
         price, sigma, rent, rho = np.split(np.asarray(solution.row_dual), np.cumsum([self.n, self.m, self.m]))
@@ -104,7 +113,7 @@ class Master:
         sigma = sigma / total * _SHY if total > 0 else np.full(self.m, _SHY / self.m)
         duals = Duals(price.copy(), sigma, rent, rho, tuple(self.cuts))
         weight = np.asarray(solution.col_value)[self._first :].copy()
-        return float(self._lp.getInfo().objective_function_value), duals, weight
+        return Optimum(float(self._lp.getInfo().objective_function_value), duals, weight)
 
     def without(self, dropped: Bools, pivots: int) -> float:
         """Return what a few pivots raise the solved master's value to [s] without some columns.
@@ -123,8 +132,8 @@ class Master:
         lp.setBasis(basis)
         return value
 
-    def whole(self, time: float, nodes: int = 100) -> list[Column] | None:
-        """Return the best whole tours among the columns known, by a short branch and bound in HiGHS, or None.
+    def whole(self, time: float, nodes: int = 100) -> list[Column]:
+        """Return the best whole tours among the columns known, by a short branch and bound in HiGHS; none if not found.
 
         Only a heuristic: the caller checks what the tours visit. The linear programme is left as it was.
         """
@@ -138,7 +147,7 @@ class Master:
         weight = np.asarray(lp.getSolution().col_value)[self._first :].copy() if found else np.zeros(0)
         lp.changeColsIntegrality(index.size, index, continuous.astype(np.uint8))
         lp.setOptionValue("time_limit", highspy.kHighsInf)
-        return [self.columns[int(p)] for p in np.flatnonzero(weight > 0.5)] if found else None
+        return [self.columns[int(p)] for p in np.flatnonzero(weight > 0.5)]
 
     @property
     def penalised(self) -> bool:

@@ -8,9 +8,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.columns.cuts import by_task
-from formulations.routing.columns.labelling import has, path
-from formulations.routing.columns.pricing import Column, Duals, Priced, Pricer
+from formulations.routing.columns.cuts import TaskCuts, by_task
+from formulations.routing.columns.labelling import Orders, has, path
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer
 from instances.arrays import Bools, Floats, Ints
 
 _DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
@@ -24,7 +24,7 @@ for _bit in range(64):
 class Pool:
     """Tours of the UAVs `listed` (m,): `uav` (p,), `visited` (p, words), `cost` (p,) [s], the labels they end in.
 
-    Orders are read from the labels, kept per UAV in `last` and `parent`, only where needed.
+    Their orders are kept per UAV and read only where needed.
     """
 
     listed: Bools
@@ -32,24 +32,15 @@ class Pool:
     visited: NDArray[np.uint64]
     cost: Floats
     label: Ints
-    last: dict[int, NDArray[np.int16]]
-    parent: dict[int, NDArray[np.int32]]
+    orders: dict[int, Orders]
 
     @classmethod
     def empty(cls, n_uavs: int, n_tasks: int) -> Pool:
         """Return a pool in which no UAV is listed yet."""
         none, words = np.zeros(0, np.int64), np.zeros((0, (n_tasks + 63) // 64), np.uint64)
-        return cls(np.zeros(n_uavs, np.bool_), none, words, np.zeros(0), none, {}, {})
+        return cls(np.zeros(n_uavs, np.bool_), none, words, np.zeros(0), none, {})
 
-    def listing(
-        self,
-        k: int,
-        visited: NDArray[np.uint64],
-        cost: Floats,
-        label: Ints,
-        last: NDArray[np.int16],
-        parent: NDArray[np.int32],
-    ) -> Pool:
+    def listing(self, k: int, visited: NDArray[np.uint64], cost: Floats, label: Ints, orders: Orders) -> Pool:
         """Return the pool with all tours that matter of UAV k as well."""
         return Pool(
             self.listed | (np.arange(self.listed.size) == k),
@@ -57,8 +48,7 @@ class Pool:
             np.concatenate([self.visited, visited]),
             np.concatenate([self.cost, cost]),
             np.concatenate([self.label, label]),
-            {**self.last, k: last},
-            {**self.parent, k: parent},
+            {**self.orders, k: orders},
         )
 
     @property
@@ -74,7 +64,7 @@ class Pool:
     def column(self, p: int) -> Column:
         """Return tour p with its order."""
         k, label = int(self.uav[p]), int(self.label[p])
-        return Column(k, path(self.last[k], self.parent[k], label), float(self.cost[p]))
+        return Column(k, path(self.orders[k], label), float(self.cost[p]))
 
     def only(self, keep: Bools) -> Pool:
         """Return the pool of the tours chosen."""
@@ -102,15 +92,16 @@ class Pool:
         """Keep the tours of cost ≤ `cap`."""
         return self.only(self.cost <= cap)
 
-    def needed(self, duals: Duals, bound: float, least: Floats, cap: float) -> Pool:
-        """Drop the tours that cannot be in routes below `cap`: L − r_k + r(p) exceeds it (L = `bound`)."""
+    def needed(self, at: DualBound, cap: float) -> Pool:
+        """Drop the tours that cannot be in routes of cost ≤ `cap`."""
         keep = np.ones(self.size, np.bool_)
-        partners, rho = by_task(duals.cuts, duals.rho, duals.price.size)
+        duals, allowed = at.duals, np.nextafter(at.allowed(cap), np.inf)
+        cuts = by_task(duals.cuts, duals.rho, duals.price.size)
         for k in np.flatnonzero(self.listed):
-            at, allowed = self.block(int(k)), float(np.nextafter(cap - bound + least[k], np.inf))
-            sigma = float(duals.sigma[k])
-            value, _ = _values(self.visited[at], self.cost[at], duals.price, sigma, partners, rho, allowed, False)
-            keep[at] = np.isfinite(value)
+            block, sigma = self.block(int(k)), float(duals.sigma[k])
+            tours = self.visited[block], self.cost[block]
+            value, _ = _values(*tours, duals.price, sigma, cuts, float(allowed[k]), False)
+            keep[block] = np.isfinite(value)
         return self.only(keep)
 
     def block(self, k: int) -> slice:
@@ -120,7 +111,15 @@ class Pool:
 
 
 @numba.njit(cache=True)
-def _values(visited, cost, price, sigma, partners, rho, limit, to_least):  # type: ignore[no-untyped-def]
+def _values(
+    visited: NDArray[np.uint64],
+    cost: Floats,
+    price: Floats,
+    sigma: float,
+    cuts: TaskCuts,
+    limit: float,
+    to_least: bool,
+) -> tuple[Floats, float]:
     """Return the reduced costs of one UAV's tours, infinite where not below the limit, and the least.
 
     Cuts, which never lower it, are looked at only where that matters; for the least of all, if asked `to_least`, also
@@ -130,14 +129,14 @@ def _values(visited, cost, price, sigma, partners, rho, limit, to_least):  # typ
     for p in range(cost.size):
         total = sigma * cost[p] - _earned(visited[p], price)
         if total < limit or (to_least and total < least):
-            total += _paid(visited[p], partners, rho)
+            total += _paid(visited[p], cuts)
             least = min(least, total)
         value[p] = total if total < limit else np.inf
     return value, least
 
 
 @numba.njit(cache=True, inline="always")
-def _earned(words, price):  # type: ignore[no-untyped-def]
+def _earned(words: NDArray[np.uint64], price: Floats) -> float:
     total = 0.0
     for w in range(words.size):
         rest = words[w]
@@ -148,7 +147,8 @@ def _earned(words, price):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _paid(words, partners, rho):  # type: ignore[no-untyped-def]
+def _paid(words: NDArray[np.uint64], cuts: TaskCuts) -> float:
+    partners, rho = cuts.partners, cuts.rho
     total = 0.0
     for w in range(words.size):
         rest = words[w]
@@ -166,7 +166,7 @@ def _paid(words, partners, rho):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, inline="always")
-def _lowest(word):  # type: ignore[no-untyped-def]
+def _lowest(word: np.uint64) -> int:
     """Return the place of the lowest bit of a word that is not zero."""
     return _LOWEST[((word & (~word + np.uint64(1))) * _DE_BRUIJN) >> np.uint64(58)]
 
@@ -181,7 +181,7 @@ class PoolPricer:
         self.pool = pool
         self.n_uavs = pool.listed.size
         self._blocks = [pool.block(k) for k in range(self.n_uavs)]
-        self._cuts: tuple[Duals | None, tuple[Ints, Floats] | None] = (None, None)
+        self._cuts: tuple[Duals | None, TaskCuts | None] = (None, None)
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold`, and the least of all."""
@@ -190,7 +190,7 @@ class PoolPricer:
             cuts = by_task(duals.cuts, duals.rho, duals.price.size)
             self._cuts = (duals, cuts)
         block, pool, sigma = self._blocks[k], self.pool, float(duals.sigma[k])
-        values, least = _values(pool.visited[block], pool.cost[block], duals.price, sigma, *cuts, threshold, True)
+        values, least = _values(pool.visited[block], pool.cost[block], duals.price, sigma, cuts, threshold, True)
         below = np.flatnonzero(np.isfinite(values))
         best = below[np.argsort(values[below], kind="stable")[: self.wanted]]
         return Priced(least, [pool.column(block.start + int(p)) for p in best], True)

@@ -20,14 +20,16 @@ from typing import Protocol
 
 import numpy as np
 
-from formulations.routing.columns.completion import Bins, Memory, bins_left, completion, successors
+from formulations.routing.columns.completion import Bins, Memory, completion
 from formulations.routing.columns.cuts import Cut, by_task, incidence
-from formulations.routing.columns.labelling import Field, Store, alone, path, search
+from formulations.routing.columns.labelling import Store, Subproblem, least_of_all, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.watching import Watch
-from instances.arrays import Floats, Ints
+from instances.arrays import Floats
 
 _MOST_ENDS = 50_000
+_BOTTLENECK = 0.9
+"""Price σ_k from which UAV k is said to set the relaxation alone."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,12 @@ class Duals:
         """The part of the Lagrangian bound that no tour changes: Σπ − Σρ [s]."""
         return float(self.price.sum() - self.rho.sum())
 
+    @property
+    def bottleneck(self) -> int | None:
+        """The UAV that sets the relaxation nearly alone; None where several do."""
+        k = int(np.argmax(self.sigma))
+        return k if self.sigma[k] >= _BOTTLENECK else None
+
     def towards(self, other: Duals, step: float) -> Duals:
         """Return the point `step` of the way from these duals to `other` (a convex combination, so again duals)."""
         mine = np.zeros(len(other.cuts))
@@ -83,6 +91,21 @@ class Duals:
         """Return more than all rounding errors in a Lagrangian bound at these duals can add up to [s]."""
         n = self.price.size
         return 40 * (m + 1) * (n + 2) * 2.0**-53 * (cap + float(np.abs(self.price).sum() + self.rho.sum()))
+
+
+@dataclass(frozen=True)
+class DualBound:
+    """A Lagrangian bound: its `value` L [s], rounding margin taken off, the `duals` it holds at, and its terms r_k ≤ 0
+    [s], `least`, shape (m,).
+    """
+
+    value: float
+    duals: Duals
+    least: Floats
+
+    def allowed(self, cap: float) -> Floats:
+        """Return the reduced costs [s], (m,), above which a tour is in no routes of cost ≤ `cap`: cap − L + r_k."""
+        return cap - self.value + self.least
 
 
 @dataclass(frozen=True)
@@ -127,7 +150,7 @@ class Pricer:
     ) -> None:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
         self.n_uavs = legs.n_uavs
-        self._grids: dict[int, tuple[Bins, Ints, Ints]] = {}
+        self._bins: dict[int, Bins] = {}
         self._watch: tuple[Duals | None, Watch | None] = (None, None)
 
     @cached_property
@@ -135,12 +158,11 @@ class Pricer:
         """The ng-neighbourhoods, the same for every UAV."""
         return Memory.nearest(np.minimum.reduce(self.legs.between), self.effort.near)
 
-    def grid(self, k: int) -> tuple[Bins, Ints, Ints]:
-        """Return UAV k's bins, and its successors and their number (made when first asked for: some never are)."""
-        if k not in self._grids:
-            bins = Bins.of(self.legs.between[k], self.legs.home[k], self.cap, self.effort.bins)
-            self._grids[k] = (bins, *successors(bins.legs, bins.count))
-        return self._grids[k]
+    def bins(self, k: int) -> Bins:
+        """Return the time of UAV k's legs in bins (made when first asked for: some never are)."""
+        if k not in self._bins:
+            self._bins[k] = Bins.of(self.legs.of_uav(k), self.cap, self.effort.bins)
+        return self._bins[k]
 
     def watch(self, duals: Duals) -> Watch:
         """Return the cuts watched at these duals."""
@@ -150,27 +172,20 @@ class Pricer:
             self._watch = (duals, watch)
         return watch
 
-    def field(self, k: int, duals: Duals) -> Field:
-        """Return what a search for tours of UAV k runs on, completion bounds included."""
-        legs, (b, order, degree) = self.legs, self.grid(k)
-        between, home, sigma, watch = legs.between[k], legs.home[k], float(duals.sigma[k]), self.watch(duals)
-        best = completion(
-            between, home, b.legs, b.home, order, degree, self.memory.step, watch.turn, watch.charge, duals.price,
-            sigma, b.count,
-        )  # fmt: skip
-        partners, rho = by_task(duals.cuts, duals.rho, legs.n_tasks)
-        return Field(
-            legs.out[k], between, home, order, degree, self.cap, b.width, b.count, self.memory.near,
-            watch.members, duals.price, sigma, partners, rho, best,
-        )  # fmt: skip
+    def subproblem(self, k: int, duals: Duals) -> Subproblem:
+        """Return the pricing problem of UAV k, completion bounds included."""
+        legs, bins, watch, sigma = self.legs.of_uav(k), self.bins(k), self.watch(duals), float(duals.sigma[k])
+        best = completion(legs, bins, self.memory, watch, duals.price, sigma)
+        cuts = by_task(duals.cuts, duals.rho, self.legs.n_tasks)
+        return Subproblem(legs, self.cap, bins, self.memory, watch, duals.price, sigma, cuts, best)
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
-        field = self.field(k, duals)
-        least = first_completion(field)
+        problem = self.subproblem(k, duals)
+        least = least_of_all(problem)
         if least >= threshold:
             return Priced(least, [], True)
-        found = search(field, self.store, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
+        found = search(problem, self.store, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
         if found.complete:
             least = max(least, float(found.values.min(initial=threshold)))
         chosen = np.argsort(found.values, kind="stable")[: self.wanted]
@@ -179,20 +194,4 @@ class Pricer:
     def column(self, k: int, label: int) -> Column:
         """Return the tour that ends with `label`."""
         s = self.store
-        return Column(k, path(s.last, s.parent, label), float(s.cost[label] + self.legs.home[k, s.last[label]]))
-
-
-def first_completion(field: Field) -> float:
-    """Return a lower bound on the reduced cost of all tours: the best first leg and its completion."""
-    return min(
-        (
-            float(
-                field.sigma * leg
-                - field.price[j]
-                + field.best[j, bins_left(field.cap - leg, field.width, field.n_bins), alone(field, j)]
-            )
-            for j, leg in enumerate(field.out)
-            if leg <= field.cap
-        ),
-        default=float("inf"),
-    )
+        return Column(k, path(s, label), float(s.cost[label] + self.legs.home[k, s.last[label]]))

@@ -10,12 +10,14 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from enum import StrEnum
 
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.node import Node, Workspace, tighten
+from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column
+from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
 from instances import Routes
 
 _EQUAL = 1e-4
@@ -31,17 +33,28 @@ class Incumbent:
     report: Callable[[float], object]
 
 
+class Ended(StrEnum):
+    """Why the tree stopped growing, in the words of `Result.stopped_by`."""
+
+    PROOF = "proof"
+    """No routes of cost ≤ cap are left."""
+    TIME = "time"
+    ITERATIONS = "iterations"
+    MEMORY = "memory"
+    """Nodes were left aside whose tours are too many for the label store, whatever else ended it."""
+
+
 class Tree:
     """Best-first branch and price below an incumbent; `bound` [s] is what is known before."""
 
     def __init__(self, legs: Legs, columns: Sequence[Column], work: Workspace, bound: float = 0.0) -> None:
-        self.work = work
-        self.m, self.n = legs.n_uavs, legs.n_tasks
+        self.work, self.m = work, legs.n_uavs
         self._open: list[tuple[float, int, Node]] = []
         """A heap by (class of equal bounds, newest first)."""
         self._count = 0
         self._stuck = math.inf
-        self.push(Node(legs, bound, list(columns), Pool.empty(self.m, self.n)))
+        """The least bound of the nodes left aside."""
+        self.push(Node(legs, bound, list(columns), Pool.empty(self.m, legs.n_tasks)))
 
     def push(self, node: Node) -> None:
         """Add an open node."""
@@ -57,39 +70,31 @@ class Tree:
         """Return a lower bound on all routes, no higher than `cap` [s]."""
         return min(cap, self._stuck, *(node.bound for _, _, node in self._open))
 
-    @property
-    def stuck(self) -> bool:
-        """Whether nodes were left whose tasks are all decided, but whose tours are too many for the label store."""
-        return self._stuck < math.inf
-
-    def grow(self, incumbent: Incumbent, nodes: float = math.inf) -> bool:
-        """Work until no routes of cost ≤ cap are left (True), or time is up, `nodes` are done or some stuck (False)."""
+    def grow(self, incumbent: Incumbent, nodes: float = math.inf) -> Ended:
+        """Work until no routes of cost ≤ cap are left, or time is up, `nodes` are done or only stuck ones are left."""
         while self._open and self.bound(math.inf) <= incumbent.cap() > 0:
             if nodes <= 0 or self.work.out_of_time():
-                return False
+                limit = Ended.TIME if self.work.out_of_time() else Ended.ITERATIONS
+                return Ended.MEMORY if self._stuck < math.inf else limit
             node, cap = self.pop(), incumbent.cap()
             if node.bound > cap:
                 continue
-            if tighten(node, cap, self.work):
+            outcome = tighten(node, cap, self.work)
+            if not isinstance(outcome, Overtaken):
                 self.work.count("nodes")
                 nodes -= 1
-            if node.routes is not None:
-                incumbent.offer(tuple(node.routes[k].tasks if k in node.routes else () for k in range(self.m)))
-            if node.ready and node.branch is None:
-                self._stuck = min(self._stuck, node.bound)
-            elif node.ready and node.branch is not None:
-                k, i = node.branch
-                self.push(_child(node, i, [k]))
-                self.push(_child(node, i, [other for other in range(self.m) if other != k]))
-            elif node.bound <= cap:
-                self.push(node)
+            if isinstance(outcome, Improved | Branch | Stuck) and outcome.routes is not None:
+                incumbent.offer(outcome.routes)
+            match outcome:
+                case Pruned():
+                    pass
+                case Branch(uav=k, task=i):
+                    self.push(node.child(i, [k]))
+                    self.push(node.child(i, [other for other in range(self.m) if other != k]))
+                case Stuck():
+                    self._stuck = min(self._stuck, node.bound)
+                case Improved() | Overtaken() | Interrupted():
+                    self.push(node)
             incumbent.report(self.bound(incumbent.cap()))
-        return self._stuck > incumbent.cap() or incumbent.cap() <= 0
-
-
-def _child(node: Node, task: int, uavs: list[int]) -> Node:
-    """Return the node with `task` forbidden to `uavs`."""
-    columns = [c for c in node.columns if c.uav not in uavs or task not in c.tasks]
-    legs = node.legs.without(task, uavs)
-    pool = node.pool.without(task, uavs)
-    return replace(node, legs=legs, columns=columns, pool=pool, ready=False, branch=None, routes=None)
+        proved = self._stuck > incumbent.cap() or incumbent.cap() <= 0
+        return Ended.PROOF if proved else Ended.MEMORY

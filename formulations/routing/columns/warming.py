@@ -10,7 +10,7 @@ from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.labelling import compile_beam, make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pool import Pool
-from formulations.routing.columns.pricing import Duals, Effort, Pricer
+from formulations.routing.columns.pricing import DualBound, Duals, Effort, Pricer
 from instances import Instance
 
 
@@ -25,7 +25,7 @@ def warm_up() -> None:
     cuts = tuple(separate(tours, np.full(3, 0.9), 6, set(), 5)) or ((0, 2, 4),)
     duals = Duals(np.ones(6), np.ones(1), np.zeros(1), np.full(len(cuts), 0.1), cuts)
     pricer = Pricer(Legs.of(instance).under(cap), cap, Effort(2, 10, 5, 2), make_store(6, 10_000))
-    least = np.array([pricer.price(0, duals, 0.0).least])
-    fix_legs(pricer, [0], duals, 0.0, least)
-    pool, _ = list_tours(Pool.empty(1, 6), pricer, duals, 0.0, least, 10_000, 10_000)
-    pool.needed(duals, 0.0, least, cap)
+    at = DualBound(0.0, duals, np.array([pricer.price(0, duals, 0.0).least]))
+    fix_legs(pricer, [0], at)
+    pool, _ = list_tours(Pool.empty(1, 6), pricer, at, 10_000, 10_000)
+    pool.needed(at, cap)

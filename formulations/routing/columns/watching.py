@@ -14,7 +14,7 @@ A clear bit is never charged more than a set one, hence state 0 remains the leas
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -27,8 +27,7 @@ _PASSING = 0.25
 """Weight of a cut, for each of its tasks that is near, at a task that is none of them."""
 
 
-@dataclass(frozen=True)
-class Watch:
+class Watch(NamedTuple):
     """Which cuts are watched where.
 
     members : the tasks of the r-th cut watched at task i, shape (n, q, 3), −1 where there is none.
@@ -61,7 +60,8 @@ class Watch:
 
 
 @numba.njit(cache=True)
-def _turns(watched, sets, rho):  # type: ignore[no-untyped-def]
+def _turns(watched: Ints, sets: Ints, rho: Floats) -> tuple[NDArray[np.int16], Floats]:
+    """Return `turn` and `charge` of a Watch from the cuts `watched` at each task, (n, q), their tasks and prices."""
     n, q = watched.shape
     turn, charge = np.zeros((n, n, 1 << q), np.int16), np.zeros((n, n, 1 << q))
     for i in range(n):
@@ -84,5 +84,5 @@ def _turns(watched, sets, rho):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _holds(sets, s, task):  # type: ignore[no-untyped-def]
+def _holds(sets: Ints, s: int, task: int) -> bool:
     return sets[s, 0] == task or sets[s, 1] == task or sets[s, 2] == task

@@ -8,15 +8,17 @@ import pytest
 from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.branching import choose
-from formulations.routing.columns.completion import Bins, Memory, completion, successors
-from formulations.routing.columns.generation import Relaxation, generate
-from formulations.routing.columns.labelling import make_store, path, search
-from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.completion import Bins, Memory, completion
+from formulations.routing.columns.efforts import Efforts
+from formulations.routing.columns.generation import generate
+from formulations.routing.columns.labelling import least_of_all, make_store, path, search
+from formulations.routing.columns.legs import Legs, UavLegs
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.node import Efforts, Node, Workspace, restricted_master
+from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pool import Pool
-from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer, first_completion
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer
 from formulations.routing.columns.tree import Tree
+from formulations.routing.columns.watching import Watch
 from formulations.routing.solver import Status
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes, check_routes, tour_costs
@@ -109,7 +111,7 @@ def test_pricing_bounds_every_tour_at_any_duals(seed: int, near: int, bins: int,
             duals.sigma[k] * c - duals.price[list(t)].sum() + 8.0 * h
             for t, c, h in zip(tours, costs, held, strict=True)
         ]
-        assert first_completion(pricer.field(k, duals)) <= min(values, default=np.inf) + 1e-9
+        assert least_of_all(pricer.subproblem(k, duals)) <= min(values, default=np.inf) + 1e-9
         priced = pricer.price(k, duals, 0.0)
         assert priced.complete
         if min(values, default=0.0) < 0:
@@ -128,7 +130,7 @@ def test_no_label_promises_less_than_the_best_tour_that_begins_so(seed: int, nea
     duals = Duals(rng.normal(40, 40, 6), np.ones(1), np.zeros(1), rng.uniform(0, 40, len(cuts)), cuts)
     store = make_store(6, 10_000)
     pricer = Pricer(Legs.of(instance), cap, Effort(near, bins, 10**6, watch), store)
-    found = search(pricer.field(0, duals), store, np.inf, lambda: False, tours=10_000)
+    found = search(pricer.subproblem(0, duals), store, np.inf, lambda: False, tours=10_000)
     values = {
         tour: tour_costs(instance, [tour])[0]
         - duals.price[list(tour)].sum()
@@ -137,7 +139,7 @@ def test_no_label_promises_less_than_the_best_tour_that_begins_so(seed: int, nea
     }
     assert found.complete
     for label in range(found.labels):
-        begin = path(store.last, store.parent, label)
+        begin = path(store, label)
         best = min((v for tour, v in values.items() if tour[: len(begin)] == begin), default=np.inf)
         assert store.bound[label] <= best + 1e-9
     assert found.values.min(initial=np.inf) == pytest.approx(min(values.values(), default=np.inf))
@@ -148,16 +150,12 @@ def test_zero_legs_do_not_break_the_completion_bound() -> None:
     n, home = 6, np.full(6, 10.0)
     between = np.zeros((n, n))
     np.fill_diagonal(between, np.inf)
-    bins = Bins.of(between, home, 25.0, 5)
-    order, degree = successors(bins.legs, bins.count)
+    legs = UavLegs(home, between, home)
+    bins = Bins.of(legs, 25.0, 5)
     memory = Memory.nearest(between, 2)
-    price = np.full(n, 3.0)
-    clear = np.zeros((n, n, 1))
-    best = completion(
-        between, home, bins.legs, bins.home, order, degree, memory.step, clear.astype(np.int16), clear, price, 1.0,
-        bins.count,
-    )  # fmt: skip
-    assert best[0, bins.count, 0] <= 10.0 - 3.0 * (n - 1)
+    watch = Watch.of(memory.near, (), np.zeros(0), 0)
+    best = completion(legs, bins, memory, watch, np.full(n, 3.0), 1.0)
+    assert best[0, bins.most, 0] <= 10.0 - 3.0 * (n - 1)
 
 
 def test_bound_of_the_relaxation_never_passes_the_optimum() -> None:
@@ -169,7 +167,7 @@ def test_bound_of_the_relaxation_never_passes_the_optimum() -> None:
             cap = optimum * slack * (1 + 1e-9)
             master = Master(8, 2, cap)
             pricer = Pricer(Legs.of(instance).under(cap), cap, Effort(4, 100, 10**6), make_store(8, 100_000))
-            assert generate(master, [pricer], cap, lambda: False).bound <= optimum * (1 + 1e-9)
+            assert generate(master, [pricer], cap, lambda: False).best.value <= optimum * (1 + 1e-9)
 
 
 def test_out_of_time_and_out_of_nodes_still_give_routes_and_a_valid_bound() -> None:
@@ -308,9 +306,8 @@ def test_a_node_goes_on_with_its_prices_inside_the_box() -> None:
     node = Node(Legs.of(Instance("one far out", cost, 6, 1)), 0.0, [Column(0, (5, 0, 4, 3, 2, 1), 200.0)],
                 Pool.empty(1, 6))  # fmt: skip
     price = np.array([200.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    duals = Duals(price, np.ones(1), np.zeros(1), np.zeros(0))
-    node.centre = Relaxation(200.0, duals, np.zeros(1), True, np.ones(1), 1)
-    master = restricted_master(node, 201.0)
+    node.centre = DualBound(200.0, Duals(price, np.ones(1), np.zeros(1), np.zeros(0)), np.zeros(1))
+    master = node.restricted_master(201.0)
     assert master.solve()[0] == pytest.approx(200.0)
     assert not master.penalised
     assert master.penalty.max() == 400.0

@@ -8,14 +8,14 @@ import pytest
 
 from formulations.limits import Limits
 from formulations.routing.columns.enumeration import list_tours
-from formulations.routing.columns.generation import Relaxation, generate
-from formulations.routing.columns.labelling import _projected, make_store
+from formulations.routing.columns.generation import generate
+from formulations.routing.columns.labelling import Orders, _projected, make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.node import longest_of_all
 from formulations.routing.columns.pool import MixedPricer, Pool, PoolPricer
-from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer
 from formulations.routing.columns.searching import search_around
+from formulations.routing.columns.tightening import bottleneck_tour
 from formulations.routing.recorder import Recorder
 from formulations.routing.solver import ignore
 from formulations.routing.subset_dp import SubsetDp
@@ -35,8 +35,8 @@ def random_pool(seed):
             for i in tasks:
                 visited[p, i // 64] |= np.uint64(1) << np.uint64(i % 64)
         cost, labels = rng.uniform(1, 50, 50), np.arange(50)
-        last, parent = np.zeros(50, np.int16), np.full(50, -1, np.int32)
-        pool = pool.listing(k, visited, cost, labels, last, parent)
+        orders = Orders(np.zeros(50, np.int16), np.full(50, -1, np.int32))
+        pool = pool.listing(k, visited, cost, labels, orders)
         sets += of_k
         costs += cost.tolist()
     cuts = tuple(tuple(sorted(c)) for c in {tuple(sorted(rng.choice(N, 3, replace=False).tolist())) for _ in range(60)})
@@ -67,7 +67,7 @@ def test_tours_that_are_not_needed_go_and_only_those(seed):
     least = np.array([values[50:].min(), values[:50].min()])
     gap = 10.0
     keep = np.concatenate([values[:50] <= gap + least[1], values[50:] <= gap + least[0]])
-    left = pool.needed(duals, 100.0, least, 100.0 + gap)
+    left = pool.needed(DualBound(100.0, duals, least), 100.0 + gap)
     assert 0 < left.size < pool.size
     assert left.cost == pytest.approx(pool.cost[keep])
     kept = [tasks for tasks, stays in zip(sets, keep, strict=True) if stays]
@@ -98,22 +98,24 @@ def test_with_some_uavs_listed_the_bound_is_valid_and_no_weaker(seed):
     def pricer():
         return Pricer(few, cap, Effort(3, 50, 10**6), store)
 
-    alone = generate(Master(7, 3, cap), [pricer()], cap, lambda: False)
-    found = alone.duals, alone.bound, alone.least
-    pool, in_vain = list_tours(Pool.empty(3, 7), pricer(), *found, 15, 10_000)
+    def bound(prices):
+        return generate(Master(7, 3, cap), [prices], cap, lambda: False).best
+
+    alone = bound(pricer())
+    pool, in_vain = list_tours(Pool.empty(3, 7), pricer(), alone, 15, 10_000)
     assert pool.listed[1]
     assert not pool.complete
     assert in_vain > 0
-    mixed = generate(Master(7, 3, cap), [MixedPricer(PoolPricer(pool), pricer())], cap, lambda: False)
-    assert mixed.bound >= alone.bound * (1 - 1e-6)
-    whole, in_vain = list_tours(pool, pricer(), *found, 10_000, 10_000)
+    mixed = bound(MixedPricer(PoolPricer(pool), pricer()))
+    assert mixed.value >= alone.value * (1 - 1e-6)
+    whole, in_vain = list_tours(pool, pricer(), alone, 10_000, 10_000)
     assert whole.complete
     assert in_vain == 0
-    listed = generate(Master(7, 3, cap), [PoolPricer(whole)], cap, lambda: False)
-    assert listed.bound >= mixed.bound * (1 - 1e-6)
+    listed = bound(PoolPricer(whole))
+    assert listed.value >= mixed.value * (1 - 1e-6)
     best = min(longest for giving, longest in longest_tours(instance) if 1 not in giving[:4])
-    assert mixed.bound <= best * (1 + 1e-9) or best > cap
-    assert listed.bound <= best * (1 + 1e-9) or best > cap
+    assert mixed.value <= best * (1 + 1e-9) or best > cap
+    assert listed.value <= best * (1 + 1e-9) or best > cap
 
 
 def longest_tours(instance):
@@ -155,7 +157,7 @@ def test_the_tour_that_sets_the_relaxation_is_the_one_most_used_of_a_uav_that_do
 
     def found(sigma):
         duals = Duals(np.zeros(2), np.array([sigma, 1 - sigma]), np.zeros(2), np.zeros(0))
-        return longest_of_all(master, Relaxation(50.0, duals, np.zeros(2), True, np.array([0.3, 0.7, 0.9]), 1))
+        return bottleneck_tour(master, duals, np.array([0.3, 0.7, 0.9]))
 
     assert found(0.95) == master.columns[1]
     assert found(0.5) is None

@@ -1,0 +1,187 @@
+"""Tightening a node: the work that raises its bound, and what can come of it.
+
+The relaxation is solved by column generation; legs or tours are fixed away by reduced cost, and the tours listed when
+they fit; then it is cut and solved again. What ends this is one of the outcomes below; the tree decides what follows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.routing.columns.branching import choose, shares
+from formulations.routing.columns.cuts import separate
+from formulations.routing.columns.enumeration import list_tours
+from formulations.routing.columns.fixing import fix_legs
+from formulations.routing.columns.generation import Ended, generate
+from formulations.routing.columns.master import Master
+from formulations.routing.columns.node import Node, Workspace
+from formulations.routing.columns.pool import MixedPricer, PoolPricer
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Prices
+from instances import Routes
+from instances.arrays import Floats
+
+_WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not listed, nor cuts sought
+_MORE_ROOM = 4  # times the labels, after an attempt to list the tours that failed
+_CUTS_A_ROUND = 50
+_STALLED = 0.05  # of the gap: cuts that close less of it
+_ROUNDS_STALLED = 2
+_DEAR = 0.15  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
+_RETRY = 0.8  # of the gap at the last list that did not fit
+_REFIX = 0.9  # of the gap at which legs were fixed last
+_USED = 1e-6  # weight of a tour
+_DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
+
+
+@dataclass(frozen=True)
+class Pruned:
+    """No routes of cost ≤ cap are left in the node."""
+
+
+@dataclass(frozen=True)
+class Improved:
+    """`routes` of cost ≤ cap were found; the node is to be looked at again, under the cap they set."""
+
+    routes: Routes
+
+
+@dataclass(frozen=True)
+class Overtaken:
+    """The search beside the tree found better routes before the node was done: the same, with nothing to hand over."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """All else is done: branch on whether `uav` takes `task`. `routes` were found by the way, or None."""
+
+    uav: int
+    task: int
+    routes: Routes | None
+
+
+@dataclass(frozen=True)
+class Stuck:
+    """Every task is decided, but the tours left are too many for the label store. `routes` as in `Branch`."""
+
+    routes: Routes | None
+
+
+@dataclass(frozen=True)
+class Interrupted:
+    """Time is up; the node's bound holds as far as it got."""
+
+
+Outcome = Pruned | Improved | Overtaken | Branch | Stuck | Interrupted
+
+
+def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
+    """Raise the node's bound until it passes `cap` [s], routes are found, or nothing but branching helps."""
+    node.restrict(cap)
+    master = node.restricted_master(cap)
+    stalled, dived = 0, node.centre is not None
+    while True:
+        gap = cap - node.bound
+        relaxation = generate(master, _pricers(node, master, cap, work), cap, work.out_of_time, node.centre)
+        best, raised = relaxation.best, relaxation.best.value - node.bound
+        stalled = stalled + 1 if raised < _STALLED * gap else 0
+        node.bound, node.columns = max(node.bound, best.value), list(master.columns)
+        work.count("rounds", relaxation.rounds)
+        if relaxation.ended is Ended.PRUNED:
+            return Pruned()
+        if relaxation.ended is Ended.INTERRUPTED or work.out_of_time():
+            return Interrupted()
+        if relaxation.ended is Ended.STUCK and len(master.cuts) > len(node.cuts):  # too many cuts to price with
+            return _branch(node, cap, work)
+        node.cuts, node.centre = tuple(master.cuts), best
+        routes = _whole_tours(master, relaxation.weight) if relaxation.ended is Ended.SOLVED else None
+        if routes is not None:
+            return Improved(routes)
+        if work.better(bottleneck_tour(master, best.duals, relaxation.weight)):
+            return Overtaken()
+        if not dived and (routes := _dive(master)) is not None:
+            return Improved(routes)
+        dived = True
+        _reduce(node, best, cap, work)
+        cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
+        wide = cap - best.value > _WORTH_LISTING * cap  # then a branch does more than cuts, and sooner
+        dear = not node.pool.complete and raised < _DEAR * gap
+        if not cuts or wide or dear or stalled >= _ROUNDS_STALLED:
+            return _branch(node, cap, work)
+        master.cut_off(cuts)
+        work.count("cuts", len(cuts))
+
+
+def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
+    """Choose the branch, and look for routes among the columns."""
+    node.lighten(cap)
+    master = node.restricted_master(cap)
+    pair = choose(master, node.may_visit(), work.far, cap - node.bound, work.out_of_time)
+    routes = _dive(master)
+    return Stuck(routes) if pair is None else Branch(*pair, routes)
+
+
+def _pricers(node: Node, master: Master, cap: float, work: Workspace) -> list[Prices]:
+    listed = PoolPricer(node.pool)
+    if node.pool.complete:
+        return [listed]
+    efforts = work.cutting if master.cuts else work.plain
+    return [MixedPricer(listed, work.pricer(node.legs, cap, effort)) for effort in efforts.pricing]
+
+
+def _reduce(node: Node, at: DualBound, cap: float, work: Workspace) -> None:
+    """Fix legs or tours away at the best duals; list the tours where they fit."""
+    node.pool = node.pool.needed(at, cap)
+    others = np.flatnonzero(~node.pool.listed)
+    if others.size == 0:
+        return
+    gap = cap - at.value
+    thorough = (work.cutting if node.cuts else work.plain).thorough
+    if gap < _REFIX * node.fixed_at:
+        node.legs, node.fixed_at = fix_legs(work.pricer(node.legs, cap, thorough), others, at), gap
+    if gap > min(_WORTH_LISTING * cap, _RETRY * node.listing_failed):
+        return
+    pricer = work.pricer(node.legs, cap, thorough)
+    node.pool, in_vain = list_tours(node.pool, pricer, at, node.room, work.tours_room)
+    if node.pool.complete:
+        work.count("pools")
+    else:
+        work.count("labels in vain", in_vain)
+        node.room, node.listing_failed = _MORE_ROOM * node.room, gap
+
+
+def bottleneck_tour(master: Master, duals: Duals, weight: Floats) -> Column | None:
+    """Return the tour most used by the UAV that sets the relaxation nearly alone; None where several do."""
+    k = duals.bottleneck
+    used = [p for p in np.flatnonzero(weight > _USED) if master.columns[p].uav == k]
+    return master.columns[max(used, key=lambda p: float(weight[p]))] if used else None
+
+
+def _dive(master: Master) -> Routes | None:
+    """Return routes made of the columns known, by a short branch and bound over them, or None."""
+    tours = master.whole(_DIVE)
+    visited = sorted(i for column in tours for i in column.tasks)
+    once_a_uav = len({column.uav for column in tours}) == len(tours)
+    return _routes(tours, master.m) if once_a_uav and visited == list(range(master.n)) else None
+
+
+def _whole_tours(master: Master, weight: Floats) -> Routes | None:
+    """Return a tour for each UAV in use where no task is shared, else None.
+
+    Then the tours in use of one UAV visit the same tasks; only the cheapest of them counts.
+    """
+    share = shares(master, weight)
+    whole = share.round()
+    if np.abs(share - whole).max() > _USED or not np.array_equal(whole.sum(axis=0), np.ones(master.n)):
+        return None
+    used = [master.columns[p] for p in np.flatnonzero(weight > _USED)]
+    return _routes(sorted(used, key=lambda column: column.cost), master.m)
+
+
+def _routes(tours: Iterable[Column], m: int) -> Routes:
+    """Return `tours` as routes, of several of one UAV the first."""
+    routes: dict[int, tuple[int, ...]] = {}
+    for column in tours:
+        routes.setdefault(column.uav, column.tasks)
+    return tuple(routes.get(k, ()) for k in range(m))

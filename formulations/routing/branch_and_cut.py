@@ -24,13 +24,14 @@ import numpy as np
 from formulations.limits import Limits
 from formulations.routing.branch_and_cut_handler import Messenger, Offers, Shared, SubtourHandler, report_bound
 from formulations.routing.branch_and_cut_model import ScipModel
-from formulations.routing.greedy import greedy_routes
+from formulations.routing.model_solver import ModelSolver
+from formulations.routing.paper_model import why_too_large
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.ruin_recreate import RuinRecreate
 from formulations.routing.separation import subtours, two_cycles
 from formulations.routing.simple_bounds import SIMPLE
-from formulations.routing.solver import Observer, Result, Solver, ignore
-from instances import Instance, Routes
+from formulations.routing.solver import Limits, Result
+from instances import Instance
 
 MOST_THETA = 80_000
 """Beyond this building the model and its first relaxation alone take minutes."""
@@ -41,7 +42,7 @@ _STOPPED = {"nodelimit": "iterations", "totalnodelimit": "iterations", "timelimi
 
 
 @dataclass(frozen=True)
-class BranchAndCut(Solver):
+class BranchAndCut(ModelSolver):
     """The paper's MILP on SCIP; ``limits.iterations`` counts the nodes of the tree.
 
     Options
@@ -66,41 +67,30 @@ class BranchAndCut(Solver):
 
     def accepts(self, instance: Instance) -> str | None:
         """Return why the instance is too large for the three-index form, or None."""
-        size = instance.n_tasks * (instance.n_tasks + 1) * instance.n_depots
-        return f"the paper's form would need {size} variables; it takes {MOST_THETA}" if size > MOST_THETA else None
+        return why_too_large(instance, MOST_THETA)
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels."""
-        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
+        super().prepare(instance)
         RuinRecreate().prepare(instance)
         subtours(np.zeros((2, 2)), 0.0)
         two_cycles(np.zeros((2, 2)), 0.0)
 
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
-        """Solve to proof or limit."""
-        recorder = Recorder(instance, limits, observe, start)
-        recorder.incumbent(greedy_routes(instance))
+    def search(self, recorder: Recorder, seed: int) -> Result:
+        """Raise the bound by simple means, look for better routes, then `prove`."""
         for simple_bound in SIMPLE.values():
-            recorder.raise_bound(simple_bound(instance, recorder.objective))
-        if self.warm_start and recorder.objective > 0:
+            recorder.raise_bound(simple_bound(recorder.instance, recorder.objective))
+        if self.warm_start:
             improve(recorder, seed)
         if recorder.objective == 0:
             return recorder.result("proof", proved=True)
         if recorder.remaining == 0:
             return recorder.result("time")
-        if limits.iterations == 0:
+        if recorder.limits.iterations == 0:
             return recorder.result("iterations")
-        return self.search(recorder, seed)
+        return self.prove(recorder, seed)
 
-    def search(self, recorder: Recorder, seed: int) -> Result:
+    def prove(self, recorder: Recorder, seed: int) -> Result:
         """Build the model, run SCIP below the recorder's incumbent and say how that ended."""
         instance = recorder.instance
         model = ScipModel(instance, recorder.objective, reach=self.reach)

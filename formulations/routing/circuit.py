@@ -24,15 +24,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import ClassVar
 
-import numpy as np
 from ortools.sat.python import cp_model
 
 from formulations.limits import Limits
 from formulations.routing.cpsat import Values, search
-from formulations.routing.greedy import greedy_routes
+from formulations.routing.model_solver import ModelSolver
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts, scale_costs
-from formulations.routing.solver import Observer, Result, Solver, ignore
+from formulations.routing.solver import Result
 from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, used_arcs
 from formulations.routing.subtours import walk
 from instances import Instance, Routes, as_routes
@@ -42,7 +41,7 @@ MOST_LITERALS = 150_000
 
 
 @dataclass(frozen=True)
-class Circuit(Solver):
+class Circuit(ModelSolver):
     """CP-SAT with circuit constraints; ``limits.iterations`` counts CP-SAT's conflicts.
 
     Options
@@ -63,24 +62,9 @@ class Circuit(Solver):
         size = instance.n_tasks**2 * instance.n_depots
         return f"the model would have {size} clauses; it takes {MOST_LITERALS}" if size > MOST_LITERALS else None
 
-    def prepare(self, instance: Instance) -> None:
-        """Compile the construction of the first routes."""
-        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
-
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
+    def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve in one search."""
-        recorder = Recorder(instance, limits, observe, start)
-        recorder.incumbent(greedy_routes(instance))
-        if recorder.objective == 0:
-            return recorder.result("proof", proved=True)
+        instance, limits = recorder.instance, recorder.limits
         scaled = scale_costs(instance, recorder.objective)
         form = CircuitPerUav(instance, scaled) if self.per_uav else GiantCircuit(instance, scaled, self.average)
         if self.symmetry:

@@ -1,4 +1,4 @@
-"""One CP-SAT search: parameters, streaming of solutions and bounds, and what came out.
+"""One CP-SAT search: parameters, streaming of solutions and bounds.
 
 Google's CP-SAT through OR-Tools. With one worker a search that ends by itself is deterministic for a seed; with
 several, or ended by the clock, it is not (google/or-tools#4195).
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from ortools.sat.python import cp_model
 
@@ -17,18 +16,6 @@ from formulations.routing.scaling import ScaledCosts
 
 Values = Callable[[cp_model.IntVar], int]
 """The value of a variable in a solution."""
-
-
-@dataclass(frozen=True)
-class Search:
-    """How one search ended.
-
-    optimal : the integer model is solved to proof.
-    bound : the best integer lower bound.
-    """
-
-    optimal: bool
-    bound: float
 
 
 class _Watch(cp_model.CpSolverSolutionCallback):
@@ -50,8 +37,10 @@ def search(
     seed: int,
     on_solution: Callable[[Values], object],
     conflicts: int | None = None,
-) -> Search:
+) -> bool:
     """Solve `model` in the time the recorder has left, streaming its bounds there and its solutions to `on_solution`.
+
+    Return whether the integer model is solved to proof.
 
     Raises RuntimeError where CP-SAT refuses the model or calls it infeasible: it holds the incumbent, so it cannot be.
     """
@@ -73,4 +62,4 @@ def search(
     bound = solver.best_objective_bound
     if math.isfinite(bound):
         recorder.raise_bound(scaled.bound(bound))
-    return Search(optimal=status == cp_model.OPTIMAL, bound=bound)
+    return bool(status == cp_model.OPTIMAL)

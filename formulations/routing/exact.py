@@ -144,7 +144,7 @@ def _cut(
     others.close()
     recorder = LinkedRecorder(instance, limits, ignore, start, link)
     with contextlib.suppress(KeyboardInterrupt):  # how branch-and-cut says that it was interrupted: the peer was first
-        result = BranchAndCut().search(recorder, seed)
+        result = BranchAndCut().prove(recorder, seed)
         if result.status is Status.OPTIMAL:
             recorder.tell_proof(result.tolerance)
     link.close()

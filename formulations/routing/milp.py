@@ -15,25 +15,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from formulations.limits import Limits
 from formulations.routing import strengthening
 from formulations.routing.cpsat import Values, search
-from formulations.routing.greedy import greedy_routes
-from formulations.routing.paper_model import PaperModel
+from formulations.routing.model_solver import ModelSolver
+from formulations.routing.paper_model import PaperModel, why_too_large
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import scale_costs
-from formulations.routing.solver import Observer, Result, Solver, ignore
+from formulations.routing.solver import Result
 from formulations.routing.subtours import Arc, find_subtours, repair
-from instances import Instance, Routes
+from instances import Instance
 
 MOST_THETA = 60_000
 """Beyond this building the model alone takes long; the proofs end far below (n ≈ 15)."""
 
 
 @dataclass(frozen=True)
-class Milp(Solver):
+class Milp(ModelSolver):
     """The paper's MILP on CP-SAT; ``limits.iterations`` counts the rounds.
 
     Options
@@ -48,6 +45,7 @@ class Milp(Solver):
     """
 
     proves: ClassVar[bool] = True
+    counters: ClassVar[tuple[str, ...]] = ("rounds", "cuts")
 
     depot_linked: bool = True
     two_cycles: bool = True
@@ -58,35 +56,19 @@ class Milp(Solver):
 
     def accepts(self, instance: Instance) -> str | None:
         """Return why the instance is too large for the three-index form, or None."""
-        size = instance.n_tasks * (instance.n_tasks + 1) * instance.n_depots
-        return f"the paper's form would need {size} variables; it takes {MOST_THETA}" if size > MOST_THETA else None
+        return why_too_large(instance, MOST_THETA)
 
-    def prepare(self, instance: Instance) -> None:
-        """Compile the construction of the first routes."""
-        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
-
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
+    def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve by rounds until no subtour is left."""
-        recorder = Recorder(instance, limits, observe, start)
-        recorder.incumbent(greedy_routes(instance))
-        if recorder.objective == 0:
-            return recorder.result("proof", proved=True, rounds=0, cuts=0)
-        return _Rounds(self, instance, recorder, seed).run()
+        return _Rounds(self, recorder, seed).run()
 
 
 class _Rounds:
     """The rounds of one solve."""
 
-    def __init__(self, options: Milp, instance: Instance, recorder: Recorder, seed: int) -> None:
-        self.options, self.instance, self.recorder, self.seed = options, instance, recorder, seed
+    def __init__(self, options: Milp, recorder: Recorder, seed: int) -> None:
+        self.options, self.recorder, self.seed = options, recorder, seed
+        self.instance = instance = recorder.instance
         self.scaled = scale_costs(instance, recorder.objective)
         self.paper = PaperModel(instance, self.scaled)
         self.cuts: set[tuple[int, ...]] = set()
@@ -109,11 +91,11 @@ class _Rounds:
             self.found = []
             if self.options.hint and recorder.routes is not None:
                 strengthening.hint(self.paper, self.instance, recorder.routes)
-            outcome = search(self.paper.model, self.scaled, recorder, self.seed, self.on_solution)
+            solved = search(self.paper.model, self.scaled, recorder, self.seed, self.on_solution)
             rounds += 1
             if recorder.objective - recorder.bound <= self.scaled.tolerance:
                 return self.result("proof", rounds)
-            if not outcome.optimal:
+            if not solved:
                 return self.result("time", rounds)
             self.add_cuts(self.found)
 

@@ -31,6 +31,12 @@ from formulations.routing.subtours import Arc
 from instances import Instance
 
 
+def why_too_large(instance: Instance, most: int) -> str | None:
+    """Return why a solver that takes at `most` so many θ does not take `instance`, or None where it does."""
+    size = instance.n_tasks * (instance.n_tasks + 1) * instance.n_depots
+    return f"the paper's form would need {size} variables; it takes {most}" if size > most else None
+
+
 class PaperModel:
     """θ, C_max and eqs. const1–const5 of one instance; const6 is added when a set S is found.
 

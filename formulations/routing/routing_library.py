@@ -15,19 +15,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
 from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
-from formulations.limits import Limits
-from formulations.routing.greedy import greedy_routes
+from formulations.routing.model_solver import ModelSolver
 from formulations.routing.recorder import Recorder
-from formulations.routing.scaling import ScaledCosts, scale_costs
-from formulations.routing.solver import Observer, Result, Solver, ignore
-from instances import InputError, Instance, Routes
+from formulations.routing.scaling import scale_costs
+from formulations.routing.solver import Result
+from instances import InputError
 
 
 @dataclass(frozen=True)
-class RoutingLibrary(Solver):
+class RoutingLibrary(ModelSolver):
     """OR-Tools routing; ``limits.iterations`` counts the solutions its search accepts.
 
     Options
@@ -36,6 +34,7 @@ class RoutingLibrary(Solver):
     """
 
     proves: ClassVar[bool] = False
+    counters: ClassVar[tuple[str, ...]] = ("solutions",)
 
     span_weight: int = 100
 
@@ -43,28 +42,11 @@ class RoutingLibrary(Solver):
         if self.span_weight < 1:
             raise InputError(f"routing-library: span_weight must be at least 1, got {self.span_weight}")
 
-    def prepare(self, instance: Instance) -> None:
-        """Compile the construction of the first routes."""
-        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
-
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
+    def search(self, recorder: Recorder, seed: int) -> Result:
         """Search until a limit is reached."""
-        recorder = Recorder(instance, limits, observe, start)
-        recorder.incumbent(greedy_routes(instance))
-        if recorder.objective == 0:
-            return recorder.result("finished", solutions=0)
-        if limits.iterations == 0:
-            return recorder.result("iterations", solutions=0)
-        solutions = _Search(self, scale_costs(instance, recorder.objective), recorder, seed).run()
-        if limits.iterations is not None and solutions >= limits.iterations:
+        asked = recorder.limits.iterations
+        solutions = 0 if asked == 0 else _Search(self, recorder, seed).run()
+        if asked is not None and solutions >= asked:
             return recorder.result("iterations", solutions=solutions)
         return recorder.result("finished" if recorder.remaining > 0 else "time", solutions=solutions)
 
@@ -72,10 +54,11 @@ class RoutingLibrary(Solver):
 class _Search:
     """One search of the library from the recorder's routes; every accepted solution is offered to the recorder."""
 
-    def __init__(self, options: RoutingLibrary, scaled: ScaledCosts, recorder: Recorder, seed: int) -> None:
+    def __init__(self, options: RoutingLibrary, recorder: Recorder, seed: int) -> None:
         self.recorder = recorder
         self.solutions = 0
         instance = recorder.instance
+        scaled = scale_costs(instance, recorder.objective)
         depots = list(instance.depots)
         self.manager = pywrapcp.RoutingIndexManager(instance.n_nodes, len(depots), depots, depots)
         self.routing = pywrapcp.RoutingModel(self.manager)

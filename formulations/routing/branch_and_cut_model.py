@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from pyscipopt import Model, Variable, quicksum
 from pyscipopt.scip import Solution
 
-from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, used_arcs
+from formulations.routing.strengthening import in_order, is_symmetric, neighbours, used_arcs
 from formulations.routing.subtours import Arc
 from formulations.routing.ways import ways_between_tasks, ways_from_depot
 from instances import Instance, Routes, makespan
@@ -104,10 +103,9 @@ class ScipModel:
 
     def symmetry(self) -> None:
         """Only routes as `in_order` has them: UAVs of one depot by their smallest task, symmetric tours one way."""
-        for group in shared_depots(self.instance):
-            for before, k in pairwise(group):
-                for i in self.T:
-                    self.scip.addCons(self.y[i, k] <= quicksum(self.y[j, before] for j in range(i)), "symmetry")
+        for before, k in neighbours(self.instance):
+            for i in self.T:
+                self.scip.addCons(self.y[i, k] <= quicksum(self.y[j, before] for j in range(i)), "symmetry")
         if is_symmetric(self.instance):
             for k in self.D:
                 theta = self.theta[k - self.instance.n_tasks]

@@ -30,13 +30,13 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.columns.destructive import destructive_bounds
-from formulations.routing.columns.efforts import with_cuts, without_cuts
+from formulations.routing.columns.efforts import efforts
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pricing import Column
 from formulations.routing.columns.searching import STEPS, Search, search
-from formulations.routing.columns.tree import Ended, Incumbent, Tree
+from formulations.routing.columns.tree import Ended, Tree
 from formulations.routing.columns.warming import warm_up
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
@@ -115,23 +115,22 @@ class BranchAndPrice(Solver):
         store = make_store(n, min(self.labels, max(1000, n << min(n, 40))))  # no more than all sets and last tasks
         legs = Legs.of(recorder.instance)
         patience = _Patience(recorder)
-        efforts = without_cuts(n, self.bins), with_cuts(n, self.bins)
-        work = Workspace(patience.over, store, self.tours, *efforts, (legs.out + legs.home).min(axis=0))
+        far = (legs.out + legs.home).min(axis=0)
+        work = Workspace(patience.over, store, self.tours, *efforts(n, self.bins), far)
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         tree = Tree(legs, _columns(recorder), work, recorder.bound)
-        incumbent = Incumbent(lambda: recorder.objective * (1 - TOLERANCE), recorder.incumbent, recorder.raise_bound)
         nodes = np.inf if limits.iterations is None else limits.iterations
         patience.share(1 / 3)
-        ended = tree.grow(incumbent, nodes)
+        ended = tree.grow(recorder, TOLERANCE, nodes)
         if ended is not Ended.PROOF:
             if limits.iterations is None and recorder.bound < (1 - _WIDE) * recorder.objective:
                 patience.share(1 / 2)
                 self._destruct(recorder, patience)
             patience.share(1)
-            ended = tree.grow(incumbent, nodes - work.counts.get("nodes", 0))
-        recorder.raise_bound(tree.bound(incumbent.cap()) * (1 - 1e-12))
-        return ended.value, work.counts
+            ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])
+        recorder.raise_bound(tree.bound(recorder.objective * (1 - TOLERANCE)) * (1 - 1e-12))
+        return ended.value, dict(work.counts)
 
     def _destruct(self, recorder: Recorder, patience: _Patience) -> None:
         """Raise the bound by bisection: the tree has far to go from a gap as wide as this."""

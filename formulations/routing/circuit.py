@@ -32,7 +32,7 @@ from formulations.routing.model_solver import ModelSolver
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts, scale_costs
 from formulations.routing.solver import Result
-from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, used_arcs
+from formulations.routing.strengthening import fly_one_way, in_order, is_symmetric, neighbours, used_arcs
 from formulations.routing.subtours import walk
 from instances import Instance, Routes, as_routes
 
@@ -211,9 +211,7 @@ class CircuitPerUav:
         """Allow only routes as `in_order` has them (``strengthening.symmetry``)."""
         _order_by_smallest_task(self.model, self.y, self.instance)
         if is_symmetric(self.instance):
-            for k in self.instance.depots:
-                first = sum(i * self.theta[k, i, k] for i in self.instance.tasks)
-                self.model.add(first <= sum(i * self.theta[i, k, k] for i in self.instance.tasks))
+            fly_one_way(self.model, self.theta, self.instance)
 
     def hint(self, routes: Routes) -> None:
         """Tell CP-SAT to try `routes` first."""
@@ -235,7 +233,6 @@ class CircuitPerUav:
 def _order_by_smallest_task(
     model: cp_model.CpModel, y: dict[tuple[int, int], cp_model.IntVar], instance: Instance
 ) -> None:
-    for group in shared_depots(instance):
-        for before, k in pairwise(group):
-            for i in instance.tasks:
-                model.add_bool_or(~y[i, k], *(y[j, before] for j in range(i)))
+    for before, k in neighbours(instance):
+        for i in instance.tasks:
+            model.add_bool_or(~y[i, k], *(y[j, before] for j in range(i)))

@@ -74,24 +74,20 @@ class Exact(Solver):
         may_cut = BranchAndCut().accepts(instance) is None
         if limits.threads >= 2 and may_cut:
             return _side_by_side(recorder, columns, seed)
-        if instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots and may_cut:
-            return _one_after_the_other(recorder, columns, seed)
-        return _columns_alone(recorder, columns, seed)
+        cuts_first = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
+        return _one_after_the_other(recorder, columns, seed, cuts_first and may_cut)
 
 
-def _columns_alone(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
-    ended, counts = columns.prove(recorder, seed)
-    return _result(recorder, ended, "branch-and-price", 2 * TOLERANCE * recorder.objective, counts)
-
-
-def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
-    """Cuts for three quarters of the time, then columns with what they found."""
-    limits = Limits(time=max(_SHARE * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
-    cuts = BranchAndCut(warm_start=False)
-    cut = cuts.solve(recorder.instance, limits=limits, seed=seed, observe=_into(recorder), start=recorder.routes)
-    counts = {f"cut_{name}": value for name, value in cut.statistics.items()}
-    if cut.status is Status.OPTIMAL or recorder.remaining <= 0:
-        return _result(recorder, cut.stopped_by, "branch-and-cut", cut.tolerance, counts)
+def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int, cuts_first: bool) -> Result:
+    """Columns, with what cuts found in three quarters of the time before them, if asked."""
+    counts: dict[str, Any] = {}
+    if cuts_first:
+        limits = Limits(time=max(_SHARE * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
+        cuts = BranchAndCut(warm_start=False)
+        cut = cuts.solve(recorder.instance, limits=limits, seed=seed, observe=_into(recorder), start=recorder.routes)
+        counts = {f"cut_{name}": value for name, value in cut.statistics.items()}
+        if cut.status is Status.OPTIMAL or recorder.remaining <= 0:
+            return _result(recorder, cut.stopped_by, "branch-and-cut", cut.tolerance, counts)
     ended, own = columns.prove(recorder, seed)
     return _result(recorder, ended, "branch-and-price", 2 * TOLERANCE * recorder.objective, {**own, **counts})
 

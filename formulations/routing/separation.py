@@ -24,7 +24,7 @@ _ARC = 1e-9  # θ below this is no arc
 
 
 @njit(cache=True)
-def two_cycles(theta: Floats, least: float) -> tuple[Bools, Ints]:  # pragma: no cover - compiled
+def two_cycles(theta: Floats, least: float) -> tuple[Bools, Ints]:
     """Return the violated sets S = {i, j} of one UAV, as `subtours` does."""
     n = len(theta) - 1
     y = theta[:, :n].sum(axis=0)
@@ -43,7 +43,7 @@ def two_cycles(theta: Floats, least: float) -> tuple[Bools, Ints]:  # pragma: no
 
 
 @njit(cache=True)
-def subtours(theta: Floats, least: float) -> tuple[Bools, Ints]:  # pragma: no cover - compiled
+def subtours(theta: Floats, least: float) -> tuple[Bools, Ints]:
     """Return the sets S violated by more than `least`, shape (cuts, n), and the v of each.
 
     theta : θ of one UAV, shape (n+1, n+1), its depot last. Of every flow that falls short the smallest S and the
@@ -91,9 +91,7 @@ def subtours(theta: Floats, least: float) -> tuple[Bools, Ints]:  # pragma: no c
 
 
 @njit(cache=True)
-def _neighbours(
-    theta: Floats,
-) -> tuple[Ints, Ints]:  # pragma: no cover - compiled
+def _neighbours(theta: Floats) -> tuple[Ints, Ints]:
     """Return for each node the nodes it shares an arc with, and their number."""
     size = len(theta)
     near = np.empty((size, size), dtype=np.int64)
@@ -116,7 +114,7 @@ def _search(
     forwards: bool,
     parent: Ints,
     queue: Ints,
-) -> None:  # pragma: no cover - compiled
+) -> None:
     """Search breadth-first from `first` until `last`; parent < 0 where not reached. Backwards: against the arcs."""
     parent[:] = -1
     parent[first] = first
@@ -136,7 +134,7 @@ def _search(
 
 
 @njit(cache=True)
-def _augment(residual: Floats, parent: Ints, first: int, last: int) -> float:  # pragma: no cover - compiled
+def _augment(residual: Floats, parent: Ints, first: int, last: int) -> float:
     """Send as much as fits along the path found; return how much."""
     amount = np.inf
     j = last

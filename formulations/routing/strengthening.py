@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from ortools.sat.python import cp_model
 from scipy.sparse.csgraph import floyd_warshall
 
 from formulations.routing.paper_model import PaperModel
@@ -23,6 +24,11 @@ def shared_depots(instance: Instance) -> list[list[int]]:
     for k in instance.depots:
         groups.setdefault(instance.cost[k, :n].tobytes() + instance.cost[:n, k].tobytes(), []).append(k)
     return list(groups.values())
+
+
+def neighbours(instance: Instance) -> list[tuple[int, int]]:
+    """Return the pairs of UAVs, one after the other in a group of the same depot."""
+    return [pair for group in shared_depots(instance) for pair in pairwise(group)]
 
 
 def is_symmetric(instance: Instance) -> bool:
@@ -53,15 +59,20 @@ def symmetry(paper: PaperModel, instance: Instance) -> None:
     smaller one. Exchanging routes within a group changes no cost, so an optimum of this order exists.
     Σ_i i·θ_kik ≤ Σ_i i·θ_ikk where costs are symmetric: the first task is smaller than the last.
     """
-    for group in shared_depots(instance):
-        for before, k in pairwise(group):
-            for i in instance.tasks:
-                paper.model.add(paper.y[i, k] <= sum(paper.y[j, before] for j in range(i)))
+    for before, k in neighbours(instance):
+        for i in instance.tasks:
+            paper.model.add(paper.y[i, k] <= sum(paper.y[j, before] for j in range(i)))
     if is_symmetric(instance):
-        for k in instance.depots:
-            first = sum(i * paper.theta[k, i, k] for i in instance.tasks)
-            last = sum(i * paper.theta[i, k, k] for i in instance.tasks)
-            paper.model.add(first <= last)
+        fly_one_way(paper.model, paper.theta, instance)
+
+
+def fly_one_way(
+    model: cp_model.CpModel, theta: dict[tuple[int, int, int], cp_model.IntVar], instance: Instance
+) -> None:
+    """Fly each tour the way in which its first task is smaller than its last."""
+    for k in instance.depots:
+        first = sum(i * theta[k, i, k] for i in instance.tasks)
+        model.add(first <= sum(i * theta[i, k, k] for i in instance.tasks))
 
 
 def shortest_ways(costs: Ints, n_tasks: int, k: int) -> tuple[Ints, Ints]:

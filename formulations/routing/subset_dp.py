@@ -19,7 +19,7 @@ Floating point: a tour is a sum of at most n + 1 non-negative costs, so the recu
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numba
 import numpy as np
@@ -104,7 +104,9 @@ def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> Flo
 
 
 @numba.njit(cache=True)
-def _extend_paths(low, high, to_task, between, home, path, tour):  # type: ignore[no-untyped-def]
+def _extend_paths(
+    low: int, high: int, to_task: Floats, between: Floats, home: Floats, path: Floats, tour: Floats
+) -> None:
     """Fill f and t of the sets low..high−1; every subset of a set has a smaller number. between[j, i] = c_ij."""
     n = to_task.size
     members = np.empty(n, np.int64)
@@ -131,42 +133,53 @@ def _extend_paths(low, high, to_task, between, home, path, tour):  # type: ignor
         tour[s] = best_tour
 
 
+class Blocks(NamedTuple):
+    """A table over all sets of tasks, `value` (2ⁿ,), and the `least` of each block of 2^bits that share high bits."""
+
+    value: Floats
+    least: Floats
+    bits: int
+
+    @classmethod
+    def of(cls, value: Floats) -> Blocks:
+        """Cut a table into blocks."""
+        bits = min(_BLOCK_BITS, value.size.bit_length() - 1)
+        return cls(value, value.reshape(-1, 1 << bits).min(axis=1), bits)
+
+
 def _partition_tables(tours: list[Floats], recorder: Recorder) -> list[Floats] | None:
     """Return g_1..g_m; entries not below the incumbent may be too high, and only g_m(T) is filled in g_m."""
     best = [tours[0]]
-    bits = min(_BLOCK_BITS, tours[0].size.bit_length() - 1)
-    blocks = tours[0].size >> bits
     for k in range(1, len(tours)):
         g = np.full(tours[0].size, np.inf)
-        first, last = best[-1], k == len(tours) - 1
-        first_low, second_low = first.reshape(blocks, -1).min(axis=1), tours[k].reshape(blocks, -1).min(axis=1)
+        first, second, last = Blocks.of(best[-1]), Blocks.of(tours[k]), k == len(tours) - 1
+        blocks = first.least.size
         for low in range(blocks - 1 if last else 0, blocks, _BLOCK_CHUNK):
             if recorder.remaining <= 0:
                 return None
-            high = min(low + _BLOCK_CHUNK, blocks)
-            _convolve(low, high, bits, first, tours[k], first_low, second_low, recorder.objective, g)
+            _convolve(low, min(low + _BLOCK_CHUNK, blocks), first, second, recorder.objective, g)
         best.append(g)
     return best
 
 
 @numba.njit(cache=True)
-def _convolve(low, high, bits, first, second, first_low, second_low, cutoff, out):  # type: ignore[no-untyped-def]
-    """out(S) = min_{R ⊆ S} max(first(S∖R), second(R)) for the blocks low..high−1 of 2^bits sets that share high bits.
+def _convolve(low: int, high: int, first: Blocks, second: Blocks, cutoff: float, out: Floats) -> None:
+    """out(S) = min_{R ⊆ S} max(first(S∖R), second(R)) for the blocks low..high−1.
 
     Pairs of blocks whose smallest entries reach the cutoff are skipped: no set of theirs is part of better routes.
     """
-    width = 1 << bits
+    bits, width, f, g = first.bits, 1 << first.bits, first.value, second.value
     for block in range(low, high):
         base = block << bits
         part = block
         while True:
-            if max(first_low[block ^ part], second_low[part]) < cutoff:
+            if max(first.least[block ^ part], second.least[part]) < cutoff:
                 left, right = (block ^ part) << bits, part << bits
                 for s in range(width):
                     best = out[base + s]
                     r = s
                     while True:
-                        best = min(best, max(first[left + (s ^ r)], second[right + r]))
+                        best = min(best, max(f[left + (s ^ r)], g[right + r]))
                         if r == 0:
                             break
                         r = (r - 1) & s
@@ -190,7 +203,7 @@ def _recover(instance: Instance, tours: list[Floats], best: list[Floats]) -> Rou
 
 
 @numba.njit(cache=True)
-def _best_part(rest, first, second):  # type: ignore[no-untyped-def]
+def _best_part(rest: int, first: Floats, second: Floats) -> int:
     """Return the R ⊆ rest that minimises max(first(rest∖R), second(R))."""
     best, arg, part = np.inf, rest, rest
     while True:

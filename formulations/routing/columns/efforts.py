@@ -6,11 +6,10 @@ cuts are watched only where there are some, and beyond 100 tasks all are fewer.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 from formulations.routing.columns.pricing import Effort
-
-_MANY = 100  # tasks
 
 
 class Efforts(NamedTuple):
@@ -20,42 +19,14 @@ class Efforts(NamedTuple):
     thorough: Effort
 
 
-def without_cuts(n_tasks: int, most: int) -> Efforts:
-    """Return how hard to work at a node without cuts, with at `most` so many bins."""
-    quick, _, fine = _bins(most)
-    near, thorough = (7, most) if n_tasks <= _MANY else (5, fine)
-    return Efforts(
-        (
-            Effort(3, quick, 200),
-            Effort(3, quick, 3000),
-            Effort(near - 1, fine, 20_000),
-            Effort(near, most, 300_000),
-        ),
-        Effort(near, thorough, 0),
-    )
-
-
-def with_cuts(n_tasks: int, most: int) -> Efforts:
-    """Return how hard to work at a node with cuts, with at `most` so many bins."""
-    quick, middle, fine = _bins(most)
-    if n_tasks <= _MANY:
-        pricing = (
-            Effort(3, quick, 200, 3),
-            Effort(3, quick, 3000, 4),
-            Effort(4, middle, 30_000, 4),
-            Effort(5, middle, 300_000, 4),
-        )
-        return Efforts(pricing, Effort(5, fine, 0, 4))
-    pricing = (
-        Effort(3, quick, 200, 1),
-        Effort(3, quick, 3000, 2),
-        Effort(3, middle, 30_000, 2),
-        Effort(4, middle, 300_000, 2),
-    )
-    return Efforts(pricing, Effort(4, middle, 0, 2))
-
-
-def _bins(most: int) -> tuple[int, int, int]:
-    """Return few, some and many bins."""
-    quick, middle, fine = (max(1, most * tenths // 10) for tenths in (3, 5, 8))
-    return quick, middle, fine
+def efforts(n_tasks: int, bins: int) -> tuple[Efforts, Efforts]:
+    """Return how hard to work at a node without cuts and at one with cuts; at most `bins` bins."""
+    quick, middle, fine = (max(1, bins * tenths // 10) for tenths in (3, 5, 8))
+    few, more = Effort(3, quick, 200), Effort(3, quick, 3000)
+    if n_tasks <= 100:
+        plain = Efforts((few, more, Effort(6, fine, 20_000), Effort(7, bins, 300_000)), Effort(7, bins, 0))
+        watching = (replace(few, watch=3), replace(more, watch=4), Effort(4, middle, 30_000, 4))
+        return plain, Efforts((*watching, Effort(5, middle, 300_000, 4)), Effort(5, fine, 0, 4))
+    plain = Efforts((few, more, Effort(4, fine, 20_000), Effort(5, bins, 300_000)), Effort(5, fine, 0))
+    watching = (replace(few, watch=1), replace(more, watch=2), Effort(3, middle, 30_000, 2))
+    return plain, Efforts((*watching, Effort(4, middle, 300_000, 2)), Effort(4, middle, 0, 2))

@@ -5,9 +5,9 @@ A node holds the legs of a UAV while its tours are too many to list, and lists t
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +25,7 @@ _FIRST_ROOM = 1_000_000  # labels of the first attempt to list the tours
 
 @dataclass
 class Workspace:
-    """What all nodes share: clock, label store, limits, efforts and counters.
+    """What all nodes share: clock, label store, limits, efforts and the counters of the statistics.
 
     plain, cutting : how hard to work at a node without cuts, and at one with cuts.
     far : the cheapest way to each task and back [s].
@@ -40,11 +40,7 @@ class Workspace:
     cutting: Efforts
     far: Floats
     better: Callable[[Column | None], bool] = lambda _: False
-    counts: dict[str, Any] = field(default_factory=dict)
-
-    def count(self, what: str, by: int = 1) -> None:
-        """Add to a counter of the statistics."""
-        self.counts[what] = self.counts.get(what, 0) + by
+    counts: Counter[str] = field(default_factory=Counter)
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""

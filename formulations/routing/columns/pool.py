@@ -8,7 +8,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.columns.cuts import TaskCuts, by_task
+from formulations.routing.columns.cuts import TaskCuts
 from formulations.routing.columns.labelling import Orders, has, path
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer
 from instances.arrays import Bools, Floats, Ints
@@ -96,11 +96,10 @@ class Pool:
         """Drop the tours that cannot be in routes of cost ≤ `cap`."""
         keep = np.ones(self.size, np.bool_)
         duals, allowed = at.duals, np.nextafter(at.allowed(cap), np.inf)
-        cuts = by_task(duals.cuts, duals.rho, duals.price.size)
         for k in np.flatnonzero(self.listed):
             block, sigma = self.block(int(k)), float(duals.sigma[k])
             tours = self.visited[block], self.cost[block]
-            value, _ = _values(*tours, duals.price, sigma, cuts, float(allowed[k]), False)
+            value, _ = _values(*tours, duals.price, sigma, duals.by_task, float(allowed[k]), False)
             keep[block] = np.isfinite(value)
         return self.only(keep)
 
@@ -172,37 +171,25 @@ def _lowest(word: np.uint64) -> int:
 
 
 class PoolPricer:
-    """Prices by scanning the pool: the same questions as `Pricer`, for UAVs listed always answered completely."""
+    """Prices the UAVs that are listed by scanning the pool, always completely, the `others` by label search."""
 
     wanted = 150
     """Columns of a UAV worth adding at once."""
 
-    def __init__(self, pool: Pool) -> None:
-        self.pool = pool
+    def __init__(self, pool: Pool, others: Pricer | None = None) -> None:
+        self.pool, self.others = pool, others
         self.n_uavs = pool.listed.size
         self._blocks = [pool.block(k) for k in range(self.n_uavs)]
-        self._cuts: tuple[Duals | None, TaskCuts | None] = (None, None)
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
-        """Return UAV k's best columns of reduced cost below `threshold`, and the least of all."""
-        at, cuts = self._cuts
-        if at is not duals or cuts is None:
-            cuts = by_task(duals.cuts, duals.rho, duals.price.size)
-            self._cuts = (duals, cuts)
-        block, pool, sigma = self._blocks[k], self.pool, float(duals.sigma[k])
-        values, least = _values(pool.visited[block], pool.cost[block], duals.price, sigma, cuts, threshold, True)
+        """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and the least of all or a bound on it."""
+        if self.others is not None and not self.pool.listed[k]:
+            return self.others.price(k, duals, threshold)
+        block, tours = self._blocks[k], self.pool
+        sigma = float(duals.sigma[k])
+        values, least = _values(
+            tours.visited[block], tours.cost[block], duals.price, sigma, duals.by_task, threshold, True
+        )
         below = np.flatnonzero(np.isfinite(values))
         best = below[np.argsort(values[below], kind="stable")[: self.wanted]]
-        return Priced(least, [pool.column(block.start + int(p)) for p in best], True)
-
-
-class MixedPricer:
-    """Prices the UAVs that are listed by scanning the pool, the others by label search."""
-
-    def __init__(self, listed: PoolPricer, others: Pricer) -> None:
-        self.listed, self.others, self.n_uavs = listed, others, listed.n_uavs
-
-    def price(self, k: int, duals: Duals, threshold: float) -> Priced:
-        """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
-        pricer = self.listed if self.listed.pool.listed[k] else self.others
-        return pricer.price(k, duals, threshold)
+        return Priced(least, [tours.column(block.start + int(p)) for p in best], True)

@@ -21,7 +21,7 @@ from typing import Protocol
 import numpy as np
 
 from formulations.routing.columns.completion import Bins, Memory, completion
-from formulations.routing.columns.cuts import Cut, by_task, incidence
+from formulations.routing.columns.cuts import Cut, TaskCuts, by_task, incidence
 from formulations.routing.columns.labelling import Store, Subproblem, least_of_all, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.watching import Watch
@@ -59,6 +59,11 @@ class Duals:
     def offset(self) -> float:
         """The part of the Lagrangian bound that no tour changes: Σπ − Σρ [s]."""
         return float(self.price.sum() - self.rho.sum())
+
+    @cached_property
+    def by_task(self) -> TaskCuts:
+        """The cuts of each task and their prices."""
+        return by_task(self.cuts, self.rho, self.price.size)
 
     @property
     def bottleneck(self) -> int | None:
@@ -176,8 +181,7 @@ class Pricer:
         """Return the pricing problem of UAV k, completion bounds included."""
         legs, bins, watch, sigma = self.legs.of_uav(k), self.bins(k), self.watch(duals), float(duals.sigma[k])
         best = completion(legs, bins, self.memory, watch, duals.price, sigma)
-        cuts = by_task(duals.cuts, duals.rho, self.legs.n_tasks)
-        return Subproblem(legs, self.cap, bins, self.memory, watch, duals.price, sigma, cuts, best)
+        return Subproblem(legs, self.cap, bins, self.memory, watch, duals.price, sigma, duals.by_task, best)
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""

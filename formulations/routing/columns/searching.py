@@ -7,7 +7,7 @@ does not light on by itself: then that tour is kept and the other UAVs are searc
 
 from __future__ import annotations
 
-from typing import Any
+from collections import Counter
 
 import numpy as np
 
@@ -31,7 +31,7 @@ class Search:
     counts : the tree's counters; run : how many searches there were; tolerance : share by which routes must be better.
     """
 
-    def __init__(self, recorder: Recorder, counts: dict[str, Any], seed: int, run: int, tolerance: float) -> None:
+    def __init__(self, recorder: Recorder, counts: Counter[str], seed: int, run: int, tolerance: float) -> None:
         self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
         self.steps = 0
         self._tried: set[tuple[int, frozenset[int]]] = set()
@@ -42,7 +42,7 @@ class Search:
         Around a new `tour` it searches before it is due, by one search at most, and every other time it is due.
         """
         n, before = self.recorder.instance.n_tasks, self.recorder.objective
-        due = _STEPS_A_ROUND * n * self.counts.get("rounds", 0) + _STEPS_A_LABEL * self.counts.get("labels in vain", 0)
+        due = _STEPS_A_ROUND * n * self.counts["rounds"] + _STEPS_A_LABEL * self.counts["labels in vain"]
         steps, time = int(due) - self.steps, self.recorder.remaining / 3
         if tour is not None and steps > -STEPS * n**2 and (tour.uav, frozenset(tour.tasks)) not in self._tried:
             self._tried.add((tour.uav, frozenset(tour.tasks)))

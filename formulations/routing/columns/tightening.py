@@ -18,7 +18,7 @@ from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
-from formulations.routing.columns.pool import MixedPricer, PoolPricer
+from formulations.routing.columns.pool import PoolPricer
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Prices
 from instances import Routes
 from instances.arrays import Floats
@@ -48,11 +48,6 @@ class Improved:
 
 
 @dataclass(frozen=True)
-class Overtaken:
-    """The search beside the tree found better routes before the node was done: the same, with nothing to hand over."""
-
-
-@dataclass(frozen=True)
 class Branch:
     """All else is done: branch on whether `uav` takes `task`. `routes` were found by the way, or None."""
 
@@ -73,7 +68,12 @@ class Interrupted:
     """Time is up; the node's bound holds as far as it got."""
 
 
-Outcome = Pruned | Improved | Overtaken | Branch | Stuck | Interrupted
+@dataclass(frozen=True)
+class Overtaken:
+    """The search beside the tree has lowered the cap: the node is to be taken up again, and counts only then."""
+
+
+Outcome = Pruned | Improved | Branch | Stuck | Interrupted | Overtaken
 
 
 def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
@@ -87,7 +87,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         best, raised = relaxation.best, relaxation.best.value - node.bound
         stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.bound, node.columns = max(node.bound, best.value), list(master.columns)
-        work.count("rounds", relaxation.rounds)
+        work.counts["rounds"] += relaxation.rounds
         if relaxation.ended is Ended.PRUNED:
             return Pruned()
         if relaxation.ended is Ended.INTERRUPTED or work.out_of_time():
@@ -110,7 +110,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         if not cuts or wide or dear or stalled >= _ROUNDS_STALLED:
             return _branch(node, cap, work)
         master.cut_off(cuts)
-        work.count("cuts", len(cuts))
+        work.counts["cuts"] += len(cuts)
 
 
 def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
@@ -123,11 +123,11 @@ def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
 
 
 def _pricers(node: Node, master: Master, cap: float, work: Workspace) -> list[Prices]:
-    listed = PoolPricer(node.pool)
+    """Return how to price at the node, the quickest first."""
     if node.pool.complete:
-        return [listed]
+        return [PoolPricer(node.pool)]
     efforts = work.cutting if master.cuts else work.plain
-    return [MixedPricer(listed, work.pricer(node.legs, cap, effort)) for effort in efforts.pricing]
+    return [PoolPricer(node.pool, work.pricer(node.legs, cap, effort)) for effort in efforts.pricing]
 
 
 def _reduce(node: Node, at: DualBound, cap: float, work: Workspace) -> None:
@@ -145,9 +145,9 @@ def _reduce(node: Node, at: DualBound, cap: float, work: Workspace) -> None:
     pricer = work.pricer(node.legs, cap, thorough)
     node.pool, in_vain = list_tours(node.pool, pricer, at, node.room, work.tours_room)
     if node.pool.complete:
-        work.count("pools")
+        work.counts["pools"] += 1
     else:
-        work.count("labels in vain", in_vain)
+        work.counts["labels in vain"] += in_vain
         node.room, node.listing_failed = _MORE_ROOM * node.room, gap
 
 

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from enum import StrEnum
 
 from formulations.routing.columns.legs import Legs
@@ -18,19 +17,10 @@ from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column
 from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
-from instances import Routes
+from formulations.routing.recorder import Recorder
 
 _EQUAL = 1e-4
 """Bounds count as equal within this share."""
-
-
-@dataclass(frozen=True)
-class Incumbent:
-    """The best routes, kept elsewhere: the `cap` better ones must meet, how to `offer` some and `report` bounds."""
-
-    cap: Callable[[], float]
-    offer: Callable[[Routes], object]
-    report: Callable[[float], object]
 
 
 class Ended(StrEnum):
@@ -45,7 +35,7 @@ class Ended(StrEnum):
 
 
 class Tree:
-    """Best-first branch and price below an incumbent; `bound` [s] is what is known before."""
+    """Best-first branch and price; `bound` [s] is what is known before."""
 
     def __init__(self, legs: Legs, columns: Sequence[Column], work: Workspace, bound: float = 0.0) -> None:
         self.work, self.m = work, legs.n_uavs
@@ -70,21 +60,28 @@ class Tree:
         """Return a lower bound on all routes, no higher than `cap` [s]."""
         return min(cap, self._stuck, *(node.bound for _, _, node in self._open))
 
-    def grow(self, incumbent: Incumbent, nodes: float = math.inf) -> Ended:
-        """Work until no routes of cost ≤ cap are left, or time is up, `nodes` are done or only stuck ones are left."""
-        while self._open and self.bound(math.inf) <= incumbent.cap() > 0:
+    def grow(self, recorder: Recorder, tolerance: float, nodes: float) -> Ended:
+        """Improve the recorder's routes and bound until they meet, or time is up, or `nodes` are done.
+
+        tolerance : share by which routes must be better to count: the cap, ever lower, on the tours to come.
+        """
+
+        def cap() -> float:
+            return recorder.objective * (1 - tolerance)
+
+        while self._open and self.bound(math.inf) <= cap() > 0:
             if nodes <= 0 or self.work.out_of_time():
                 limit = Ended.TIME if self.work.out_of_time() else Ended.ITERATIONS
                 return Ended.MEMORY if self._stuck < math.inf else limit
-            node, cap = self.pop(), incumbent.cap()
-            if node.bound > cap:
+            node = self.pop()
+            if node.bound > cap():
                 continue
-            outcome = tighten(node, cap, self.work)
+            outcome = tighten(node, cap(), self.work)
             if not isinstance(outcome, Overtaken):
-                self.work.count("nodes")
+                self.work.counts["nodes"] += 1
                 nodes -= 1
             if isinstance(outcome, Improved | Branch | Stuck) and outcome.routes is not None:
-                incumbent.offer(outcome.routes)
+                recorder.incumbent(outcome.routes)
             match outcome:
                 case Pruned():
                     pass
@@ -93,8 +90,7 @@ class Tree:
                     self.push(node.child(i, [other for other in range(self.m) if other != k]))
                 case Stuck():
                     self._stuck = min(self._stuck, node.bound)
-                case Improved() | Overtaken() | Interrupted():
+                case Improved() | Interrupted() | Overtaken():
                     self.push(node)
-            incumbent.report(self.bound(incumbent.cap()))
-        proved = self._stuck > incumbent.cap() or incumbent.cap() <= 0
-        return Ended.PROOF if proved else Ended.MEMORY
+            recorder.raise_bound(self.bound(cap()))
+        return Ended.PROOF if self._stuck > cap() or cap() <= 0 else Ended.MEMORY

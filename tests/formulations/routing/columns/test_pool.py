@@ -12,7 +12,7 @@ from formulations.routing.columns.generation import generate
 from formulations.routing.columns.labelling import Orders, _projected, make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.pool import MixedPricer, Pool, PoolPricer
+from formulations.routing.columns.pool import Pool, PoolPricer
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer
 from formulations.routing.columns.searching import search_around
 from formulations.routing.columns.tightening import bottleneck_tour
@@ -106,7 +106,7 @@ def test_with_some_uavs_listed_the_bound_is_valid_and_no_weaker(seed):
     assert pool.listed[1]
     assert not pool.complete
     assert in_vain > 0
-    mixed = bound(MixedPricer(PoolPricer(pool), pricer()))
+    mixed = bound(PoolPricer(pool, pricer()))
     assert mixed.value >= alone.value * (1 - 1e-6)
     whole, in_vain = list_tours(pool, pricer(), alone, 10_000, 10_000)
     assert whole.complete

@@ -1,0 +1,95 @@
+"""What the work on a node can come to, each outcome checked against the optimum."""
+
+import numpy as np
+import pytest
+
+from formulations.routing.columns.efforts import efforts
+from formulations.routing.columns.generation import Ended, generate
+from formulations.routing.columns.labelling import make_store
+from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.master import Master
+from formulations.routing.columns.node import Node, Workspace
+from formulations.routing.columns.pool import Pool
+from formulations.routing.columns.pricing import Effort, Pricer
+from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
+from formulations.routing.solver import Limits
+from formulations.routing.subset_dp import SubsetDp
+from instances import Instance, check_routes, makespan
+
+N, M = 9, 2
+
+
+def random_instance(seed, m=M):
+    points = np.random.default_rng(seed).uniform(0, 100, (N + m, 2))
+    leg = points[None] - points[:, None]
+    return Instance("plane", np.hypot(leg[..., 0], leg[..., 1]) + 0.3 * leg[..., 0], N, m)
+
+
+def optimum(instance):
+    return SubsetDp().solve(instance, limits=Limits(time=600.0)).objective
+
+
+def fresh(instance):
+    return Node(Legs.of(instance), 0.0, [], Pool.empty(instance.n_depots, N))
+
+
+def workspace(out_of_time=lambda: False, labels=100_000):
+    return Workspace(out_of_time, make_store(N, labels), 10_000, *efforts(N, 50), np.ones(N))
+
+
+@pytest.mark.parametrize("seed", [*range(5), 10])
+@pytest.mark.parametrize("share", [0.7, 0.99, 1.01, 1.3])
+def test_an_outcome_says_nothing_false(seed, share):
+    instance = random_instance(seed)
+    best, node = optimum(instance), fresh(instance)
+    cap = share * best
+    outcome = tighten(node, cap, workspace())
+    match outcome:
+        case Pruned():
+            assert node.bound > cap
+            assert cap < best
+        case Improved(routes):
+            assert not check_routes(instance, routes)
+            assert best * (1 - 1e-9) <= makespan(instance, routes) <= cap * (1 + 1e-9)
+        case Branch(uav, task, _):
+            assert node.may_visit()[:, task].sum() > 1
+            assert node.may_visit()[uav, task]
+        case _:
+            pytest.fail(f"{outcome}: there was time, room and nobody beside")
+    assert cap < best or node.bound <= best * (1 + 1e-9)
+
+
+@pytest.mark.parametrize(("seed", "share", "expected"), [(0, 0.7, Pruned), (0, 1.3, Improved), (10, 1.3, Branch)])
+def test_a_node_is_pruned_below_the_optimum_and_improved_or_branched_above_it(seed, share, expected):
+    instance = random_instance(seed)
+    assert isinstance(tighten(fresh(instance), share * optimum(instance), workspace()), expected)
+
+
+def test_a_node_out_of_time_is_interrupted_and_one_overtaken_is_left():
+    instance = random_instance(0)
+    cap = 1.3 * optimum(instance)
+    assert tighten(fresh(instance), cap, workspace(lambda: True)) == Interrupted()
+    work = workspace()
+    work.better = lambda _: True
+    assert tighten(fresh(instance), cap, work) == Overtaken()
+
+
+def test_a_node_with_nothing_to_branch_on_and_no_room_is_stuck():
+    instance = random_instance(0, m=1)
+    node = fresh(instance)
+    outcome = tighten(node, 1.05 * optimum(instance), workspace(labels=30))
+    assert isinstance(outcome, Stuck)
+
+
+def test_column_generation_says_how_it_ended():
+    instance = random_instance(1)
+    best = optimum(instance)
+    legs, store = Legs.of(instance), make_store(N, 100_000)
+
+    def ended(cap, effort, out_of_time=lambda: False):
+        return generate(Master(N, M, cap), [Pricer(legs.under(cap), cap, effort, store)], cap, out_of_time).ended
+
+    assert ended(1.2 * best, Effort(4, 100, 10**6)) is Ended.SOLVED
+    assert ended(0.7 * best, Effort(4, 100, 10**6)) is Ended.PRUNED
+    assert ended(1.2 * best, Effort(0, 1, 1)) is Ended.STUCK
+    assert ended(1.2 * best, Effort(4, 100, 10**6), lambda: True) is Ended.INTERRUPTED

@@ -30,7 +30,7 @@ from formulations.routing.recorder import Recorder
 from formulations.routing.search.ruin_recreate import RuinRecreate
 from formulations.routing.separation import subtours, two_cycles
 from formulations.routing.simple_bounds import SIMPLE
-from formulations.routing.solver import Limits, Result
+from formulations.routing.solver import Result
 from instances import Instance
 
 MOST_THETA = 80_000

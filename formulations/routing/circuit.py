@@ -26,7 +26,6 @@ from typing import ClassVar
 
 from ortools.sat.python import cp_model
 
-from formulations.limits import Limits
 from formulations.routing.cpsat import Values, search
 from formulations.routing.model_solver import ModelSolver
 from formulations.routing.recorder import Recorder

@@ -10,9 +10,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from formulations.limits import Limits
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import Instance, Routes
 
 

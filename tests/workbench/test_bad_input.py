@@ -73,6 +73,7 @@ def test_unknown_names_get_the_near_miss(cli, instance_file):
     refused(cli("compare", "quik"), "'quik' is no study", "did you mean 'quick'")
     refused(cli("solve", instance_file, "--solver", "ga", "--option", "popluation=3"), "did you mean 'population'")
     refused(cli("generate", "uniform", "--set", "winf=shear", "--out", "made"), "did you mean 'wind'")
+    refused(cli("generate", "uniform", "--set", "seed=3", "--out", "made"), "family uniform has no parameter 'seed'")
     code, _, err = cli("sovle")
     assert (code, "did you mean 'solve'" in err) == (2, True)
 

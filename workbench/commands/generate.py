@@ -24,7 +24,7 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
     paths then lie beside the instance.
     """
     from formulations.moving_cost.families import costed
-    from instances.families import FAMILIES, make_scenario
+    from instances.families import FAMILIES, check_family, make_scenario
     from instances.files import write_instance
     from instances.scenario import write_scenario
     from workbench.settings import key_values
@@ -32,6 +32,7 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
     if count < 1:
         raise InputError(f"--count: must be at least 1, got {count}")
     parameters = key_values(settings, "--set")
+    check_family(family, parameters)
     for number in range(seed, seed + count):
         scenario = make_scenario(family, tasks, depots, number, **parameters)
         instance, paths = costed(scenario, FAMILIES.load(family).legs)

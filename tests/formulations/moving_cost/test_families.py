@@ -1,6 +1,7 @@
 """Instances of generator families: closed forms over open country, published costs, planned ones around walls."""
 
 import hashlib
+import json
 import subprocess
 import sys
 
@@ -17,25 +18,29 @@ from instances.paths import check_paths
 
 WINDY = ["uniform", "clustered", "ring", "corridor"]
 """Families with every option of wind and depots."""
+COARSE = {"wind-mountains": {"cells": 40}}
+"""A flow over mountains that takes little time."""
 
 
 @pytest.mark.parametrize("name", FAMILIES.built_in)
 def test_same_seed_same_file_in_another_process(tmp_path, name):
-    write_instance(generate(name, 6, 3, seed=5), tmp_path / "here.json")
+    here = generate(name, 3, 2, seed=5, **COARSE.get(name, {}))
+    write_instance(here, tmp_path / "here.json")
     program = (
-        "import sys; from formulations.moving_cost.families import generate; "
+        "import json, sys; from formulations.moving_cost.families import generate; "
         "from instances.files import write_instance; "
-        "write_instance(generate(sys.argv[1], 6, 3, seed=5), sys.argv[2])"
+        "write_instance(generate(sys.argv[1], 3, 2, seed=5, **json.loads(sys.argv[3])), sys.argv[2])"
     )
-    subprocess.run([sys.executable, "-c", program, name, str(tmp_path / "there.json")], check=True)
+    parameters = json.dumps(COARSE.get(name, {}))
+    subprocess.run([sys.executable, "-c", program, name, str(tmp_path / "there.json"), parameters], check=True)
     assert (tmp_path / "here.json").read_bytes() == (tmp_path / "there.json").read_bytes()
-    assert generate(name, 6, 3, seed=6).digest != generate(name, 6, 3, seed=5).digest
+    assert generate(name, 3, 2, seed=6, **COARSE.get(name, {})).digest != here.digest
 
 
 @pytest.mark.parametrize("name", FAMILIES.built_in)
 def test_sizes_places_and_provenance(name):
-    instance = generate(name, 12, 4, seed=1)
-    scenario = make_scenario(name, 12, 4, seed=1)
+    instance = generate(name, 12, 4, seed=1, **COARSE.get(name, {}))
+    scenario = make_scenario(name, 12, 4, seed=1, **COARSE.get(name, {}))
     assert (instance.n_tasks, instance.n_depots) == (12, 4)
     assert instance.coordinates.tolist() == scenario.points.tolist()
     assert scenario.region.contains(instance.coordinates).all()
@@ -107,7 +112,7 @@ def test_parameters_as_text_from_a_command_line():
 @pytest.mark.parametrize(("n", "m"), [(1, 1), (1, 4), (3, 7)])
 @pytest.mark.parametrize("name", FAMILIES.built_in)
 def test_few_tasks_and_many_uavs(tmp_path, name, n, m):
-    instance = generate(name, n, m, seed=0)
+    instance = generate(name, n, m, seed=0, **COARSE.get(name, {}))
     write_instance(instance, tmp_path / "a.json.gz")
     assert read_instance(tmp_path / "a.json.gz").digest == instance.digest
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from formulations.limits import Limits
 from formulations.routing.columns.efforts import efforts
 from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.labelling import make_store
@@ -12,7 +13,6 @@ from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Effort, Pricer
 from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
-from formulations.routing.solver import Limits
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan
 

@@ -13,6 +13,7 @@ from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.moving_cost import moving_cost
+from instances.walks import shortest_walks
 
 TOLERANCE = 1e-9
 """Touching a wall within this fraction of the region's diameter is no crossing."""
@@ -23,9 +24,7 @@ def old_corridor_costs(points: Floats, region: Region, airspeed: float, wind: Wi
     cost = _leg_costs(points, points, region, airspeed, wind)
     corners = turning_corners(region)
     if len(corners):
-        among = _leg_costs(corners, corners, region, airspeed, wind)
-        for via in range(len(corners)):  # Floyd–Warshall
-            np.minimum(among, among[:, via, None] + among[None, via, :], out=among)
+        among = shortest_walks(_leg_costs(corners, corners, region, airspeed, wind))
         first = _leg_costs(points, corners, region, airspeed, wind)
         last = _leg_costs(corners, points, region, airspeed, wind)
         reach = np.min(first[:, :, None] + among[None, :, :], axis=1)

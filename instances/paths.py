@@ -114,15 +114,13 @@ def check_paths(
         if off.max() > NEAR:
             q = int(np.argmax(off))
             faults.append(f"The path from {i[q]} to {j[q]} does not {word} at node {node[q]}, but {off[q]:.3g} m away.")
-    lines = np.asarray(shapely.linestrings(paths.points, indices=np.repeat(np.arange(len(k)), size)))
-    room = region.polygon.buffer(NEAR)
-    shapely.prepare(room)
-    outside = np.flatnonzero(~shapely.covers(room, lines))
+    outside = paths_outside(paths, region)
     if len(outside):
-        q = outside[0]
-        far = shapely.length(shapely.difference(lines[q], room))
+        p, q = divmod(int(outside[0]), n)
+        room = region.polygon.buffer(NEAR)
+        far = shapely.length(shapely.difference(shapely.linestrings(paths.between(p, q)), room))
         faults.append(
-            f"The path from {i[q]} to {j[q]} runs {far:.3g} m outside the region or in a no-fly zone "
+            f"The path from {p} to {q} runs {far:.3g} m outside the region or in a no-fly zone "
             f"({len(outside)} of {len(k)} paths do)."
         )
     lengths, push = _recomputed(paths, wind)
@@ -138,6 +136,16 @@ def check_paths(
             f"({int(wrong.sum())} of {len(k)} differ)."
         )
     return faults
+
+
+def paths_outside(paths: Paths, region: Region) -> Ints:
+    """Return the numbers k = i·N + j of the paths that leave `region`."""
+    size = np.diff(paths.offsets)
+    flown = np.flatnonzero(size)
+    lines = shapely.linestrings(paths.points, indices=np.repeat(np.arange(len(flown)), size[flown]))
+    room = region.polygon.buffer(NEAR)
+    shapely.prepare(room)
+    return flown[~np.asarray(shapely.covers(room, lines))]
 
 
 def _recomputed(paths: Paths, wind: WindField | None) -> tuple[Floats, Floats]:

@@ -21,7 +21,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from instances import Instance
@@ -30,7 +29,7 @@ from instances.environment.wind import Rotation
 from instances.errors import InputError
 from instances.metrics import distances
 from instances.moving_cost import moving_cost
-from instances.paths import NEAR, Paths
+from instances.paths import Paths, paths_outside
 from instances.scenario import Scenario
 from instances.wind_metric import cost_matrix, vorticity, wind_metric
 
@@ -46,7 +45,13 @@ class ClosedForm(MovingCostMethod):
         """Return costs and paths between all terminals; InputError also where an arc leaves the region."""
         cost = cost_matrix(query.terminals, query.v0, query.wind)
         paths = arcs(query.terminals, vorticity(query.wind) / query.v0)
-        _require_inside(query, paths)
+        outside = paths_outside(paths, query.region)
+        if len(outside):
+            i, j = divmod(int(outside[0]), paths.n_nodes)
+            raise InputError(
+                f"closed-form: the cheapest path from node {i} to node {j} over open country leaves the region or "
+                f"enters a no-fly zone ({len(outside)} paths do), and around walls there is no closed form: try refined"
+            )
         progress(1.0, "arcs")
         return MovingCosts(cost, paths)
 
@@ -72,21 +77,6 @@ def arcs(points: Floats, curvature: float) -> Paths:
     sizes = np.zeros(n * n, dtype=np.int64)
     sizes[i * n + j] = len(t)
     return Paths(n, line.reshape(-1, 2), np.concatenate([[0], np.cumsum(sizes)]))
-
-
-def _require_inside(query: Query, paths: Paths) -> None:
-    """Raise InputError naming a pair whose arc leaves the region."""
-    n = paths.n_nodes
-    sizes = np.diff(paths.offsets)
-    pairs = np.flatnonzero(sizes)
-    lines = shapely.linestrings(paths.points, indices=np.repeat(np.arange(len(pairs)), sizes[pairs]))
-    outside = pairs[~shapely.covers(query.region.polygon.buffer(NEAR), lines)]
-    if len(outside):
-        i, j = divmod(int(outside[0]), n)
-        raise InputError(
-            f"closed-form: the cheapest path from node {i} to node {j} over open country leaves the region or enters a "
-            f"no-fly zone ({len(outside)} of {n * (n - 1)} do), and around walls there is no closed form: try refined"
-        )
 
 
 def open_country(scenario: Scenario) -> Instance:

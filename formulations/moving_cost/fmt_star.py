@@ -29,6 +29,9 @@ from instances.arrays import Floats, Ints
 from instances.errors import InputError
 from instances.moving_cost import moving_costs
 
+UNVISITED, OPEN, CLOSED = 0, 1, 2
+"""What a node is while a tree grows; open nodes are in the heap."""
+
 
 @dataclass(frozen=True)
 class FmtStar(MovingCostMethod):
@@ -110,6 +113,19 @@ def _pop(keys: Floats, items: Ints, size: int) -> int:
 
 
 @njit(cache=True)
+def _best_open_neighbour(
+    x: int, start: Ints, neighbour: Ints, back: Floats, status: NDArray[np.int8], value: Floats
+) -> tuple[float, int]:
+    """Return the least cost of reaching `x` from an open node, and the edge out of `x` to that node."""
+    best, via = np.inf, -1
+    for e in range(start[x], start[x + 1]):
+        y = neighbour[e]
+        if status[y] == OPEN and value[y] + back[e] < best:
+            best, via = value[y] + back[e], e
+    return best, via
+
+
+@njit(cache=True)
 def grow_tree(
     points: Floats,
     start: Ints,
@@ -122,17 +138,16 @@ def grow_tree(
 ) -> tuple[Ints, int]:
     """Grow one FMT* tree from `root`: predecessors (N,), −1 for the root and what was not reached; tests made.
 
-    Nodes are unvisited, open (in the heap) or closed; the arrays are those of `Graph`.
+    The arrays are those of `Graph`.
     """
     n = len(points)
-    unvisited, opened, closed = 0, 1, 2
     status = np.zeros(n, dtype=np.int8)
     value = np.full(n, np.inf)
     parent = np.full(n, -1, dtype=np.int64)
     keys, items = np.empty(n), np.empty(n, dtype=np.int64)
     _push(keys, items, 0, 0.0, root)
     size, tests = 1, 0
-    status[root], value[root] = opened, 0.0
+    status[root], value[root] = OPEN, 0.0
     fresh = np.empty(n, dtype=np.int64)
     while size > 0:
         z = _pop(keys, items, size)
@@ -140,13 +155,9 @@ def grow_tree(
         count = 0
         for e in range(start[z], start[z + 1]):
             x = neighbour[e]
-            if status[x] != unvisited:
+            if status[x] != UNVISITED:
                 continue
-            best, via = np.inf, -1
-            for f in range(start[x], start[x + 1]):
-                y = neighbour[f]
-                if status[y] == opened and value[y] + back[f] < best:
-                    best, via = value[y] + back[f], f
+            best, via = _best_open_neighbour(x, start, neighbour, back, status, value)
             k = pair[via]
             if state[k] == UNKNOWN:
                 tests += 1
@@ -157,11 +168,11 @@ def grow_tree(
                 value[x], parent[x] = best, neighbour[via]
                 fresh[count] = x
                 count += 1
-                status[x] = closed  # not a parent for others found in this same round
+                status[x] = CLOSED  # not a parent for others found in this same round
         for i in range(count):
             x = fresh[i]
-            status[x] = opened
+            status[x] = OPEN
             _push(keys, items, size, value[x], x)
             size += 1
-        status[z] = closed
+        status[z] = CLOSED
     return parent, tests

@@ -49,7 +49,7 @@ def test_an_arc_that_leaves_the_region_is_refused() -> None:
         solve_query(Query(border, SQUARE, wind, V0), "closed-form")
     ends = np.array([[5_000.0, 10_000.0], [15_000.0, 10_000.0]])
     holed = SQUARE.minus([shapely.box(9_000, 9_000, 11_000, 11_000)])
-    with pytest.raises(InputError, match=r"enters a no-fly zone \(2 of 2 do\)"):
+    with pytest.raises(InputError, match=r"enters a no-fly zone \(2 paths do\)"):
         solve_query(Query(ends, holed, CALM, V0), "closed-form")
 
 

@@ -11,13 +11,14 @@ PER_CENT = "\u00a0%"
 """A sign that stays with its number."""
 
 
-def _missing(value: Any) -> bool:
-    return value is None or value != value or str(value) == "<NA>"
+def missing(value: Any) -> bool:
+    """Return whether `value` is None, NaN or pandas' NA."""
+    return value is None or str(value) == "<NA>" or bool(value != value)
 
 
 def share(value: Any) -> str:
     """Return a share of 1 as whole per cent, "100 %" and "0 %" only where exact."""
-    if _missing(value):
+    if missing(value):
         return NOTHING
     rounded = round(100 * value)
     if rounded in (0, 100) and value not in (0, 1):
@@ -27,7 +28,7 @@ def share(value: Any) -> str:
 
 def gap(value: Any) -> str:
     """Return a gap in per cent, two decimals below 10 %."""
-    if _missing(value):
+    if missing(value):
         return NOTHING
     if math.isinf(value):
         return "∞"
@@ -42,7 +43,7 @@ def gap(value: Any) -> str:
 
 def seconds(value: Any) -> str:
     """Return a time [s], without its unit, in three digits or so."""
-    if _missing(value):
+    if missing(value):
         return NOTHING
     if math.isinf(value):
         return "∞"
@@ -55,29 +56,53 @@ def seconds(value: Any) -> str:
 
 def signed_seconds(value: Any) -> str:
     """Return a difference of times [s], without its unit."""
-    return NOTHING if _missing(value) else ("−" if value < 0 else "") + seconds(abs(value))
+    return NOTHING if missing(value) else ("−" if value < 0 else "") + seconds(abs(value))
 
 
 def interval(write: Callable[[Any], str], low: Any, high: Any) -> str:
     """Return both ends of an interval, each as `write` gives it."""
-    return NOTHING if _missing(low) or _missing(high) else f"{write(low)} … {write(high)}"
+    return NOTHING if missing(low) or missing(high) else f"{write(low)} … {write(high)}"
 
 
 def cost(value: Any) -> str:
     """Return a cost [s], without its unit, in six digits."""
-    return NOTHING if _missing(value) else "∞" if math.isinf(value) else f"{value:,.6g}"
+    return NOTHING if missing(value) else "∞" if math.isinf(value) else f"{value:,.6g}"
 
 
 def memory(value: Any) -> str:
     """Return bytes as MB or GB."""
-    if _missing(value):
+    if missing(value):
         return NOTHING
     return f"{value / 1e9:.2f} GB" if value >= 1e9 else f"{value / 1e6:.0f} MB"
 
 
 def count(value: Any) -> str:
     """Return a whole number."""
-    return NOTHING if _missing(value) else f"{int(value):,}"
+    return NOTHING if missing(value) else f"{int(value):,}"
+
+
+def plain(value: Any) -> str:
+    """Return a whole number that names something, such as a seed: nothing sets its digits apart."""
+    return str(value)
+
+
+def proved(value: Any) -> str:
+    """Return "proved" or "open"."""
+    return "proved" if value else "open"
+
+
+def fixed(digits: int, scale: float = 1.0, sign: str = "") -> Callable[[Any], str]:
+    """Return what writes `scale` times a number with so many decimals and `sign` behind."""
+
+    def write(value: Any) -> str:
+        return NOTHING if missing(value) else f"{scale * value:.{digits}f}{sign}".replace("-", "−")
+
+    return write
+
+
+def short(value: Any) -> str:
+    """Return a number in three digits."""
+    return NOTHING if missing(value) else f"{value:.3g}"
 
 
 def counted(number: int, noun: str) -> str:
@@ -87,9 +112,9 @@ def counted(number: int, noun: str) -> str:
 
 def ratio(value: Any) -> str:
     """Return a dimensionless figure with three decimals."""
-    return NOTHING if _missing(value) else f"{value:.3f}"
+    return NOTHING if missing(value) else f"{value:.3f}"
 
 
 def p_value(value: Any) -> str:
     """Return a probability, never as 0."""
-    return NOTHING if _missing(value) else "< 0.001" if value < 0.001 else f"{value:.3f}"
+    return NOTHING if missing(value) else "< 0.001" if value < 0.001 else f"{value:.3f}"

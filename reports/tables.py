@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import pandas as pd
 
 from instances import InputError
 from instances.disk import write_aside
-from reports import numbers
+from reports.columns import INSTANCES, SUMMARY, shown, texts
 from reports.metrics import instance_table, summary, with_gaps
 
 RUN_COLUMNS = [
@@ -22,70 +21,6 @@ RUN_COLUMNS = [
     "peak_memory", "environment", "created",
 ]  # fmt: skip
 """Columns of ``results.csv``; those from `elapsed` on differ between two executions of the same runs."""
-
-
-class Column(NamedTuple):
-    """One column of a table for people: where it is found, what is above it, how its numbers are written."""
-
-    key: str
-    heading: str
-    write: Callable[[Any], str]
-    meaning: str
-
-
-SUMMARY_COLUMNS = [
-    Column("runs", "Runs", numbers.count, "stored runs of the method"),
-    Column("solved", "Solved", numbers.share, "share of runs with routes whose re-computed cost is right"),
-    Column("proved", "Proved", numbers.share, "share of runs that ended with a proof of optimality"),
-    Column(
-        "certified",
-        "Certified",
-        numbers.share,
-        "share of runs whose routes the best bound of any method proves to be within 1 % of the optimum",
-    ),
-    Column("gap_known", "Gap to best known", numbers.gap, "mean over solved runs with a best known value"),
-    Column("gap_found", "Gap to best found", numbers.gap, "mean over solved runs; best over all runs of this report"),
-    Column("gap_bound", "Gap to best bound", numbers.gap, "mean over solved runs of instances with a bound"),
-    Column("time", "Time [s]", numbers.seconds, "shifted geometric mean of the solve; runs without routes penalised"),
-    Column(
-        "proof_time",
-        "Time to proof [s]",
-        numbers.seconds,
-        "shifted geometric mean until optimality was proved; runs without a proof penalised",
-    ),
-    Column(
-        "target_time",
-        "Time to 1\u00a0% [s]",
-        numbers.seconds,
-        "shifted geometric mean until the routes were within 1 % of the best; runs that never were penalised",
-    ),
-    Column(
-        "primal_integral",
-        "Primal integral",
-        numbers.ratio,
-        "mean over runs of the integral of the gap over the time limit, as a share of it: 0 perfect at once, 1 nothing",
-    ),
-    Column(
-        "primal_dual_integral",
-        "Primal-dual integral",
-        numbers.ratio,
-        "the same of the gap between a run's own routes and bound, for methods that give bounds",
-    ),
-    Column("memory", "Peak memory", numbers.memory, "greatest of a run's process"),
-    Column("failed", "Failed", numbers.count, "runs that were killed or ended in error"),
-]
-
-INSTANCE_COLUMNS = [
-    Column("family", "Family", str, "generator family or set"),
-    Column("n_tasks", "n", numbers.count, "tasks"),
-    Column("n_depots", "m", numbers.count, "UAVs"),
-    Column("asymmetry", "Asymmetry", numbers.gap, "mean |c_ij − c_ji| / (c_ij + c_ji)"),
-    Column("best_known", "Best known [s]", numbers.cost, "value stored with the instance"),
-    Column("best_found", "Best found [s]", numbers.cost, "over all runs of this report"),
-    Column("best_bound", "Best bound [s]", numbers.cost, "over all runs of this report"),
-    Column("gap", "Gap left", numbers.gap, "(best found − best bound) / best found"),
-    Column("best_method", "Found first by", str, "method that had the best routes soonest"),
-]
 
 
 def write_csv(runs: pd.DataFrame, path: Path | str) -> None:
@@ -123,27 +58,14 @@ def write_latex(runs: pd.DataFrame, path: Path | str) -> None:
     write_aside(path, "\n\n".join(parts) + "\n")
 
 
-def shown(columns: Sequence[Column], table: pd.DataFrame) -> list[Column]:
-    """Return those of `columns` in which `table` has anything to show."""
-    return [c for c in columns if table[c.key].notna().any() and not (c.key == "failed" and not table["failed"].any())]
-
-
-def cells(columns: Sequence[Column], table: pd.DataFrame) -> list[list[str]]:
-    """Return the texts of `table`, a list a row."""
-    blank = [[numbers.NOTHING if value != value else c.write(value) for value in table[c.key]] for c in columns]
-    return [list(row) for row in zip(*blank, strict=True)]
-
-
 def _both(runs: pd.DataFrame) -> list[tuple[str, list[str], list[list[str]]]]:
-    methods, instances = summary(runs), instance_table(runs)
     parts = []
-    for title, first, names, columns, table in (
-        ("Summary", "Method", methods.index, SUMMARY_COLUMNS, methods),
-        ("Instances", "Instance", instances["instance"], INSTANCE_COLUMNS, instances),
+    for title, columns, table in (
+        ("Summary", SUMMARY, summary(runs).reset_index()),
+        ("Instances", INSTANCES, instance_table(runs)),
     ):
         kept = shown(columns, table)
-        rows = [[str(name), *row] for name, row in zip(names, cells(kept, table), strict=True)]
-        parts.append((title, [first, *[c.heading for c in kept]], rows))
+        parts.append((title, [c.heading for c in kept], texts(kept, table)))
     return parts
 
 

@@ -64,31 +64,31 @@ def ablated_solvers(runs: pd.DataFrame) -> list[str]:
     return [str(solver) for solver in variants.index[variants.to_numpy(bool)]]
 
 
+@rc_context(RC)
 def ablation(runs: pd.DataFrame, solver: str) -> Drawn:
     """Draw what each variant of `solver` is worth in time to proof and in gap."""
     rows = worth(runs, solver)
     style = styles(runs["method"])
     figure = new_figure(height=1.15 + 0.3 * len(rows))
-    with rc_context(RC):
-        left, right = figure.subplots(1, 2, sharey=True)
-        for axes, picked in (
-            (left, [r.ratio for r in rows]),
-            (right, [(100 * r.gap[0], 100 * r.gap[1], 100 * r.gap[2]) for r in rows]),
-        ):
-            _dots(axes, picked, [style[r.method].colour for r in rows])
-        left.set_xscale("log")
-        low, high = left.get_xlim()
-        left.set_xlim(min(low, 0.45), max(high, 2.2))
-        left.xaxis.set_major_locator(FixedLocator([t for t in _FACTORS if low <= t <= high or 0.5 <= t <= 2]))
-        left.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}×"))
-        left.xaxis.set_minor_formatter(NullFormatter())
-        left.axvline(1, color=FAINT, linewidth=1)
-        right.axvline(0, color=FAINT, linewidth=1)
-        left.set(xlabel="time to proof, times the default's")
-        right.set(xlabel="gap minus the default's [% points]")
-        names = [f"{_variant(r.method, solver)}   ({100 * r.proved:.0f} % proved)" for r in rows]
-        left.set_yticks(range(len(rows)), names)
-        left.invert_yaxis()
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, picked in (
+        (left, [r.ratio for r in rows]),
+        (right, [(100 * r.gap[0], 100 * r.gap[1], 100 * r.gap[2]) for r in rows]),
+    ):
+        _dots(axes, picked, [style[r.method].colour for r in rows])
+    left.set_xscale("log")
+    low, high = left.get_xlim()
+    left.set_xlim(min(low, 0.45), max(high, 2.2))
+    left.xaxis.set_major_locator(FixedLocator([t for t in _FACTORS if low <= t <= high or 0.5 <= t <= 2]))
+    left.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}×"))
+    left.xaxis.set_minor_formatter(NullFormatter())
+    left.axvline(1, color=FAINT, linewidth=1)
+    right.axvline(0, color=FAINT, linewidth=1)
+    left.set(xlabel="time to proof, times the default's")
+    right.set(xlabel="gap minus the default's [% points]")
+    names = [f"{_variant(r.method, solver)}   ({100 * r.proved:.0f} % proved)" for r in rows]
+    left.set_yticks(range(len(rows)), names)
+    left.invert_yaxis()
     caption = (
         f"What each option of {solver} is worth: every variant against the same solver with its defaults, over the "
         f"instances both ran on ({min(r.instances for r in rows)} at least). Left: geometric mean of the ratio of "

@@ -19,6 +19,7 @@ PANELS = 9
 """Methods with a panel of their own at most: those with the least gap in the end."""
 
 
+@rc_context(RC)
 def convergence(runs: pd.DataFrame) -> Drawn:
     """Draw the median gap to the best known or found over time, a line a method.
 
@@ -27,19 +28,18 @@ def convergence(runs: pd.DataFrame) -> Drawn:
     times = _times(runs)
     style = styles(runs["method"])
     figure = new_figure()
-    with rc_context(RC):
-        axes = figure.add_subplot()
-        for method, (_, middle, _) in _quartiles(runs, times).items():
-            look = style[method]
-            axes.plot(
-                times, 100 * middle, color=look.colour, linestyle=look.dash, drawstyle="steps-post", label=method,
-                marker=look.marker, markersize=4, markevery=(list(style).index(method) * 3 % 28, 28),
-            )  # fmt: skip
-        axes.set_xscale("log")
-        plain(axes.xaxis)
-        gap_scale(axes, 0.0)
-        axes.set(xlabel="time [s]", xlim=(times[0], times[-1]))
-        legend_below(figure, axes)
+    axes = figure.add_subplot()
+    for method, (_, middle, _) in _quartiles(runs, times).items():
+        look = style[method]
+        axes.plot(
+            times, 100 * middle, color=look.colour, linestyle=look.dash, drawstyle="steps-post", label=method,
+            marker=look.marker, markersize=4, markevery=(list(style).index(method) * 3 % 28, 28),
+        )  # fmt: skip
+    axes.set_xscale("log")
+    plain(axes.xaxis)
+    gap_scale(axes, 0.0)
+    axes.set(xlabel="time [s]", xlim=(times[0], times[-1]))
+    legend_below(figure, axes)
     caption = (
         "Gap of the routes so far to the best known or found: the median of each method's runs over "
         f"{runs['digest'].nunique()} instances and all seeds. A line begins where half of the runs have routes. "
@@ -48,6 +48,7 @@ def convergence(runs: pd.DataFrame) -> Drawn:
     return Drawn("convergence", "Convergence", caption, figure)
 
 
+@rc_context(RC)
 def convergence_panels(runs: pd.DataFrame) -> Drawn:
     """Draw median and quartiles of each method in a panel of its own, the other medians behind it."""
     times = _times(runs)
@@ -57,24 +58,23 @@ def convergence_panels(runs: pd.DataFrame) -> Drawn:
     columns = min(3, len(kept))
     rows = -(-len(kept) // columns)
     figure = new_figure(height=0.5 + 1.45 * rows)
-    with rc_context(RC):
-        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-        for axes, method in zip(grid.flat, kept, strict=False):
-            for other in kept:
-                axes.plot(times, 100 * quartiles[other][1], color=FAINT, linewidth=0.6, drawstyle="steps-post")
-            low, middle, high = 100 * quartiles[method]
-            look = style[method]
-            axes.fill_between(times, low, high, color=look.colour, alpha=0.22, linewidth=0, step="post")
-            axes.plot(times, middle, color=look.colour, drawstyle="steps-post")
-            axes.set_xscale("log")
-            plain(axes.xaxis)
-            gap_scale(axes, 0.0)
-            axes.set(ylabel="", xlim=(times[0], times[-1]))
-            axes.set_title(method, fontsize=8.5)
-        for axes in list(grid.flat)[len(kept) :]:
-            axes.set_visible(False)
-        figure.supxlabel("time [s]", fontsize=9)
-        figure.supylabel("gap to the best [%]", fontsize=9)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for axes, method in zip(grid.flat, kept, strict=False):
+        for other in kept:
+            axes.plot(times, 100 * quartiles[other][1], color=FAINT, linewidth=0.6, drawstyle="steps-post")
+        low, middle, high = 100 * quartiles[method]
+        look = style[method]
+        axes.fill_between(times, low, high, color=look.colour, alpha=0.22, linewidth=0, step="post")
+        axes.plot(times, middle, color=look.colour, drawstyle="steps-post")
+        axes.set_xscale("log")
+        plain(axes.xaxis)
+        gap_scale(axes, 0.0)
+        axes.set(ylabel="", xlim=(times[0], times[-1]))
+        axes.set_title(method, fontsize=8.5)
+    for axes in list(grid.flat)[len(kept) :]:
+        axes.set_visible(False)
+    figure.supxlabel("time [s]", fontsize=9)
+    figure.supylabel("gap to the best [%]", fontsize=9)
     left_out = f" The {PANELS} methods with the least gap in the end are shown." if len(quartiles) > PANELS else ""
     caption = (
         "The same, a panel a method: line and band are the median run and the quartiles, which show how much "

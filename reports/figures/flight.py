@@ -80,16 +80,8 @@ def draw_plans(region: Region, depots: Floats, tracks: pd.DataFrame, table: pd.D
 
 def stars(axes: Axes, depots: Floats, size: float = 110) -> None:
     """Draw the depots, as stars."""
-    axes.scatter(
-        depots[:, 0] / KM,
-        depots[:, 1] / KM,
-        s=size,
-        marker="*",
-        color="#c1121f",
-        edgecolors=PAPER,
-        linewidths=0.8,
-        zorder=6,
-    )
+    x, y = depots.T / KM
+    axes.scatter(x, y, s=size, marker="*", color="#c1121f", edgecolors=PAPER, linewidths=0.8, zorder=6)
 
 
 def colour_of(uav: int) -> str:

@@ -14,7 +14,7 @@ from reports.figures.flight import colour_of, stars
 from reports.figures.style import INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
-from reports.mission import Maps
+from reports.products import Maps
 
 EARLY = 0.2
 """Share of the mission's time at which its initial stage is drawn."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from matplotlib import colormaps, rc_context
 from matplotlib.axes import Axes
@@ -13,16 +11,11 @@ from matplotlib.contour import QuadContourSet
 from instances.arrays import Floats
 from instances.environment.region import Region
 from reports.figures.style import COLOURS, INK, PAPER, RC, new_figure
-from reports.figures.svg import Drawn, save_figure
+from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
 
 MAP = "Blues"
 """Light where little is left unknown; one hue, so that it also reads in grey."""
-
-
-def save_placement(path: Path | str, drawn: Drawn) -> None:
-    """Write a picture of a placement to `path` (.svg, .png or .pdf)."""
-    save_figure(drawn.figure, path)
 
 
 @rc_context(RC)
@@ -65,16 +58,8 @@ def uncertainty(axes: Axes, region: Region, sd: tuple[Floats, Floats, Floats], p
 def tasks(axes: Axes, points: Floats) -> None:
     """Draw task locations as discs that stand out on light and dark."""
     size = float(np.clip(1200 / max(len(points), 1), 7, 34))
-    axes.scatter(
-        points[:, 0] / KM,
-        points[:, 1] / KM,
-        s=size,
-        color=PAPER,
-        edgecolors=INK,
-        linewidths=0.9,
-        zorder=5,
-        clip_on=False,
-    )
+    x, y = points.T / KM
+    axes.scatter(x, y, s=size, color=PAPER, edgecolors=INK, linewidths=0.9, zorder=5, clip_on=False)
 
 
 def _shades(count: int) -> list[str]:

@@ -11,11 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib import rc_context
-from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from reports.figures.steps import step_line
-from reports.figures.style import RC, Style, legend_below, new_figure, plain, styles
+from reports.figures.steps import step_figure
+from reports.figures.style import Style, styles
 from reports.figures.svg import Drawn
 from reports.metrics.targets import time_to_proof, time_to_target
 from reports.statistics.blocks import blocks
@@ -35,24 +34,20 @@ def time_profile(runs: pd.DataFrame, target: float = 0.01) -> Drawn | None:
         "found in at most τ times the time of the soonest method. At τ = 1 it was the soonest; the right end is the "
         f"share it reached at all within its limit. {_READING}"
     )
-    look = styles(runs["method"])
-    return _profile(
-        measured, look, "profile-time", "Profile of time to 1 %", caption, "times the soonest method's time, τ"
-    )
+    figure = _profile(measured, styles(runs["method"]), "times the soonest method's time, τ")
+    return None if figure is None else Drawn("profile-time", "Profile of time to 1 %", caption, figure)
 
 
 def proof_profile(runs: pd.DataFrame) -> Drawn | None:
     """Draw the profile of the time until the proof of optimality, of the methods that prove; None without a proof."""
     able = runs[runs["proves"]]
-    measured = able.assign(_time=time_to_proof(able))
     caption = (
         "Of the instances a method ran on, the share that it proved optimal in at most τ times the time of the "
         f"soonest proof; only methods that can prove take part. {_READING}"
     )
-    look = styles(runs["method"])
-    return _profile(
-        measured, look, "profile-proof", "Profile of time to proof", caption, "times the soonest proof's time, τ"
-    )
+    measured = able.assign(_time=time_to_proof(able))
+    figure = _profile(measured, styles(runs["method"]), "times the soonest proof's time, τ")
+    return None if figure is None else Drawn("profile-proof", "Profile of time to proof", caption, figure)
 
 
 _READING = "Higher is better. With three methods or more, compare each with the best only."
@@ -64,24 +59,15 @@ def quality_profile(runs: pd.DataFrame) -> Drawn | None:
     finite = gaps.to_numpy(float)[np.isfinite(gaps.to_numpy(float))]
     if not finite.size:
         return None
-    end = max(1.0, float(np.quantile(finite, 0.99)))
-    style = styles(runs["method"])
-    figure = new_figure()
-    with rc_context(RC):
-        axes = figure.add_subplot()
-        for method in gaps:
-            step_line(axes, gaps[method].dropna(), style[str(method)], str(method), 0.0, end)
-        axes.set_xscale("symlog", linthresh=0.1, linscale=0.4)
-        axes.set(xlabel="gap to the best known or found, at most [%]", xlim=(0, end))
-        plain(axes.xaxis)
-        _share_axis(axes)
-        legend_below(figure, axes)
+    scale = {"value": "symlog", "linthresh": 0.1, "linscale": 0.4}
+    span, label = (0.0, max(1.0, float(np.quantile(finite, 0.99)))), "gap to the best known or found, at most [%]"
     caption = (
         "Of the instances a method ran on, the share on which its routes (median over seeds) are within the given "
         "gap of the best known or found at the end of the run. At 0 % it found the best; what is missing to 100 % "
         "at the right end it did not solve, or worse than the scale shows. Higher is better; the scale is linear "
         "below 0.1 %."
     )
+    figure = step_figure({m: gaps[m].dropna() for m in gaps}, styles(runs["method"]), span, scale, label, "instances")
     return Drawn("profile-quality", "Profile of quality", caption, figure)
 
 
@@ -93,9 +79,7 @@ def ratios(table: pd.DataFrame) -> pd.DataFrame:
     return found
 
 
-def _profile(
-    runs: pd.DataFrame, style: dict[str, Style], key: str, title: str, caption: str, label: str
-) -> Drawn | None:
+def _profile(runs: pd.DataFrame, look: dict[str, Style], label: str) -> Figure | None:
     if runs.empty:
         return None
     table = ratios(blocks(runs, "_time").clip(lower=SOONEST))
@@ -103,18 +87,5 @@ def _profile(
     if not finite.size:
         return None
     end = max(2.0, float(finite.max()) * 1.2)
-    figure = new_figure()
-    with rc_context(RC):
-        axes = figure.add_subplot()
-        for method in table:
-            step_line(axes, table[method].dropna(), style[str(method)], str(method), 1.0, end)
-        axes.set_xscale("log", base=2 if end < 100 else 10)
-        axes.set(xlabel=label, xlim=(1.0, end))
-        plain(axes.xaxis)
-        _share_axis(axes)
-        legend_below(figure, axes)
-    return Drawn(key, title, caption, figure)
-
-
-def _share_axis(axes: Axes) -> None:
-    axes.set(ylabel="share of instances [%]", ylim=(-2, 102))
+    scale = {"value": "log", "base": 2 if end < 100 else 10}
+    return step_figure({m: table[m].dropna() for m in table}, look, (1.0, end), scale, label, "instances")

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from reports.figures.style import MARKERS, Style
+from reports.figures.style import MARKERS, RC, Style, legend_below, new_figure, plain
 
 POINTS = 400
 """Steps drawn of one line; more cannot be told apart."""
@@ -22,6 +27,38 @@ def cumulative(values: ArrayLike) -> tuple[Floats, Floats]:
         kept = np.unique(np.linspace(0, finite.size - 1, POINTS).astype(int))
         return finite[kept], share[kept]
     return finite, share
+
+
+@rc_context(RC)
+def step_figure(
+    values: Mapping[Any, Any], look: dict[str, Style], span: tuple[float, float], scale: dict[str, Any], x: str, of: str
+) -> Figure:
+    """Draw `step_axes` as a figure of its own with its legend. of : what the shares are of."""
+    figure = new_figure()
+    axes = figure.add_subplot()
+    step_axes(axes, values, look, span, scale, x)
+    axes.set_ylabel(f"share of {of} [%]")
+    legend_below(figure, axes)
+    return figure
+
+
+def step_axes(
+    axes: Axes,
+    values: Mapping[Any, Any],
+    look: dict[str, Style],
+    span: tuple[float, float],
+    scale: dict[str, Any],
+    x: str,
+) -> None:
+    """Draw a line a method: the share of its `values` at or below x.
+
+    span : ends of x. scale : of x, as `set_xscale` takes it. x : its label.
+    """
+    for method, mine in values.items():
+        step_line(axes, mine, look[str(method)], str(method), *span)
+    axes.set_xscale(**scale)
+    plain(axes.xaxis)
+    axes.set(xlabel=x, xlim=span, ylim=(-2, 102))
 
 
 def step_line(axes: Axes, values: ArrayLike, look: Style, label: str, start: float, end: float) -> None:

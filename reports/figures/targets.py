@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 from matplotlib import rc_context
 
-from reports.figures.steps import step_line
-from reports.figures.style import RC, legend_below, new_figure, plain, styles
+from reports.figures.steps import step_axes, step_figure
+from reports.figures.style import RC, legend_below, new_figure, styles
 from reports.figures.svg import Drawn
 from reports.metrics.targets import time_to_target
 
@@ -22,6 +22,7 @@ LADDER = [0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0]
 """Targets of the aggregated distribution."""
 
 
+@rc_context(RC)
 def time_to_target_plot(runs: pd.DataFrame) -> Drawn | None:
     """Draw, for each target, the share of runs that had reached it by a time; None where none was reached.
 
@@ -30,20 +31,15 @@ def time_to_target_plot(runs: pd.DataFrame) -> Drawn | None:
     times = time_to_target(runs, PANELS)
     if not np.isfinite(times.to_numpy()).any():
         return None
-    start, end = _span(times, runs)
-    style = styles(runs["method"])
+    span, look = _span(times, runs), styles(runs["method"])
     figure = new_figure(height=3.1)
-    with rc_context(RC):
-        panels = figure.subplots(1, len(PANELS), sharey=True)
-        for axes, target in zip(panels, PANELS, strict=True):
-            for method, of in times[target].groupby(runs["method"]):
-                step_line(axes, of.clip(lower=start), style[str(method)], str(method), start, end)
-            axes.set_xscale("log")
-            plain(axes.xaxis)
-            title = f"within {100 * target:g} %" if target else "the best itself"
-            axes.set(title=title, xlabel="time [s]", xlim=(start, end), ylim=(-2, 102))
-        panels[0].set_ylabel("share of runs [%]")
-        legend_below(figure, panels[0])
+    panels = figure.subplots(1, len(PANELS), sharey=True)
+    for axes, target in zip(panels, PANELS, strict=True):
+        reached = dict(iter(times[target].clip(lower=span[0]).groupby(runs["method"])))
+        step_axes(axes, reached, look, span, {"value": "log"}, "time [s]")
+        axes.set_title(f"within {100 * target:g} %" if target else "the best itself")
+    panels[0].set_ylabel("share of runs [%]")
+    legend_below(figure, panels[0])
     caption = (
         "Share of runs (every instance and seed) whose routes were within 5 % and 1 % of the best known or found, "
         "or as good as it, by the given time. Higher and further left is better; a line that ends below 100 % shows "
@@ -57,17 +53,9 @@ def runtime_distribution(runs: pd.DataFrame) -> Drawn | None:
     times = time_to_target(runs, LADDER)
     if not np.isfinite(times.to_numpy()).any():
         return None
-    start, end = _span(times, runs)
-    style = styles(runs["method"])
-    figure = new_figure()
-    with rc_context(RC):
-        axes = figure.add_subplot()
-        for method, of in times.groupby(runs["method"]):
-            step_line(axes, of.clip(lower=start).to_numpy().ravel(), style[str(method)], str(method), start, end)
-        axes.set_xscale("log")
-        plain(axes.xaxis)
-        axes.set(xlabel="time [s]", ylabel="share of runs × targets [%]", xlim=(start, end), ylim=(-2, 102))
-        legend_below(figure, axes)
+    span = _span(times, runs)
+    pairs = {method: of.clip(lower=span[0]).to_numpy().ravel() for method, of in times.groupby(runs["method"])}
+    figure = step_figure(pairs, styles(runs["method"]), span, {"value": "log"}, "time [s]", "runs × targets")
     spelled = ", ".join(f"{100 * target:g}" for target in LADDER)
     caption = (
         "Share of all pairs of a run and a target that were reached by the given time; the targets are gaps of "

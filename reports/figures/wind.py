@@ -20,25 +20,25 @@ ARROWS = 22
 """Arrows along the longer side of the region."""
 
 
+@rc_context(RC)
 def draw_wind(wind: WindField, region: Region, title: str = "Wind") -> Drawn:
     """Return the figure of `wind` in `region`: arrows over its speed, and its vorticity beside them."""
     xs, ys, points, inside = _raster(region, 160)
     w = wind(points).reshape(len(ys), len(xs), 2)
     curl = np.gradient(w[..., 1], xs[1] - xs[0], axis=1) - np.gradient(w[..., 0], ys[1] - ys[0], axis=0)
     most = 1e3 * (float(np.abs(curl[inside]).max()) or 1e-9)
-    with rc_context(RC):
-        figure = new_figure(7.2, 3.4)
-        left, right = figure.subplots(1, 2, sharey=True)
-        for axes, values, label, colours, low, high in (
-            (left, np.hypot(w[..., 0], w[..., 1]), "speed [m/s]", "cividis", None, None),
-            (right, 1e3 * curl, "vorticity [10⁻³ 1/s]", "PuOr", -most, most),
-        ):
-            shown = np.ma.masked_where(~inside, values)
-            image = axes.pcolormesh(xs / KM, ys / KM, shown, cmap=colours, vmin=low, vmax=high, rasterized=True)
-            figure.colorbar(image, ax=axes, label=label, shrink=0.85)
-            map_axes(axes, region)
-        wind_arrows(left, wind, region, colour=PAPER)
-        right.set_ylabel("")
+    figure = new_figure(7.2, 3.4)
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, values, label, colours, low, high in (
+        (left, np.hypot(w[..., 0], w[..., 1]), "speed [m/s]", "cividis", None, None),
+        (right, 1e3 * curl, "vorticity [10⁻³ 1/s]", "PuOr", -most, most),
+    ):
+        shown = np.ma.masked_where(~inside, values)
+        image = axes.pcolormesh(xs / KM, ys / KM, shown, cmap=colours, vmin=low, vmax=high, rasterized=True)
+        figure.colorbar(image, ax=axes, label=label, shrink=0.85)
+        map_axes(axes, region)
+    wind_arrows(left, wind, region, colour=PAPER)
+    right.set_ylabel("")
     return Drawn(
         "wind",
         title,
@@ -49,21 +49,21 @@ def draw_wind(wind: WindField, region: Region, title: str = "Wind") -> Drawn:
     )
 
 
+@rc_context(RC)
 def draw_terrain(terrain: Terrain, region: Region, title: str = "Terrain") -> Drawn:
     """Return the figure of the ground's elevation, shaded from the north-west, with the region's outline."""
     x0, y0, x1, y1 = terrain.bounds
     height = terrain.height
     slope_y, slope_x = np.gradient(height, terrain.spacing[1], terrain.spacing[0])
     light = (-slope_x + slope_y + 1.2) / np.sqrt(3.0 * (1 + slope_x**2 + slope_y**2))
-    with rc_context(RC):
-        figure = new_figure(4.6, 3.7)
-        axes = figure.subplots()
-        extent = (x0 / KM, x1 / KM, y0 / KM, y1 / KM)
-        image = axes.imshow(height, origin="lower", extent=extent, cmap="cividis", interpolation="bilinear")
-        axes.imshow(light, origin="lower", extent=extent, cmap="gray", alpha=0.35, interpolation="bilinear")
-        figure.colorbar(image, ax=axes, label="elevation [m]", shrink=0.85)
-        map_axes(axes, region)
-        axes.set(xlim=extent[:2], ylim=extent[2:])
+    figure = new_figure(4.6, 3.7)
+    axes = figure.subplots()
+    extent = (x0 / KM, x1 / KM, y0 / KM, y1 / KM)
+    image = axes.imshow(height, origin="lower", extent=extent, cmap="cividis", interpolation="bilinear")
+    axes.imshow(light, origin="lower", extent=extent, cmap="gray", alpha=0.35, interpolation="bilinear")
+    figure.colorbar(image, ax=axes, label="elevation [m]", shrink=0.85)
+    map_axes(axes, region)
+    axes.set(xlim=extent[:2], ylim=extent[2:])
     return Drawn("terrain", title, "Elevation of the ground (colour), lit from the north-west (shading).", figure)
 
 

@@ -30,7 +30,7 @@ BARS = {"time": 30.0, "memory": 1e9, "page": 6e6}
 
 REPORT = """
 import sys
-from reports.page import write_report
+from reports.pages.study import write_report
 from reports.tables import write_csv
 report = write_report([sys.argv[1]], sys.argv[2])
 write_csv(report.runs, sys.argv[3])

@@ -9,7 +9,7 @@ from instances import InputError
 from instances.files import read_instance
 from reports import load
 from reports.compare import compare_stores
-from reports.page import write_report
+from reports.pages.study import write_report
 
 EFFORTS = {"greedy": 1, "ga": 5}
 

@@ -118,7 +118,7 @@ def test_a_page_about_a_contradiction_says_so(store, tmp_path, capsys):
     change(store, GREEDY, lambda run: run.update(certificate=1.0))
     assert call("report", store, "--out", tmp_path / "x.html") == 0
     assert "one of the two is wrong" in capsys.readouterr().err
-    assert "class='alarm'" in (tmp_path / "x.html").read_text()
+    assert 'class="alarm"' in (tmp_path / "x.html").read_text()
 
 
 def test_retry_runs_again_what_failed_and_nothing_else(finished, store, capsys):

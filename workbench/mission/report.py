@@ -6,13 +6,13 @@ Products: report.html, figures as SVG.
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 from instances.toml_text import toml_text
 from reports.figures.svg import save_figure
-from reports.mission import FOLDERS, write_mission_page
+from reports.pages.mission import write_mission_page
+from reports.products import FOLDERS
 from workbench.mission.settings import Mission
 from workbench.mission.stamp import read_stamp
 
@@ -31,17 +31,9 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         "stages": [
             (name, f"{stamp.elapsed:.1f} s, products {stamp.digest}") for name, stamp in stamps.items() if stamp
         ],
-        "version": _version(),
     }
     page = out / "report.html"
     figures = write_mission_page({name: folders[name] for name in FOLDERS}, page, said)
     for drawn in figures:
         save_figure(drawn.figure, out / f"{drawn.key}.svg")
     return f"{len(figures)} figures, page of {page.stat().st_size / 1e6:.1f} MB"
-
-
-def _version() -> str:
-    try:
-        return f"mmmdmtsp-workbench {version('mmmdmtsp-workbench')}"
-    except PackageNotFoundError:
-        return "mmmdmtsp-workbench"

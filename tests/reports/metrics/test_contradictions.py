@@ -6,7 +6,7 @@ import pytest
 
 from reports import load
 from reports.metrics import contradictions, summary
-from reports.page import write_report
+from reports.pages.study import write_report
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from instances.paths import Paths
 from instances.scenario import Scenario
 from reports.figures.paths import draw_claim, draw_methods, draw_paths, save_paths
 from reports.figures.wind import draw_terrain, draw_wind
-from reports.moving_cost_page import Case, write_moving_cost_page
+from reports.pages.moving_cost import write_moving_cost_page
 
 METHODS = pd.DataFrame(
     [("refined", "default", 0.5, 0.0, 0.0, 1e-6), ("fmt-star", "2 000", 0.1, 6e-2, 0.12, 1.5)],
@@ -62,10 +62,11 @@ def test_environment_and_comparison_figures_name_their_units(scenario: Scenario)
 
 
 def test_the_page_is_one_file(scenario: Scenario, paths: Paths, tmp_path: Path) -> None:
-    case = Case(scenario, paths, METHODS, CLAIM, "wind: <much>")
-    write_moving_cost_page([case], tmp_path / "page.html", "Moving costs: survey")
+    made = {"machine": {"processor": "a & b", "memory": 8e9}, "versions": {"python": "3.11"}}
+    write_moving_cost_page(scenario, paths, METHODS, CLAIM, "wind: <much>", tmp_path / "page.html", made)
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
-    assert page.count("<figure>") == 4
+    assert page.count("<figure ") == 4
     assert "wind: &lt;much&gt;" in page
     assert "30 ordered pairs" in page
-    assert "<script" not in page
+    assert "a &amp; b" in page
+    assert "8.00 GB" in page

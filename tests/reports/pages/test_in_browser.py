@@ -13,7 +13,7 @@ import urllib.request
 
 import pytest
 
-from reports.page import write_report
+from reports.pages.study import write_report
 
 pytestmark = pytest.mark.slow
 

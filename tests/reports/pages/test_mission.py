@@ -14,8 +14,8 @@ from shapely.geometry import Polygon
 from instances.environment.region import Region
 from reports.figures.map import draw_judged, draw_stages
 from reports.figures.mission import draw_comparison, draw_progress
-from reports.mission import Maps
-from reports.mission_sections import _picture, verdict
+from reports.pages.mission import _picture, verdict
+from reports.products import Maps
 
 
 def frame(**rows: tuple[float, float, float]) -> pd.DataFrame:

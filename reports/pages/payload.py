@@ -1,4 +1,4 @@
-"""Payload: what the page's tables and panels show, as compact JSON, with a cap on what is embedded.
+"""Payload: what the study page's lists and panels show, as compact JSON, with a cap on what is embedded.
 
 Every run has its row. Routes, trace, options and log are embedded while the budget lasts, first for the best run of
 each method on each instance; the page says how many it holds.
@@ -7,7 +7,7 @@ each method on each instance; the page says how many it holds.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,12 @@ import pandas as pd
 from instances import InputError
 from instances.arrays import Floats
 from instances.files import read_instance
-from reports.figures.style import COLOURS, styles
+from reports import numbers
+from reports.columns import INSTANCES, RUNS, Column, shown
+from reports.figures.style import COLOURS
 from reports.figures.surroundings import surroundings
 from reports.metrics import instance_table
+from reports.pages.blocks import line_of
 from reports.record import STATUSES, read_run
 
 DETAILS_BUDGET = 1_300_000
@@ -31,34 +34,56 @@ LOG_TAIL = 1500
 """Characters of a run's log that are embedded, its end."""
 
 
+KINDS: dict[Callable[[Any], str], str] = {
+    numbers.count: "number",
+    numbers.cost: "number",
+    numbers.gap: "percent",
+    numbers.seconds: "seconds",
+}
+"""How a column writes its values here → how the page's script does."""
+DIGITS = {"gap_found": 4, "gap_bound": 4, "elapsed": 4, "peak_memory": 3}
+"""Digits kept of a run's numbers; of the others 7."""
+
+
 def payload(runs: pd.DataFrame, instance_files: dict[str, Path]) -> dict[str, Any]:
-    """Return the page's data for `runs` (with gaps) and the files of their instances."""
+    """Return the page's data for `runs` (with gaps) and the files of their instances; tables come column by column."""
     table = instance_table(runs)
+    table["proved"] = table["proved"].map(numbers.proved)
     methods = sorted(runs["method"].unique())
     number = {digest: i for i, digest in enumerate(table.index)}
     maps = dict(_maps(list(table.index), number, instance_files))
-    walls = {i: found for i, (_, found) in maps.items() if found}
-    details = dict(_details(runs))
-    look = styles(methods)
+    listed = shown(INSTANCES, table)
     return {
         "methods": methods,
-        "styles": [
-            [look[m].colour, " ".join(map(str, look[m].dash[1])) if len(look[m].dash) == 2 else ""] for m in methods
-        ],
+        "styles": {method: line_of(method, methods) for method in methods},
         "colours": COLOURS,
         "statuses": STATUSES["routing"],
         "families": sorted(runs["family"].unique()),
-        "instances": _instances(table, methods),
+        "columns": {"instances": _described(listed), "runs": _described(RUNS)},
+        "instances": {c.key: _values(table[c.key]) for c in INSTANCES} | {"digest": list(table.index)},
         "maps": {i: places for i, (places, _) in maps.items()},
-        "walls": walls,
+        "walls": {i: found for i, (_, found) in maps.items() if found},
         "runs": _rows(runs, number, methods),
-        "details": details,
+        "details": dict(_details(runs)),
     }
 
 
-def embedded(data: dict[str, Any]) -> str:
-    """Return `data` as JSON that may stand inside a ``<script>`` element."""
-    return json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False).replace("</", "<\\/")
+def _described(columns: list[Column]) -> list[tuple[str, str, str, str]]:
+    return [(c.key, c.heading, "text" if c.is_text else KINDS.get(c.write, "plain"), c.meaning) for c in columns]
+
+
+def _rows(runs: pd.DataFrame, number: dict[Any, int], methods: list[str]) -> dict[str, list[Any]]:
+    """Return the runs column by column, what repeats as a number: of the instance, the method, the status."""
+    keys = [c.key for c in RUNS if c.key not in ("instance", "method", "status")]
+    return {
+        "instance": [number[d] for d in runs["digest"]],
+        "method": runs["method"].map({method: i for i, method in enumerate(methods)}).tolist(),
+        "status": [STATUSES["routing"].index(s) for s in runs["status"]],
+    } | {key: _values(runs[key], DIGITS.get(key, 7)) for key in [*keys, "peak_memory"]}
+
+
+def _values(column: pd.Series, digits: int = 7) -> list[Any]:
+    return [value if isinstance(value, str) else _number(value, digits) for value in column]
 
 
 def _number(value: Any, digits: int = 7) -> Any:
@@ -67,36 +92,6 @@ def _number(value: Any, digits: int = 7) -> Any:
         return None
     short = float(f"{float(value):.{digits}g}")
     return int(short) if short == int(short) and abs(short) < 1e15 else short
-
-
-def _instances(table: pd.DataFrame, methods: list[str]) -> list[list[Any]]:
-    numeric = ["n_tasks", "n_depots", "asymmetry", "best_known", "best_found", "best_bound", "gap"]
-    rows = []
-    for digest, row in table.iterrows():
-        best = methods.index(row["best_method"]) if isinstance(row["best_method"], str) else None
-        rows.append(
-            [row["instance"], digest, row["family"], *[_number(row[c]) for c in numeric], bool(row["proved"]), best]
-        )
-    return rows
-
-
-def _rows(runs: pd.DataFrame, number: dict[Any, int], methods: list[str]) -> dict[str, list[Any]]:
-    """Return the runs column by column; the page's JavaScript names the same keys."""
-    method_number = {method: i for i, method in enumerate(methods)}
-    return {
-        "instance": [number[d] for d in runs["digest"]],
-        "method": [method_number[m] for m in runs["method"]],
-        "seed": runs["seed"].tolist(),
-        "status": [STATUSES["routing"].index(s) for s in runs["status"]],
-        "value": [_number(v) for v in runs["value"]],
-        "bound": [_number(v) for v in runs["bound"]],
-        "found": [_number(v, 4) for v in runs["gap_found"]],
-        "gap": [_number(v, 4) for v in runs["gap_bound"]],
-        "elapsed": [_number(v, 4) for v in runs["elapsed"]],
-        "limit": [_number(v) for v in runs["time_limit"]],
-        "stopped": runs["stopped_by"].tolist(),
-        "memory": [_number(v, 3) for v in runs["peak_memory"]],
-    }
 
 
 def _maps(

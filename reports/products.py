@@ -1,19 +1,17 @@
-"""Mission page: one self-contained HTML file about a mission's products. It reads the folders and runs nothing."""
+"""Products of a mission, read from the folders of its stages where they are asked for."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import pandas as pd
 
 from instances.arrays import Floats
-from instances.disk import read_text, write_aside
+from instances.disk import read_text
 from instances.environment.radio import RadioMap
 from instances.environment.terrain import Terrain
 from instances.files import read_instance
@@ -23,6 +21,7 @@ from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
 
 FOLDERS = ("environment", "place", "costs", "routes", "flight", "map", "compare")
+"""The stages that have products."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,25 +88,3 @@ class Products:
     def values(self, stage: str, file: str) -> Any:
         """Return a JSON product."""
         return json.loads(read_text(self.folders[stage] / file))
-
-
-def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any]) -> list[Any]:
-    """Write the page about a mission's products to `path` and return its figures.
-
-    said : what only the mission knows: ``title``, ``settings`` (rows of term and text), ``stages`` (the same).
-    """
-    from reports.mission_sections import sections  # here: matplotlib takes its time
-
-    products = Products(folders)
-    page, figures = sections(products)
-    write_aside(path, _template().render(**said, **page, css=_asset("report.css"), js=_asset("mission.js")))
-    return figures
-
-
-def _template() -> jinja2.Template:
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    return environment.from_string(_asset("mission.html.j2"))
-
-
-def _asset(name: str) -> str:
-    return resources.files("reports").joinpath("templates", name).read_text(encoding="utf-8")

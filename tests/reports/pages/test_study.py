@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from instances import Instance
-from reports.page import write_report
-from reports.payload import embedded
+from reports.pages.page import embedded
+from reports.pages.study import write_report
 
 
 class Outline(HTMLParser):
@@ -57,7 +57,7 @@ def test_costs_of_any_size(store_maker, make_store, tmp_path, scale):
     store.put(given, record(store_maker, given, [[0]], values=[8.0 * scale, 5.0 * scale]))
     _, data = write(store.root, tmp_path / "page.html")
     assert data["runs"]["value"] == pytest.approx([5 * scale])
-    assert data["runs"]["found"] == [0]
+    assert data["runs"]["gap_found"] == [0]
 
 
 def test_nothing_solved(store_maker, make_store, tmp_path):
@@ -82,7 +82,7 @@ def test_without_coordinates_nor_trace(store_maker, make_store, tmp_path):
 
 
 def test_a_large_store_embeds_only_so_much_and_says_so(make_store, tmp_path, monkeypatch):
-    monkeypatch.setattr("reports.payload.DETAILS_BUDGET", 12_000)
+    monkeypatch.setattr("reports.pages.payload.DETAILS_BUDGET", 12_000)
     html, data = write(make_store().study(count=2, seeds=3), tmp_path / "page.html")
     assert 0 < len(data["details"]) < len(data["runs"]["seed"])
     assert f"routes, trace and log of {len(data['details'])} of {len(data['runs']['seed'])} runs" in html

@@ -1,0 +1,205 @@
+"""Columns of the tables for people, each described once: name, unit, how its values are written, what it means."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from reports import numbers
+from reports.stores import COLUMNS
+
+
+def least(values: pd.Series) -> list[str]:
+    """Mark the least of `values` as the best, unless all are equal."""
+    return _marked(values == values.min(), "best" if values.nunique(dropna=False) > 1 else "")
+
+
+def most(values: pd.Series) -> list[str]:
+    """Mark the greatest of `values` as the best, unless all are equal or it is 0."""
+    return _marked((values == values.max()) & (values > 0), "best" if values.nunique(dropna=False) > 1 else "")
+
+
+def wrong(values: pd.Series) -> list[str]:
+    """Mark those of `values` that should be 0 and are more."""
+    return _marked(values > 0, "bad")
+
+
+def _marked(which: pd.Series, mark: str) -> list[str]:
+    return [mark if one else "" for one in which]
+
+
+class Column(NamedTuple):
+    """One column of a table for people.
+
+    key : of the frame. write : a value as text. mark : a word a value for the page: best, bad.
+    """
+
+    key: str
+    name: str
+    unit: str = ""
+    write: Callable[[Any], str] = str
+    meaning: str = ""
+    mark: Callable[[pd.Series], Sequence[str]] | None = None
+
+    @property
+    def heading(self) -> str:
+        """What stands above the column."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+    @property
+    def is_text(self) -> bool:
+        """Whether the column holds words, which stand on the left."""
+        return self.write in (str, numbers.proved)
+
+    def text(self, value: Any) -> str:
+        """Return `value` as text, a dash where it is missing."""
+        return numbers.NOTHING if numbers.missing(value) else self.write(value)
+
+
+def described(columns: Iterable[Column]) -> list[tuple[str, str]]:
+    """Return heading and meaning of those of `columns` that state one."""
+    return [(c.heading, c.meaning) for c in columns if c.meaning]
+
+
+def shown(columns: Iterable[Column], table: pd.DataFrame) -> list[Column]:
+    """Return those of `columns` in which `table` has anything to show; failures only where there are any."""
+    held = [c for c in columns if c.key in table and table[c.key].notna().any()]
+    return [c for c in held if c.key != "failed" or table["failed"].any()]
+
+
+def texts(columns: Sequence[Column], table: pd.DataFrame) -> list[list[str]]:
+    """Return the texts of `table`, a list a row."""
+    return [list(row) for row in zip(*([c.text(value) for value in table[c.key]] for c in columns), strict=True)]
+
+
+FAILED = Column("failed", "Failed", "", numbers.count, "runs that were killed or ended in error")
+COUNT = Column("runs", "Runs", "", numbers.count, "stored runs of the method")
+
+SUMMARY = [
+    Column("method", "Method", meaning="solver, with its options where they are not the defaults"),
+    COUNT,
+    Column("solved", "Solved", "", numbers.share, "share of runs with routes whose re-computed cost is right", most),
+    Column("proved", "Proved", "", numbers.share, "share of runs that ended with a proof of optimality", most),
+    Column("certified", "Certified", "", numbers.share,
+           "share of runs whose routes the best bound of any method proves to be within 1 % of the optimum", most),
+    Column("gap_known", "Gap to best known", "", numbers.gap, "mean over solved runs with a best known value", least),
+    Column("gap_found", "Gap to best found", "", numbers.gap,
+           "mean over solved runs; best over all runs of this report", least),
+    Column("gap_bound", "Gap to best bound", "", numbers.gap,
+           "mean over solved runs of instances with a bound", least),
+    Column("time", "Time", "s", numbers.seconds,
+           "shifted geometric mean of the solve; runs without routes penalised", least),
+    Column("proof_time", "Time to proof", "s", numbers.seconds,
+           "shifted geometric mean until optimality was proved; runs without a proof penalised", least),
+    Column("target_time", f"Time to 1{numbers.PER_CENT}", "s", numbers.seconds,
+           "shifted geometric mean until the routes were within 1 % of the best; runs that never were penalised",
+           least),
+    Column("primal_integral", "Primal integral", "", numbers.ratio,
+           "mean over runs of the integral of the gap over the time limit, as a share of it: 0 perfect at once, "
+           "1 nothing", least),
+    Column("primal_dual_integral", "Primal-dual integral", "", numbers.ratio,
+           "the same of the gap between a run's own routes and bound, for methods that give bounds", least),
+    Column("memory", "Peak memory", "", numbers.memory, "greatest of a run's process"),
+    FAILED,
+]  # fmt: skip
+"""Of `metrics.summary`, a row a method."""
+
+INSTANCES = [
+    Column("instance", "Instance"),
+    Column("family", "Family", meaning="generator family or set"),
+    Column("n_tasks", "n", "", numbers.count, "tasks"),
+    Column("n_depots", "m", "", numbers.count, "UAVs"),
+    Column("asymmetry", "Asymmetry", "", numbers.gap, "mean |c_ij − c_ji| / (c_ij + c_ji)"),
+    Column("best_known", "Best known", "s", numbers.cost, "value stored with the instance"),
+    Column("best_found", "Best found", "s", numbers.cost, "over all runs of this report"),
+    Column("best_bound", "Best bound", "s", numbers.cost, "over all runs of this report"),
+    Column("gap", "Gap left", "", numbers.gap, "(best found − best bound) / best found"),
+    Column("proved", "Proved", "", numbers.proved, "whether any run proved its routes optimal"),
+    Column("best_method", "Found first by", meaning="method that had the best routes soonest"),
+]
+"""Of `metrics.instance_table`, a row an instance."""
+
+RUNS = [
+    Column("instance", "Instance"),
+    Column("method", "Method"),
+    Column("seed", "Seed", "", numbers.plain),
+    Column("status", "Status", meaning=COLUMNS["status"]),
+    Column("value", "Longest tour", "s", numbers.cost, COLUMNS["value"]),
+    Column("bound", "Bound", "s", numbers.cost, COLUMNS["bound"]),
+    Column("gap_found", "Gap to best found", "", numbers.gap, "(longest tour − best found) / best found"),
+    Column("gap_bound", "Gap to best bound", "", numbers.gap, "(longest tour − best bound) / longest tour"),
+    Column("elapsed", "Time", "s", numbers.seconds, COLUMNS["elapsed"]),
+    Column("time_limit", "Limit", "s", numbers.cost, COLUMNS["time_limit"]),
+    Column("stopped_by", "Stopped by", meaning=COLUMNS["stopped_by"]),
+]
+"""Of `metrics.with_gaps`, a row a run, as listed on the study's page."""
+
+PLACEMENTS = [
+    Column("instance", "Problem"),
+    Column("method", "Method"),
+    COUNT,
+    FAILED,
+    Column("best", "Best", "nats", numbers.fixed(4), "greatest mutual information of any run"),
+    Column("mean", "Mean", "nats", numbers.fixed(4), "mutual information, mean over runs"),
+    Column("gap_found", "Mean gap to best found", "", numbers.fixed(3, 100, numbers.PER_CENT),
+           "1 − I / greatest I found on the same problem by any run, mean over runs"),
+    Column("ratio", "Best / certificate", "", numbers.fixed(2, 100, numbers.PER_CENT),
+           "share of the bound that no placement can pass"),
+    Column("elapsed", "Time", "s", numbers.short, "wall clock of the method, median over runs"),
+    Column("cpu_seconds", "CPU", "s", numbers.short, "processor time, median over runs"),
+]  # fmt: skip
+"""Of a placement study, a row a problem and method."""
+
+EXCESS = [
+    Column("method", "Method"),
+    Column("options", "Options"),
+    Column("cpu", "CPU", "s", numbers.short, "processor time for all pairs"),
+    Column("mean", "Mean excess", "", numbers.short, "over the best known path, relative, mean over all pairs"),
+    Column("p95", "95 % quantile", "", numbers.short, "of the same"),
+    Column("largest", "Largest", "", numbers.short, "of the same"),
+]
+"""Of moving-cost methods compared, a row a variant."""
+
+SCALING = [
+    Column("starts", "Starts", "", numbers.count, "number of starts n"),
+    Column("one query a pair", "One query a pair", "s", numbers.short, "FMT*, extrapolated from one pair"),
+    Column("one tree a start", "One tree a start", "s", numbers.short, "FMT*, nothing shared between trees"),
+    Column("shared edges", "Shared edges", "s", numbers.short, "FMT*, what is known about edges is shared"),
+    Column("refined", "Refined", "s", numbers.short, "every pair polished"),
+]
+"""Of the paper's scaling claim, a row a number of starts: CPU times."""
+
+FLIGHT = [
+    Column("uav", "UAV"),
+    Column("length", "Flown", "km", numbers.fixed(2, 1e-3)),
+    Column("reference_length", "Reference path", "km", numbers.fixed(2, 1e-3), "path of the moving costs"),
+    Column("task_distance", "Nearest to its tasks within", "m", numbers.fixed(3)),
+    Column("least_radius", "Least radius", "m", numbers.fixed(2), "of any turn"),
+    Column("deviation", "Off the reference at most", "m", numbers.fixed(0)),
+    Column("closure", "End to start", "m", numbers.fixed(3)),
+    Column("in_no_fly", "Inside no-fly zones", "m", numbers.fixed(0), "must be 0", wrong),
+]
+"""Of a mission's ``flight-check.csv``, a row a UAV."""
+
+
+def survey(unit: str) -> list[Column]:
+    """Return the columns of a mission's ``compare.csv``, a row a plan, for a field measured in `unit`."""
+    return [
+        Column("name", "Plan"),
+        Column("count", "Tasks or lanes", "", numbers.count),
+        Column("length", "Flown", "km", numbers.fixed(1, 1e-3), "by all UAVs"),
+        Column("longest", "Longest tour", "km", numbers.fixed(1, 1e-3)),
+        Column("outside", "Outside or in no-fly zones", "km", numbers.fixed(2, 1e-3)),
+        Column("samples", "Samples", "", numbers.count, "measurements"),
+        Column("rmse", "RMSE", unit, numbers.fixed(3),
+               "root mean square of estimate − truth over the map's cells; only the judge sees the truth", least),
+        Column("nlpd", "NLPD", "nats", numbers.fixed(3),
+               "mean negative log density that the map gave to a new noisy measurement at each cell; smaller is "
+               "better, and false certainty costs much", least),
+        Column("coverage", "Covered by the 95 % interval", "%", numbers.fixed(1, 100),
+               "share of the cells whose truth lies within estimate ± 1.96 posterior sd"),
+        Column("mean_sd", "Mean sd", unit, numbers.fixed(2), "posterior, over the map's cells", least),
+        Column("max_sd", "Greatest sd", unit, numbers.fixed(2), "posterior, over the map's cells", least),
+    ]  # fmt: skip

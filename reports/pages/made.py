@@ -1,0 +1,47 @@
+"""How the runs of a page were made: limits, machines and versions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from reports import numbers
+from reports.pages.blocks import Facts, Section
+
+
+def limits_and_machines(runs: pd.DataFrame, environments: Mapping[str, Any]) -> Section:
+    """Return the section about `runs`: method, time_limit, threads, created, environment (a digest, see `machine`)."""
+    threads = ", ".join(f"{count:g}" for count in sorted(runs["threads"].dropna().unique()))
+    rows = [("Time limit of a run", _limits(runs)), ("Threads of a run", threads)]
+    when = sorted({text[:16].replace("T", " ") for text in runs["created"] if isinstance(text, str) and text})
+    if when:
+        rows.append(("Made", f"{' to '.join(when[:: max(1, len(when) - 1)])} (UTC)"))
+    several = runs["environment"].nunique() > 1
+    machines = [
+        machine(environments.get(str(digest)), f"Machine of {len(group):,} runs" if several else "", str(digest))
+        for digest, group in runs.groupby("environment", sort=True)
+    ]
+    blocks = [Section("Limits", [Facts(rows)]), *machines]
+    return Section("Limits, machine, versions", blocks, "limits", "Limits and machine")
+
+
+def machine(about: Any, title: str = "", digest: str = "") -> Section:
+    """Return what an environment, ``{"machine": {…}, "versions": {…}}``, says; or that it is not stated."""
+    parts = [about.get(part) for part in ("machine", "versions")] if isinstance(about, dict) else []
+    rows = [(str(k), _plain(v, str(k))) for part in parts if isinstance(part, dict) for k, v in part.items()]
+    missing = [("Machine", f"not stated in the store ({digest or 'no digest'})")]
+    return Section(title or "Machine and versions", [Facts(rows or missing)])
+
+
+def _limits(runs: pd.DataFrame) -> str:
+    """Return the time limits, with the methods of each where there are several."""
+    groups = [(limit, sorted(of["method"].unique())) for limit, of in runs.groupby("time_limit", sort=True)]
+    if len(groups) == 1:
+        return f"{float(str(groups[0][0])):g} s"
+    return "; ".join(f"{float(str(limit)):g} s: {', '.join(methods)}" for limit, methods in groups)
+
+
+def _plain(value: Any, key: str) -> str:
+    return numbers.memory(value) if key == "memory" and isinstance(value, (int, float)) else str(value)

@@ -1,0 +1,238 @@
+"""The page about a mission's products: figures, tables, the growing map, and the sentences that say who won."""
+
+from __future__ import annotations
+
+import base64
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from markupsafe import Markup
+from matplotlib import colormaps
+from matplotlib.image import imsave
+
+from instances.arrays import Floats
+from reports.columns import FLIGHT, survey
+from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, draw_field
+from reports.figures.flight import colour_of, draw_flight, draw_plans
+from reports.figures.map import draw_judged, draw_stages, signal_range
+from reports.figures.mission import draw_comparison, draw_progress
+from reports.figures.svg import Drawn
+from reports.figures.wind import draw_wind
+from reports.pages.blocks import Beside, Block, Facts, Lines, Section, Source, Table, table_of
+from reports.pages.page import Page, fragment, write_page
+from reports.products import Products
+
+
+def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any]) -> list[Drawn]:
+    """Write the page about a mission's products to `path` and return its figures.
+
+    folders : stage → its folder. said : what only the mission knows: ``title``, ``settings`` (text), ``stages`` (rows
+    of name and text).
+    """
+    products = Products(folders)
+    scenario, unit = products.scenario, products.unit
+    ticks, table = products.table("map", "ticks.csv"), products.table("compare", "compare.csv")
+    flown, samples = products.table("flight", "flown.csv"), products.table("map", "samples.csv")
+    wind = [] if scenario.wind is None else [draw_wind(scenario.wind, scenario.region)]
+    given = [_field(products), *wind]
+    flight = draw_flight(scenario, scenario_tasks(products), products.table("flight", "reference.csv"), flown)
+    stages = draw_stages(products.maps, scenario.region, scenario.depots, flown, samples, unit)
+    judged = [draw_judged(products.maps, scenario.region, unit), draw_progress(ticks, unit)]
+    compared = [
+        draw_comparison(products.table("compare", "compare-ticks.csv"), table, unit),
+        draw_plans(scenario.region, scenario.depots, products.table("compare", "tracks.csv"), table, unit),
+    ]
+    data = film(products, flown, samples, ticks)
+    planned: list[Block] = [_placed(products), _routed(products), flight, _checks(products), _exported(products)]
+    plans = table_of(_named(table), survey(unit), key="plans")
+    blocks: list[Block] = [
+        Facts(_headline(products, ticks), large=True),
+        Lines(verdict(table, unit)),
+        Section("Environment", [Beside(given)], "given"),
+        Section("Tasks, routes and flight", planned, "plan", "Plan"),
+        Section("The map as it grows", [_player(products, data), Beside([stages, list(judged)])], "map", "Map"),
+        Section("Against what a person would fly otherwise", [plans, Beside(compared)], "compared", "Compared"),
+        _made(said),
+    ]
+    about = _about(products, ticks, table)
+    write_page(Page(said["title"], about, blocks, "Lengths in metres, costs in seconds.", "film.js", data), path)
+    return [*given, flight, stages, *judged, *compared]
+
+
+def _field(products: Products) -> Drawn:
+    radio = products.scenario.radio
+    source = tuple(radio["position"]) if radio else None
+    return draw_field(products.field, products.scenario.region, products.terrain, source)
+
+
+WORDS = [
+    ("information", "½ log det(I + K/σ_n²) of all measurements: what they say about the field [nats]"),
+    ("lawnmower", "parallel lanes, the fewest that are at least as long as the mission's tours, shared so that the "
+     "longest tour is about least"),
+    ("random", "uniform random tasks, as many as make the tours at least as long, routed like the mission's"),
+    ("greedy", "as many tasks as the mission has, each put where it gains most, routed like the mission's"),
+]  # fmt: skip
+"""What no column of a table explains."""
+
+
+def _made(said: dict[str, Any]) -> Section:
+    parts = (
+        ("Stages", Facts(said["stages"])),
+        ("Settings", Source(said["settings"])),
+        ("What the words mean", Facts(WORDS)),
+    )
+    return Section("How it was made", [Section(title, [block]) for title, block in parts], "made")
+
+
+def scenario_tasks(products: Products) -> Floats:
+    """Return the tasks (n, 2) [m]."""
+    return products.table("place", "tasks.csv")[["x", "y"]].to_numpy()
+
+
+def verdict(table: pd.DataFrame, unit: str) -> list[str]:
+    """Return a sentence a baseline: who has the smaller error and density, and at what length."""
+    own = table[table["name"] == "mission"].iloc[0]
+    sentences = []
+    for name, rows in table[table["name"] != "mission"].groupby("name", sort=False):
+        other = rows[["length", "rmse", "nlpd"]].mean()
+        better, certain = own["rmse"] < other["rmse"], own["nlpd"] < other["nlpd"]
+        longer = other["length"] / own["length"] - 1
+        length = f"{abs(longer):.0%} {'longer' if longer >= 0 else 'shorter'}"
+        error = f"RMSE {own['rmse']:.2f} against {other['rmse']:.2f} {unit} ({own['rmse'] / other['rmse']:.0%})"
+        winner = (
+            "The mission wins" if better and certain else "The baseline wins" if not (better or certain) else "A draw"
+        )
+        density = f"NLPD {own['nlpd']:.2f} against {other['nlpd']:.2f} nats"
+        sentences.append(f"{winner} against {name}: {error}, {density}; {name} flies {length}.")
+    return sentences
+
+
+def film(products: Products, flown: pd.DataFrame, samples: pd.DataFrame, ticks: pd.DataFrame) -> dict[str, Any]:
+    """Return the growing map for the slider: a picture of estimate and uncertainty a kept tick, and the tracks."""
+    maps = products.maps
+    low, high = signal_range(maps)
+    most = float(np.nanmax(maps.sd[0]))
+    judged = ticks.set_index("time")
+    tracks = [
+        {
+            "colour": colour_of(int(str(k))),
+            "points": np.column_stack([track["x"] / 1e3, track["y"] / 1e3, track["time"]])[::6].round(3).tolist(),
+        }
+        for k, track in flown.groupby("uav")
+    ]
+    frames = [
+        {
+            "time": float(t),
+            "mean": _picture(maps.mean[k], low, high, SIGNAL),
+            "sd": _picture(maps.sd[k] ** UNCERTAINTY_POWER, 0.0, most**UNCERTAINTY_POWER, UNCERTAINTY),
+            "rmse": round(float(judged.loc[t, "rmse"]), 3),
+            "samples": int(judged.loc[t, "samples"]),
+        }
+        for k, t in enumerate(maps.time)
+    ]
+    west, east, south, north = maps.extent
+    box = {"west": west, "south": south, "width": east - west, "height": north - south}
+    dots = samples[["x", "y", "time"]].to_numpy() / np.array([1e3, 1e3, 1.0])
+    return {"frames": frames, "tracks": tracks, "samples": dots.round(3).tolist(), "unit": products.unit, "box": box}
+
+
+def _player(products: Products, data: dict[str, Any]) -> Markup:
+    """Return the slider and its two maps, as they are before the script runs: the last ones."""
+    low, high = signal_range(products.maps)
+    most = float(np.nanmax(products.maps.sd[0]))
+    panels = [
+        {"key": key, "words": words, "bar": _bar(colours), "ends": ends, "last": data["frames"][-1][key]}
+        for key, words, colours, ends in (
+            ("mean", "Estimated field", SIGNAL, (low, high)),
+            ("sd", "Uncertainty, square-root scale", UNCERTAINTY, (0.0, most)),
+        )
+    ]
+    return fragment("film.html.j2", panels=panels, box=data["box"], unit=data["unit"])
+
+
+def _picture(values: Floats, low: float, high: float, colours: str) -> str:
+    """Return a raster as a PNG data URI, a pixel a cell, north up; cells outside the region are clear."""
+    shades = colormaps[colours](np.clip((values - low) / (high - low or 1.0), 0, 1), bytes=True)
+    shades[~np.isfinite(values)] = 0
+    buffer = io.BytesIO()
+    imsave(buffer, np.ascontiguousarray(shades[::-1]), format="png")
+    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
+
+
+def _bar(colours: str) -> str:
+    return _picture(np.linspace(0, 1, 128)[None, :], 0.0, 1.0, colours)
+
+
+def _about(products: Products, ticks: pd.DataFrame, table: pd.DataFrame) -> str:
+    scenario = products.scenario
+    own = table[table["name"] == "mission"].iloc[0]
+    return (
+        f"{scenario.n_depots} UAVs fly {own['length'] / 1e3:.1f} km past {len(scenario_tasks(products))} tasks and "
+        f"measure {int(own['samples'])} times; the last comes home after {ticks['time'].iloc[-1] / 60:.1f} min. "
+        "Every number below was measured on the stored products."
+    )
+
+
+def _headline(products: Products, ticks: pd.DataFrame) -> list[tuple[str, str]]:
+    end = ticks.iloc[-1]
+    return [
+        ("RMSE of the map", f"{end['rmse']:.2f} {products.unit}"),
+        ("NLPD", f"{end['nlpd']:.2f} nats"),
+        ("covered by the 95 % interval", f"{end['coverage']:.1%}"),
+        ("information gathered", f"{end['information']:.0f} nats"),
+        ("longest tour, cost", f"{products.values('routes', 'run.json')['objective']:.1f} s"),
+    ]
+
+
+def _placed(products: Products) -> str:
+    said = products.values("place", "placement.json")
+    if said["method"] == "given":
+        return f"The scenario gives {len(said['points'])} tasks."
+    bound = ""
+    if said.get("certificate"):
+        bound = f", {said['ratio']:.0%} of the bound that no placement passes ({said['certificate']:.1f})"
+    return (
+        f"Task locations by {said['method']} ({said['status']}): {len(said['points'])} tasks with "
+        f"{said['mutual_information']:.1f} nats of mutual information (criterion b){bound}."
+    )
+
+
+def _routed(products: Products) -> str:
+    run, instance = products.values("routes", "run.json"), products.instance
+    gap = f", gap {run['gap']:.1%}" if run.get("gap") is not None else ""
+    effect = instance.provenance.get("wind_effect", {})
+    left = effect.get("rotational_asymmetry", 0.0)
+    matters = (
+        f"the wind's vorticity leaves an asymmetry of {left:.2%} that tours feel"
+        if left > 1e-4
+        else "the wind is as good as a potential and changes no closed tour"
+    )
+    return (
+        f"Routes by {run['label']} ({run['status']}{gap}): longest tour {run['objective']:.2f} s. Costs differ by "
+        f"direction by {effect.get('asymmetry', 0.0):.1%}; {matters}."
+    )
+
+
+def _exported(products: Products) -> str:
+    """Return which files ground-control software can take, or how to get them."""
+    folder = products.folders["flight"]
+    files = sorted(path.name for ending in ("plan", "kml") for path in folder.glob(f"uav-*.{ending}"))
+    if not files:
+        return "Without an origin = [latitude, longitude] in the mission file there are no ground-control files."
+    return f"For ground control (QGroundControl, KML; also GeoJSON), in {folder.name}: {', '.join(files)}."
+
+
+def _checks(products: Products) -> Table:
+    flown = products.table("flight", "flight-check.csv")
+    home = flown["length"] == 0
+    names: pd.Series = "UAV " + flown["uav"].astype(str) + np.where(home, ", stays home", "")
+    return table_of(flown.mask(home).assign(uav=names), FLIGHT, key="flight")
+
+
+def _named(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the comparison with a name of its own for each draw of a plan that has several."""
+    several = table["name"].duplicated(keep=False)
+    return table.assign(name=table["name"] + np.where(several, ", draw " + (table["draw"] + 1).astype(str), ""))

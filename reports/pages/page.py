@@ -1,0 +1,87 @@
+"""The one builder of pages: blocks in, one self-contained HTML file out. It runs nothing and needs no network."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from instances.disk import write_aside
+from reports import numbers
+from reports.figures.svg import inline_svg
+from reports.pages.blocks import Block, Section
+
+
+@dataclass(frozen=True)
+class Page:
+    """One page.
+
+    about : what it is about, in a sentence or two. units : what the footer says. script : file of what is interactive
+    here alone; it reads `data`.
+    """
+
+    title: str
+    about: str
+    blocks: Sequence[Block]
+    units: str
+    script: str = ""
+    data: Any = None
+
+    @property
+    def contents(self) -> list[Section]:
+        """The sections that the navigation names."""
+        return [block for block in self.blocks if isinstance(block, Section) and not block.tone]
+
+
+def write_page(page: Page, path: Path | str) -> None:
+    """Write `page` to `path`; InputError where it cannot be written."""
+    write_aside(path, fragment("page.html.j2", page=page, version=_version()))
+
+
+def fragment(name: str, **given: Any) -> Markup:
+    """Return the template `name` filled with `given`, text being escaped."""
+    return Markup(_templates().get_template(name).render(**given))
+
+
+def embedded(data: Any) -> Markup:
+    """Return `data` as JSON that may stand inside a ``<script>`` element."""
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    return Markup(text.replace("</", "<\\/").replace("<!--", "<\\u0021--"))
+
+
+@cache
+def _templates() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("reports.pages"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "kind": lambda block: type(block).__name__,
+        "svg": lambda drawn: Markup(inline_svg(drawn)),
+        "embedded": embedded,
+        "asset": _asset,
+        "joined": lambda text: text.replace(" %", numbers.PER_CENT),
+    }
+    return environment
+
+
+def _asset(name: str) -> Markup:
+    return Markup(resources.files("reports.pages").joinpath("templates", name).read_text(encoding="utf-8"))
+
+
+def _version() -> str:
+    try:
+        return f"mmmdmtsp-workbench {version('mmmdmtsp-workbench')}"
+    except PackageNotFoundError:
+        return "mmmdmtsp-workbench"

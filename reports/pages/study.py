@@ -1,0 +1,107 @@
+"""The page about the runs of one or several stores: solvers of the routing problem, compared."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+from markupsafe import Markup
+
+from instances import InputError
+from reports import numbers
+from reports.columns import INSTANCES, RUNS
+from reports.compare import Comparison, compare_stores
+from reports.example import example_routes
+from reports.figures import study_figures
+from reports.metrics import contradictions, with_gaps
+from reports.pages.blocks import Beside, Block, Note, Section, column_help
+from reports.pages.made import limits_and_machines
+from reports.pages.page import Page, write_page
+from reports.pages.payload import payload
+from reports.pages.significance import significance
+from reports.pages.study_sections import against, alarms, groups, methods
+from reports.stores import Stores, read_stores
+
+TITLE = "Solvers of the min-max multi-depot multiple TSP, compared"
+UNITS = "Costs in seconds. Costs were computed again from the stored routes and instances; no solver grades itself."
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a page was made from: the frame, its contradictions, files left alone, and the comparison if asked for."""
+
+    runs: pd.DataFrame
+    contradictions: pd.DataFrame
+    warnings: list[str]
+    comparison: Comparison | None
+
+
+def write_report(
+    folders: Sequence[Path | str], path: Path | str, *, title: str = TITLE, against: Sequence[Path | str] = ()
+) -> Report:
+    """Write the page about every run below `folders` to `path`, compared with the runs below `against` if given.
+
+    Raises InputError where a folder does not exist or holds no run that can be read, or the page cannot be written.
+    """
+    baseline = _read(against) if against else None
+    stores = _read(folders)
+    comparison = compare_stores(stores.runs, baseline.runs) if baseline is not None else None
+    report = Report(stores.runs, contradictions(stores.runs), stores.warnings, comparison)
+    runs = with_gaps(stores.runs)
+    data = payload(runs, stores.instance_files)
+    blocks = _blocks(runs, stores, report, len(data["details"]))
+    write_page(Page(title, _about(runs, stores), blocks, UNITS, "study.js", data), path)
+    return report
+
+
+def _read(folders: Sequence[Path | str]) -> Stores:
+    stores = read_stores(*folders)
+    if stores.runs.empty:
+        first = f" ({stores.warnings[0]})" if stores.warnings else ""
+        raise InputError(f"{', '.join(map(str, stores.folders))}: holds no run that can be read{first}")
+    return stores
+
+
+def _blocks(runs: pd.DataFrame, stores: Stores, report: Report, embedded: int) -> list[Block]:
+    opens = "A row opens the instance: its runs, its best routes, and how each method got there."
+    example = example_routes(runs, stores.instance_files)
+    return [
+        *alarms(runs, report.contradictions, report.warnings),
+        methods(runs),
+        *([against(report.comparison)] if report.comparison is not None else []),
+        Section("Quality and time", [Beside(study_figures(runs))], "figures"),
+        significance(runs),
+        groups(runs),
+        Section("Instances", [Note(opens), *_list("instances-list"), *column_help(INSTANCES), *example], "instances"),
+        Section("Runs", [Note(_held(embedded, len(runs))), *_list("runs-list"), *column_help(RUNS)], "runs"),
+        limits_and_machines(runs, stores.environments),
+    ]
+
+
+def _list(key: str) -> list[Block]:
+    """Return the place where the page's script puts a list."""
+    return [
+        Markup('<div id="{}"></div>').format(key),
+        Markup("<noscript><p>This list needs JavaScript; the tables and figures above do not.</p></noscript>"),
+    ]
+
+
+def _about(runs: pd.DataFrame, stores: Stores) -> str:
+    counted = numbers.counted
+    names = ", ".join(folder.resolve().name for folder in stores.folders)
+    return (
+        f"{counted(len(runs), 'run')} of {counted(runs['method'].nunique(), 'method')} on "
+        f"{counted(runs['digest'].nunique(), 'instance')}, {counted(runs['seed'].nunique(), 'seed')}, from {names}."
+    )
+
+
+def _held(embedded: int, runs: int) -> str:
+    held = (
+        "Every run is held whole in this page."
+        if embedded == runs
+        else f"To stay small, this page holds routes, trace and log of {embedded:,} of {runs:,} runs: failed ones and "
+        "the best of each method and instance first; the others are in the store."
+    )
+    return f"A row opens the run: routes, trace, options and log. {held}"

@@ -1,0 +1,173 @@
+"""The sections of the study's page that are made of tables: alarms, methods, the baseline, groups."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pandas as pd
+
+from reports import numbers
+from reports.columns import SUMMARY, Column, shown
+from reports.compare import Comparison
+from reports.metrics import contributions, shifted_geometric_mean, summary, virtual_best
+from reports.metrics.means import PENALTY, SHIFT
+from reports.metrics.scores import GROUPINGS, banded, scores
+from reports.pages.blocks import Block, Cell, Lines, Note, Section, Table, cell, table_of
+
+MOST_CONTRADICTIONS = 200
+MOST_WARNINGS = 50
+LONGEST_MESSAGE = 240
+MOST_FAILURES = 20
+MOST_CHANGES = 40
+"""Changed instances listed at most."""
+
+
+def alarms(runs: pd.DataFrame, contradictions: pd.DataFrame, warnings: list[str]) -> list[Block]:
+    """Return what must be known before anything is read: contradictions, failed runs, remarks on the store."""
+    blocks: list[Block] = [_contradictions(runs, contradictions)]
+    failed = runs[runs["status"].isin(["ERROR", "KILLED"])]
+    if len(failed):
+        blocks.append(Section(f"{numbers.counted(len(failed), 'run')} failed", [_failures(failed)], "failures",
+                              tone="alarm"))  # fmt: skip
+    if warnings:
+        more = [f"… and {len(warnings) - MOST_WARNINGS} more."] if len(warnings) > MOST_WARNINGS else []
+        title = f"{numbers.counted(len(warnings), 'remark')} on the store"
+        blocks.append(Section(title, [Lines(warnings[:MOST_WARNINGS]), *more], "warnings", tone="alarm quiet"))
+    return blocks
+
+
+def _contradictions(runs: pd.DataFrame, found: pd.DataFrame) -> Block:
+    if found.empty:
+        return Note(
+            f"No contradictions: {int(runs['recomputed'].notna().sum()):,} sets of routes were costed again and "
+            f"{int(runs['bound'].notna().sum()):,} lower bounds held against them.",
+            "calm",
+            "contradictions",
+        )
+    columns = [
+        Column("kind", "Kind"), Column("instance", "Instance"), Column("method", "Method"),
+        Column("seed", "Seed", "", numbers.plain), Column("sentence", "What is wrong"),
+    ]  # fmt: skip
+    first = found.head(MOST_CONTRADICTIONS)
+    more = [f"The first {len(first)} are shown; workbench check lists all."] if len(found) > len(first) else []
+    why = "These claims cannot all be true. Until they are explained, trust nothing below that rests on them."
+    return Section(
+        numbers.counted(len(found), "contradiction"), [why, table_of(first, columns), *more], "contradictions",
+        tone="alarm",
+    )  # fmt: skip
+
+
+def _failures(failed: pd.DataFrame) -> Table:
+    """Return the runs that were killed or ended in error, grouped by what they said."""
+    said = failed.assign(message=failed["message"].str.slice(0, LONGEST_MESSAGE))
+    kinds = said.groupby(["method", "status", "message"]).agg(runs=("seed", "size"), instance=("instance", "first"))
+    kinds = kinds.sort_values("runs", ascending=False, kind="stable").reset_index()
+    columns = [
+        Column("method", "Method"), Column("status", "Status"), Column("runs", "Runs", "", numbers.count),
+        Column("instance", "For example on"), Column("message", "Message"),
+    ]  # fmt: skip
+    more = len(kinds) - MOST_FAILURES
+    caption = f"{more} more kinds of failure are in the list of runs." if more > 0 else ""
+    return table_of(kinds.head(MOST_FAILURES), columns, caption=caption, key="failures")
+
+
+def methods(runs: pd.DataFrame) -> Section:
+    """Return the table of methods, the best of each column marked, and what must be known to read it."""
+    found = summary(runs).reset_index()
+    caption = (
+        f"One row a method over {numbers.counted(runs['digest'].nunique(), 'instance')} and "
+        f"{numbers.counted(runs['seed'].nunique(), 'seed')}. Times are shifted geometric means (shift {SHIFT:g} s); "
+        f"a run that failed counts {PENALTY:g} times its limit. The best of each column is shaded."
+    )
+    shaded = table_of(found, shown(SUMMARY, found), caption=caption, key="summary", methods=found["method"])
+    held = runs.groupby("method")["digest"].agg(frozenset)
+    notes = []
+    if held.nunique() > 1:
+        counts = ", ".join(f"{method} {len(on)}" for method, on in held.items())
+        notes.append(
+            f"The methods did not run on the same instances ({counts}), so the rows above are means over different "
+            "ones; the pairs below are compared on the instances both ran on."
+        )
+    return Section("Methods", [shaded, *notes, _virtual_best(runs)], "summary")
+
+
+def _virtual_best(runs: pd.DataFrame) -> str:
+    """Return what the best method of each run, known beforehand, would reach, and which methods it would need."""
+    best = virtual_best(runs)
+    added = contributions(runs)
+    alone = [f"{method} on {row.alone}" for method, row in added.iterrows() if row["alone"]]
+    words = f"only these found the best: {', '.join(alone)}" if alone else "every best was found by several methods"
+    return (
+        f"The virtual best, which takes the best method for each instance, has a mean gap to the best of "
+        f"{numbers.gap(best['gap_best'].mean())} in {numbers.seconds(shifted_geometric_mean(best['elapsed']))} s "
+        f"(medians over seeds). Of {runs['digest'].nunique()} instances, {words}."
+    )
+
+
+def groups(runs: pd.DataFrame) -> Section:
+    """Return one table each by family, n, m and asymmetry: a column a method, mean gap to best found (share proved)."""
+    grouped = banded(runs)
+    tables = [
+        Section(title, [_by_group(grouped, key, title)])
+        for key, title in GROUPINGS.items()
+        if grouped[key].nunique() > 1
+    ]
+    note = Note("Mean gap to the best found, and in brackets the share of runs proved.")
+    return Section("Where each method is good", [note, *tables], "groups", "By group")
+
+
+def _by_group(runs: pd.DataFrame, key: str, title: str) -> Table:
+    found = scores(runs, [key])
+    gaps, proved = found["gap_found"].unstack(), found["proved"].unstack()
+    instances = runs.groupby(key, observed=True)["digest"].nunique()
+    columns = [
+        Column(key, title),
+        Column("instances", "Instances", "", numbers.count),
+        *(Column(str(method), str(method), "", numbers.gap) for method in gaps),
+    ]
+    rows = []
+    for (group, of), shares, count in zip(
+        gaps.iterrows(), proved.to_numpy(), instances.reindex(gaps.index), strict=True
+    ):
+        least = of.min() if len(of) > 1 else None
+        made = [cell(column, gap) for column, gap in zip(columns[2:], of, strict=True)]
+        marked = [
+            replace(one, text=f"{one.text} ({numbers.share(share)})" if share > 0 else one.text, mark="best" * best)
+            for one, share, best in zip(made, shares, of == least, strict=True)
+        ]
+        rows.append([Cell(str(group)), cell(columns[1], count), *marked])
+    return Table(columns, rows)
+
+
+def against(comparison: Comparison) -> Section:
+    """Return what became of each method against the baseline: regressions first, then tables."""
+    lines = [f"Regression: {line}" for line in comparison.regressions] or ["No significant regression."]
+    ends = [numbers.interval(numbers.gap, row.low, row.high) for row in comparison.methods.itertuples()]
+    columns = [
+        Column("method", "Method"), Column("measure", "Measure"), Column("instances", "Instances", "", numbers.count),
+        Column("better", "Better", "", numbers.count), Column("worse", "Worse", "", numbers.count),
+        Column("unchanged", "Unchanged", "", numbers.count), Column("change", "Mean change", "", numbers.gap),
+        Column("interval", "95 % interval"), Column("p_holm", "p", "", numbers.p_value), Column("verdict", "Verdict"),
+    ]  # fmt: skip
+    caption = (
+        "Medians over seeds, new against baseline; a negative change is an improvement. p from Wilcoxon's "
+        "signed-rank test over instances, corrected by Holm's method."
+    )
+    tables = [table_of(comparison.methods.assign(interval=ends), columns, caption=caption, key="against")]
+    changed = comparison.instances[comparison.instances["verdict"] != "unchanged"]
+    if len(changed):
+        tables.append(_changes(changed))
+    return Section("Against the baseline", [*lines, *comparison.remarks, *tables], "against", "Baseline")
+
+
+def _changes(changed: pd.DataFrame) -> Table:
+    """Return the instances whose cost changed, the largest changes first."""
+    ordered = changed.reindex(changed["change"].abs().sort_values(ascending=False, kind="stable").index)
+    first = ordered.head(MOST_CHANGES)
+    columns = [
+        Column("instance", "Instance"), Column("method", "Method"),
+        Column("baseline", "Baseline", "s", numbers.cost), Column("new", "New", "s", numbers.cost),
+        Column("change", "Change", "", numbers.gap), Column("verdict", "Verdict"),
+    ]  # fmt: skip
+    caption = f"The largest changes of cost ({len(first)} of {len(changed)} that changed)."
+    return table_of(first, columns, caption=caption, key="changes")

@@ -10,24 +10,22 @@ import pandas as pd
 from reports import numbers
 from reports.stores import COLUMNS
 
+SHORT = "{:.3g}".format
+
 
 def least(values: pd.Series) -> list[str]:
     """Mark the least of `values` as the best, unless all are equal."""
-    return _marked(values == values.min(), "best" if values.nunique(dropna=False) > 1 else "")
+    return ["best" if best and values.nunique(dropna=False) > 1 else "" for best in values == values.min()]
 
 
 def most(values: pd.Series) -> list[str]:
     """Mark the greatest of `values` as the best, unless all are equal or it is 0."""
-    return _marked((values == values.max()) & (values > 0), "best" if values.nunique(dropna=False) > 1 else "")
+    return ["" if value == 0 else mark for value, mark in zip(values, least(-values), strict=True)]
 
 
 def wrong(values: pd.Series) -> list[str]:
     """Mark those of `values` that should be 0 and are more."""
-    return _marked(values > 0, "bad")
-
-
-def _marked(which: pd.Series, mark: str) -> list[str]:
-    return [mark if one else "" for one in which]
+    return ["bad" if value > 0 else "" for value in values]
 
 
 class Column(NamedTuple):
@@ -56,11 +54,6 @@ class Column(NamedTuple):
     def text(self, value: Any) -> str:
         """Return `value` as text, a dash where it is missing."""
         return numbers.NOTHING if numbers.missing(value) else self.write(value)
-
-
-def described(columns: Iterable[Column]) -> list[tuple[str, str]]:
-    """Return heading and meaning of those of `columns` that state one."""
-    return [(c.heading, c.meaning) for c in columns if c.meaning]
 
 
 def shown(columns: Iterable[Column], table: pd.DataFrame) -> list[Column]:
@@ -124,7 +117,7 @@ INSTANCES = [
 RUNS = [
     Column("instance", "Instance"),
     Column("method", "Method"),
-    Column("seed", "Seed", "", numbers.plain),
+    Column("seed", "Seed", "", "{}".format),
     Column("status", "Status", meaning=COLUMNS["status"]),
     Column("value", "Longest tour", "s", numbers.cost, COLUMNS["value"]),
     Column("bound", "Bound", "s", numbers.cost, COLUMNS["bound"]),
@@ -147,27 +140,27 @@ PLACEMENTS = [
            "1 − I / greatest I found on the same problem by any run, mean over runs"),
     Column("ratio", "Best / certificate", "", numbers.fixed(2, 100, numbers.PER_CENT),
            "share of the bound that no placement can pass"),
-    Column("elapsed", "Time", "s", numbers.short, "wall clock of the method, median over runs"),
-    Column("cpu_seconds", "CPU", "s", numbers.short, "processor time, median over runs"),
+    Column("elapsed", "Time", "s", SHORT, "wall clock of the method, median over runs"),
+    Column("cpu_seconds", "CPU", "s", SHORT, "processor time, median over runs"),
 ]  # fmt: skip
 """Of a placement study, a row a problem and method."""
 
 EXCESS = [
     Column("method", "Method"),
     Column("options", "Options"),
-    Column("cpu", "CPU", "s", numbers.short, "processor time for all pairs"),
-    Column("mean", "Mean excess", "", numbers.short, "over the best known path, relative, mean over all pairs"),
-    Column("p95", "95 % quantile", "", numbers.short, "of the same"),
-    Column("largest", "Largest", "", numbers.short, "of the same"),
+    Column("cpu", "CPU", "s", SHORT, "processor time for all pairs"),
+    Column("mean", "Mean excess", "", SHORT, "over the best known path, relative, mean over all pairs"),
+    Column("p95", "95 % quantile", "", SHORT, "of the same"),
+    Column("largest", "Largest", "", SHORT, "of the same"),
 ]
 """Of moving-cost methods compared, a row a variant."""
 
 SCALING = [
     Column("starts", "Starts", "", numbers.count, "number of starts n"),
-    Column("one query a pair", "One query a pair", "s", numbers.short, "FMT*, extrapolated from one pair"),
-    Column("one tree a start", "One tree a start", "s", numbers.short, "FMT*, nothing shared between trees"),
-    Column("shared edges", "Shared edges", "s", numbers.short, "FMT*, what is known about edges is shared"),
-    Column("refined", "Refined", "s", numbers.short, "every pair polished"),
+    Column("one query a pair", "One query a pair", "s", SHORT, "FMT*, extrapolated from one pair"),
+    Column("one tree a start", "One tree a start", "s", SHORT, "FMT*, nothing shared between trees"),
+    Column("shared edges", "Shared edges", "s", SHORT, "FMT*, what is known about edges is shared"),
+    Column("refined", "Refined", "s", SHORT, "every pair polished"),
 ]
 """Of the paper's scaling claim, a row a number of starts: CPU times."""
 

@@ -81,11 +81,6 @@ def count(value: Any) -> str:
     return NOTHING if missing(value) else f"{int(value):,}"
 
 
-def plain(value: Any) -> str:
-    """Return a whole number that names something, such as a seed: nothing sets its digits apart."""
-    return str(value)
-
-
 def proved(value: Any) -> str:
     """Return "proved" or "open"."""
     return "proved" if value else "open"
@@ -93,16 +88,7 @@ def proved(value: Any) -> str:
 
 def fixed(digits: int, scale: float = 1.0, sign: str = "") -> Callable[[Any], str]:
     """Return what writes `scale` times a number with so many decimals and `sign` behind."""
-
-    def write(value: Any) -> str:
-        return NOTHING if missing(value) else f"{scale * value:.{digits}f}{sign}".replace("-", "−")
-
-    return write
-
-
-def short(value: Any) -> str:
-    """Return a number in three digits."""
-    return NOTHING if missing(value) else f"{value:.3g}"
+    return lambda value: f"{scale * value:.{digits}f}{sign}".replace("-", "−")
 
 
 def counted(number: int, noun: str) -> str:

@@ -45,7 +45,7 @@ def worth(runs: pd.DataFrame, solver: str) -> list[Worth]:
     table = times.groupby([own["digest"], own["method"]]).median().unstack()
     gaps = own["gap"].clip(lower=0).fillna(1.0).groupby([own["digest"], own["method"]]).median().unstack()
     shares = own.groupby("method")["proved"].mean()
-    default = _default(own)
+    default = str(own.loc[own["options"] == "{}", "method"].iloc[0])
     found = []
     for method in [default, *sorted(str(m) for m in table if m != default)]:
         both = table[[default, method]].dropna().index if method != default else table[default].dropna().index
@@ -97,10 +97,6 @@ def ablation(runs: pd.DataFrame, solver: str) -> Drawn:
         "no effect."
     )
     return Drawn(f"ablation-{solver}", f"What strengthening {solver} is worth", caption, figure)
-
-
-def _default(own: pd.DataFrame) -> str:
-    return str(own.loc[own["options"] == "{}", "method"].iloc[0])
 
 
 def _variant(method: str, solver: str) -> str:

@@ -59,7 +59,6 @@ def quality_profile(runs: pd.DataFrame) -> Drawn | None:
     finite = gaps.to_numpy(float)[np.isfinite(gaps.to_numpy(float))]
     if not finite.size:
         return None
-    scale = {"value": "symlog", "linthresh": 0.1, "linscale": 0.4}
     span, label = (0.0, max(1.0, float(np.quantile(finite, 0.99)))), "gap to the best known or found, at most [%]"
     caption = (
         "Of the instances a method ran on, the share on which its routes (median over seeds) are within the given "
@@ -67,7 +66,8 @@ def quality_profile(runs: pd.DataFrame) -> Drawn | None:
         "at the right end it did not solve, or worse than the scale shows. Higher is better; the scale is linear "
         "below 0.1 %."
     )
-    figure = step_figure({m: gaps[m].dropna() for m in gaps}, styles(runs["method"]), span, scale, label, "instances")
+    lines, scale = {m: gaps[m].dropna() for m in gaps}, {"value": "symlog", "linthresh": 0.1, "linscale": 0.4}
+    figure = step_figure(lines, styles(runs["method"]), span, label, "instances", **scale)
     return Drawn("profile-quality", "Profile of quality", caption, figure)
 
 
@@ -87,5 +87,6 @@ def _profile(runs: pd.DataFrame, look: dict[str, Style], label: str) -> Figure |
     if not finite.size:
         return None
     end = max(2.0, float(finite.max()) * 1.2)
-    scale = {"value": "log", "base": 2 if end < 100 else 10}
-    return step_figure({m: table[m].dropna() for m in table}, look, (1.0, end), scale, label, "instances")
+    base = 2 if end < 100 else 10
+    lines = {m: table[m].dropna() for m in table}
+    return step_figure(lines, look, (1.0, end), label, "instances", value="log", base=base)

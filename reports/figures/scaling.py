@@ -23,10 +23,8 @@ def gap_against_n(runs: pd.DataFrame) -> Drawn | None:
     figure = new_figure()
     axes = figure.add_subplot()
     for i, method in enumerate(methods):
-        groups = (
-            100
-            * solved[solved["method"] == method].groupby("n_tasks")["gap_best"].quantile([0.25, 0.5, 0.75]).unstack()
-        )
+        mine = solved[solved["method"] == method].groupby("n_tasks")["gap_best"]
+        groups = 100 * mine.quantile([0.25, 0.5, 0.75]).unstack()
         look = style[str(method)]
         n = groups.index.to_numpy(float) * (1 + 0.018 * (i - (len(methods) - 1) / 2))
         low, middle, high = groups.to_numpy(float).T

@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike
 from instances.arrays import Floats
 from reports.figures.style import MARKERS, RC, Style, legend_below, new_figure, plain
 
+Lines = Mapping[Any, Any]
+"""Method → its figures, infinite where it never got there."""
 POINTS = 400
 """Steps drawn of one line; more cannot be told apart."""
 
@@ -31,28 +33,23 @@ def cumulative(values: ArrayLike) -> tuple[Floats, Floats]:
 
 @rc_context(RC)
 def step_figure(
-    values: Mapping[Any, Any], look: dict[str, Style], span: tuple[float, float], scale: dict[str, Any], x: str, of: str
+    values: Lines, look: dict[str, Style], span: tuple[float, float], x: str, of: str, **scale: Any
 ) -> Figure:
     """Draw `step_axes` as a figure of its own with its legend. of : what the shares are of."""
     figure = new_figure()
     axes = figure.add_subplot()
-    step_axes(axes, values, look, span, scale, x)
+    step_axes(axes, values, look, span, x, **scale)
     axes.set_ylabel(f"share of {of} [%]")
     legend_below(figure, axes)
     return figure
 
 
 def step_axes(
-    axes: Axes,
-    values: Mapping[Any, Any],
-    look: dict[str, Style],
-    span: tuple[float, float],
-    scale: dict[str, Any],
-    x: str,
+    axes: Axes, values: Lines, look: dict[str, Style], span: tuple[float, float], x: str, **scale: Any
 ) -> None:
-    """Draw a line a method: the share of its `values` at or below x.
+    """Draw a line a method: the share of its `values` at or below x, labelled `x`, from end to end of `span`.
 
-    span : ends of x. scale : of x, as `set_xscale` takes it. x : its label.
+    scale : of x, as `set_xscale` takes it.
     """
     for method, mine in values.items():
         step_line(axes, mine, look[str(method)], str(method), *span)

@@ -37,8 +37,8 @@ def inline_svg(drawn: Drawn) -> str:
     svg = _ROUNDABLE.sub(_rounded, svg)
     svg = re.sub(r'(id="|url\(#|xlink:href="#)', rf"\g<1>{drawn.key}-", svg)
     svg = svg.replace(INK, "currentColor").replace(PAPER, "var(--paper)").replace(FAINT, "var(--faint)")
-    svg = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", svg, count=1)
-    svg = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1)
+    for side in ("width", "height"):
+        svg = re.sub(rf'(<svg[^>]*?) {side}="[^"]*"', r"\1", svg, count=1)
     label = html.escape(f"{drawn.title}. {drawn.caption}", quote=True)
     width = drawn.figure.get_figwidth() * 96
     return svg.replace("<svg", f'<svg role="img" aria-label="{label}" style="max-width:{width:.0f}px"', 1)

@@ -36,7 +36,7 @@ def time_to_target_plot(runs: pd.DataFrame) -> Drawn | None:
     panels = figure.subplots(1, len(PANELS), sharey=True)
     for axes, target in zip(panels, PANELS, strict=True):
         reached = dict(iter(times[target].clip(lower=span[0]).groupby(runs["method"])))
-        step_axes(axes, reached, look, span, {"value": "log"}, "time [s]")
+        step_axes(axes, reached, look, span, "time [s]", value="log")
         axes.set_title(f"within {100 * target:g} %" if target else "the best itself")
     panels[0].set_ylabel("share of runs [%]")
     legend_below(figure, panels[0])
@@ -55,7 +55,7 @@ def runtime_distribution(runs: pd.DataFrame) -> Drawn | None:
         return None
     span = _span(times, runs)
     pairs = {method: of.clip(lower=span[0]).to_numpy().ravel() for method, of in times.groupby(runs["method"])}
-    figure = step_figure(pairs, styles(runs["method"]), span, {"value": "log"}, "time [s]", "runs × targets")
+    figure = step_figure(pairs, styles(runs["method"]), span, "time [s]", "runs × targets", value="log")
     spelled = ", ".join(f"{100 * target:g}" for target in LADDER)
     caption = (
         "Share of all pairs of a run and a target that were reached by the given time; the targets are gaps of "

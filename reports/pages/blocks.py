@@ -10,7 +10,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from reports import numbers
-from reports.columns import Column, described
+from reports.columns import Column
 from reports.figures.style import styles
 from reports.figures.svg import Drawn
 
@@ -107,7 +107,7 @@ Block = str | Markup | list["Block"] | Note | Lines | Facts | Source | Table | F
 
 def column_help(columns: Iterable[Column]) -> list[Folded]:
     """Return the meanings of `columns` in one folded block; in none where no column states one."""
-    rows = described(columns)
+    rows = [(c.heading, c.meaning) for c in columns if c.meaning]
     return [Folded("What the columns mean", [Facts(rows)])] if rows else []
 
 

@@ -37,10 +37,8 @@ def machine(about: Any, title: str = "", digest: str = "") -> Section:
 
 def _limits(runs: pd.DataFrame) -> str:
     """Return the time limits, with the methods of each where there are several."""
-    groups = [(limit, sorted(of["method"].unique())) for limit, of in runs.groupby("time_limit", sort=True)]
-    if len(groups) == 1:
-        return f"{float(str(groups[0][0])):g} s"
-    return "; ".join(f"{float(str(limit)):g} s: {', '.join(methods)}" for limit, methods in groups)
+    groups = runs.groupby("time_limit")["method"].unique()
+    return "; ".join(f"{t:g} s" + (f": {', '.join(sorted(m))}" if len(groups) > 1 else "") for t, m in groups.items())
 
 
 def _plain(value: Any, key: str) -> str:

@@ -37,7 +37,8 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     ticks, table = products.table("map", "ticks.csv"), products.table("compare", "compare.csv")
     flown, samples = products.table("flight", "flown.csv"), products.table("map", "samples.csv")
     wind = [] if scenario.wind is None else [draw_wind(scenario.wind, scenario.region)]
-    given = [_field(products), *wind]
+    source = tuple(scenario.radio["position"]) if scenario.radio else None
+    given = [draw_field(products.field, scenario.region, products.terrain, source), *wind]
     flight = draw_flight(scenario, scenario_tasks(products), products.table("flight", "reference.csv"), flown)
     stages = draw_stages(products.maps, scenario.region, scenario.depots, flown, samples, unit)
     judged = [draw_judged(products.maps, scenario.region, unit), draw_progress(ticks, unit)]
@@ -60,12 +61,6 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     about = _about(products, ticks, table)
     write_page(Page(said["title"], about, blocks, "Lengths in metres, costs in seconds.", "film.js", data), path)
     return [*given, flight, stages, *judged, *compared]
-
-
-def _field(products: Products) -> Drawn:
-    radio = products.scenario.radio
-    source = tuple(radio["position"]) if radio else None
-    return draw_field(products.field, products.scenario.region, products.terrain, source)
 
 
 WORDS = [
@@ -142,9 +137,15 @@ def film(products: Products, flown: pd.DataFrame, samples: pd.DataFrame, ticks: 
 def _player(products: Products, data: dict[str, Any]) -> Markup:
     """Return the slider and its two maps, as they are before the script runs: the last ones."""
     low, high = signal_range(products.maps)
-    most = float(np.nanmax(products.maps.sd[0]))
+    most, ramp = float(np.nanmax(products.maps.sd[0])), np.linspace(0, 1, 128)[None, :]
     panels = [
-        {"key": key, "words": words, "bar": _bar(colours), "ends": ends, "last": data["frames"][-1][key]}
+        {
+            "key": key,
+            "words": words,
+            "bar": _picture(ramp, 0.0, 1.0, colours),
+            "ends": ends,
+            "last": data["frames"][-1][key],
+        }
         for key, words, colours, ends in (
             ("mean", "Estimated field", SIGNAL, (low, high)),
             ("sd", "Uncertainty, square-root scale", UNCERTAINTY, (0.0, most)),
@@ -160,10 +161,6 @@ def _picture(values: Floats, low: float, high: float, colours: str) -> str:
     buffer = io.BytesIO()
     imsave(buffer, np.ascontiguousarray(shades[::-1]), format="png")
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
-
-
-def _bar(colours: str) -> str:
-    return _picture(np.linspace(0, 1, 128)[None, :], 0.0, 1.0, colours)
 
 
 def _about(products: Products, ticks: pd.DataFrame, table: pd.DataFrame) -> str:

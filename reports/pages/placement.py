@@ -54,9 +54,8 @@ def placement_summary(frame: pd.DataFrame) -> pd.DataFrame:
         elapsed=("elapsed", "median"),
         cpu_seconds=("cpu_seconds", "median"),
     ).reset_index()
-    order = {name: k for k, name in enumerate(dict.fromkeys(frame["instance"]))}
-    found["order"] = found["instance"].map(order)
-    return found.sort_values(["order", "mean"], ascending=[True, False]).drop(columns="order").reset_index(drop=True)
+    found["order"] = found["instance"].map({name: k for k, name in enumerate(frame["instance"].unique())})
+    return found.sort_values(["order", "mean"], ascending=[True, False], ignore_index=True).drop(columns="order")
 
 
 def write_placement_page(runs: Sequence[dict[str, Any]], path: Path | None, title: str) -> pd.DataFrame:

@@ -74,18 +74,16 @@ def _blocks(runs: pd.DataFrame, stores: Stores, report: Report, embedded: int) -
         Section("Quality and time", [Beside(study_figures(runs))], "figures"),
         significance(runs),
         groups(runs),
-        Section("Instances", [Note(opens), *_list("instances-list"), *column_help(INSTANCES), *example], "instances"),
-        Section("Runs", [Note(_held(embedded, len(runs))), *_list("runs-list"), *column_help(RUNS)], "runs"),
+        Section("Instances", [Note(opens), _list("instances-list"), *column_help(INSTANCES), *example], "instances"),
+        Section("Runs", [Note(_held(embedded, len(runs))), _list("runs-list"), *column_help(RUNS)], "runs"),
         limits_and_machines(runs, stores.environments),
     ]
 
 
-def _list(key: str) -> list[Block]:
+def _list(key: str) -> Markup:
     """Return the place where the page's script puts a list."""
-    return [
-        Markup('<div id="{}"></div>').format(key),
-        Markup("<noscript><p>This list needs JavaScript; the tables and figures above do not.</p></noscript>"),
-    ]
+    why = "This list needs JavaScript; the tables and figures above do not."
+    return Markup('<div id="{}"></div><noscript><p>{}</p></noscript>').format(key, why)
 
 
 def _about(runs: pd.DataFrame, stores: Stores) -> str:

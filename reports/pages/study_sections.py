@@ -46,7 +46,7 @@ def _contradictions(runs: pd.DataFrame, found: pd.DataFrame) -> Block:
         )
     columns = [
         Column("kind", "Kind"), Column("instance", "Instance"), Column("method", "Method"),
-        Column("seed", "Seed", "", numbers.plain), Column("sentence", "What is wrong"),
+        Column("seed", "Seed", "", "{}".format), Column("sentence", "What is wrong"),
     ]  # fmt: skip
     first = found.head(MOST_CONTRADICTIONS)
     more = [f"The first {len(first)} are shown; workbench check lists all."] if len(found) > len(first) else []

@@ -50,7 +50,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
   const heads = [...table.tHead.rows[0].cells];
   const key = (row, i) => {
     const cell = row.cells[i], given = cell.dataset.sort;
-    if (given !== undefined) return given === "" ? null : Number(given);
+    if (given !== undefined) return Number(given);
     const text = cell.textContent.trim();
     return text === dash ? null : text !== "" && !isNaN(text) ? Number(text) : text;
   };

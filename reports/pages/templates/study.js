@@ -73,7 +73,6 @@ const runs = rowsOf(data.runs).map((run) => ({
   ...run, on: instances[run.instance], instance: instances[run.instance].instance,
   method: data.methods[run.method], status: data.statuses[run.status],
 }));
-const distinct = (values) => [...new Set(values)].sort(compare);
 const columnsOf = (described) => described.map(([key, heading, kind, meaning]) => ({
   heading, meaning, key, text: kind === "text", write: { number, percent, seconds }[kind] || ((value) => value ?? dash),
   of: (row) => row[key], mark: (row) => (key === "status" && ["ERROR", "KILLED"].includes(row[key]) ? "bad" : ""),
@@ -91,7 +90,7 @@ list(document.getElementById("runs-list"), {
   name: "run-list", rows: runs, open: (row) => openRun(row), columns: runColumns,
   filters: [
     { label: "Method", of: (r) => r.method, values: data.methods },
-    { label: "Status", of: (r) => r.status, values: distinct(runs.map((r) => r.status)) },
+    { label: "Status", of: (r) => r.status, values: [...new Set(runs.map((r) => r.status))].sort(compare) },
     { label: "Family", of: (r) => r.on.family, values: data.families },
   ],
 });
@@ -244,8 +243,6 @@ const openInstance = (instance) => {
   if (lines.length) {
     const legend = make("p", { class: "soft" }, ...lines.flatMap((l) => {
       const key = draw("svg", { class: "key", viewBox: "0 0 30 10", "aria-hidden": "true" }, draw("line", { x1: 0, x2: 30, y1: 5, y2: 5, stroke: l.colour, "stroke-width": 3.5, "stroke-dasharray": l.dashes }));
-      key.style.width = "1.7em";
-      key.style.display = "inline-block";
       return [key, `${l.method}   `];
     }));
     drawings.push(part("Longest tour over time, best run of each method [s]", drawTrace(lines, Math.max(...own.map((r) => r.time_limit)), "Objective over time of each method"), legend));

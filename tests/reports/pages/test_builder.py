@@ -8,10 +8,10 @@ import pytest
 from markupsafe import Markup
 
 from reports import columns, numbers
-from reports.columns import Column, described, least, most
+from reports.columns import Column, least, most
 from reports.figures.style import new_figure
 from reports.figures.svg import Drawn
-from reports.pages.blocks import Beside, Facts, Folded, Lines, Note, Section, Source, table_of
+from reports.pages.blocks import Beside, Facts, Folded, Lines, Note, Section, Source, column_help, table_of
 from reports.pages.page import Page, write_page
 
 NASTY = "<b>&amp; 1 %"
@@ -93,7 +93,9 @@ def test_where_all_are_equal_none_is_the_best():
 
 
 def test_columns_are_explained_by_name_unit_and_meaning():
-    assert described([Column("a", "A", "s", meaning="so"), Column("b", "B")]) == [("A [s]", "so")]
+    (folded,) = column_help([Column("a", "A", "s", meaning="so"), Column("b", "B")])
+    assert folded.blocks == [Facts([("A [s]", "so")])]
+    assert column_help([Column("b", "B")]) == []
 
 
 @pytest.mark.parametrize("name", ["SUMMARY", "INSTANCES", "RUNS", "PLACEMENTS", "EXCESS", "SCALING", "FLIGHT"])

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from reports import numbers
-from reports.stores import COLUMNS
+from reports.record import described as stored
 
 SHORT = "{:.3g}".format
 
@@ -67,6 +67,8 @@ def texts(columns: Sequence[Column], table: pd.DataFrame) -> list[list[str]]:
     return [list(row) for row in zip(*([c.text(value) for value in table[c.key]] for c in columns), strict=True)]
 
 
+_STORED = stored("status", "value", "bound", "elapsed", "time_limit", "stopped_by")
+
 FAILED = Column("failed", "Failed", "", numbers.count, "runs that were killed or ended in error")
 COUNT = Column("runs", "Runs", "", numbers.count, "stored runs of the method")
 
@@ -118,14 +120,14 @@ RUNS = [
     Column("instance", "Instance"),
     Column("method", "Method"),
     Column("seed", "Seed", "", "{}".format),
-    Column("status", "Status", meaning=COLUMNS["status"]),
-    Column("value", "Longest tour", "s", numbers.cost, COLUMNS["value"]),
-    Column("bound", "Bound", "s", numbers.cost, COLUMNS["bound"]),
+    Column("status", "Status", meaning=_STORED["status"].meaning),
+    Column("value", "Longest tour", "s", numbers.cost, _STORED["value"].meaning),
+    Column("bound", "Bound", "s", numbers.cost, _STORED["bound"].meaning),
     Column("gap_found", "Gap to best found", "", numbers.gap, "(longest tour − best found) / best found"),
     Column("gap_bound", "Gap to best bound", "", numbers.gap, "(longest tour − best bound) / longest tour"),
-    Column("elapsed", "Time", "s", numbers.seconds, COLUMNS["elapsed"]),
-    Column("time_limit", "Limit", "s", numbers.cost, COLUMNS["time_limit"]),
-    Column("stopped_by", "Stopped by", meaning=COLUMNS["stopped_by"]),
+    Column("elapsed", "Time", "s", numbers.seconds, _STORED["elapsed"].meaning),
+    Column("time_limit", "Limit", "s", numbers.cost, _STORED["time_limit"].meaning),
+    Column("stopped_by", "Stopped by", meaning=_STORED["stopped_by"].meaning),
 ]
 """Of `metrics.with_gaps`, a row a run, as listed on the study's page."""
 
@@ -154,6 +156,16 @@ EXCESS = [
     Column("largest", "Largest", "", SHORT, "of the same"),
 ]
 """Of moving-cost methods compared, a row a variant."""
+
+MOVING_COSTS = [
+    Column("instance", "Scenario"),
+    Column("method", "Method"),
+    COUNT,
+    Column("mean_cost", "Mean cost", "s", numbers.fixed(4), "over all ordered pairs of nodes"),
+    *(column for column in EXCESS if column.key in ("mean", "p95", "largest")),
+    Column("cpu_seconds", "CPU", "s", SHORT, "processor time, least of the runs"),
+]
+"""Of a moving-cost study, a row a scenario and method."""
 
 SCALING = [
     Column("starts", "Starts", "", numbers.count, "number of starts n"),

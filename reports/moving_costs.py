@@ -14,9 +14,9 @@ from reports.record import Run
 
 FRAME = [
     "instance", "digest", "starts", "solver", "options", "method", "seed", "time_limit", "status", "mean_cost", "mean",
-    "p95", "largest", "elapsed", "cpu_seconds", "peak_memory", "stopped_by", "message", "code",
+    "p95", "largest", "elapsed", "cpu_seconds", "peak_memory", "stopped_by", "message",
+    "threads", "created", "environment", "code", "revision",
 ]  # fmt: skip
-SUMMARY = ["Scenario", "Method", "Runs", "Mean cost [s]", "Mean excess", "95 % below", "Largest", "CPU [s]"]
 
 
 def moving_cost_frame(runs: Mapping[Path, Run]) -> pd.DataFrame:
@@ -67,15 +67,11 @@ def scaling_table(frame: pd.DataFrame) -> pd.DataFrame:
     return table[1:] if len(table) > 1 else table
 
 
-def moving_cost_summary(frame: pd.DataFrame) -> list[list[str]]:
-    """Return the rows of a table under SUMMARY, a row a scenario and method."""
-    rows = []
-    for (instance, method), runs in frame.groupby(["instance", "method"], sort=False):
-        first, cpu = runs.iloc[0], runs["cpu_seconds"].min()
-        shares = ["–" if pd.isna(first[key]) else f"{first[key]:.4%}" for key in ("mean", "p95", "largest")]
-        cost = "–" if pd.isna(first["mean_cost"]) else f"{first['mean_cost']:.4f}"
-        rows.append([str(instance), str(method), str(len(runs)), cost, *shares, f"{cpu:.3g}"])
-    return rows
+def moving_cost_summary(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a row a scenario and method: runs, mean_cost [s], mean, p95, largest excess, cpu_seconds (the least)."""
+    groups = frame.groupby(["instance", "method"], sort=False)
+    first = {name: (name, "first") for name in ("mean_cost", "mean", "p95", "largest")}
+    return groups.agg(runs=("seed", "size"), **first, cpu_seconds=("cpu_seconds", "min")).reset_index()
 
 
 def _row(run: Run, best: Mapping[str, Floats]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ RUN_COLUMNS = [
     "seed", "time_limit", "threads", "iterations", "status", "objective", "bound", "gap", "value", "best_known",
     "best_found", "best_bound", "proved", "gap_known", "gap_found", "gap_bound", "stopped_by", "tolerance",
     "claimed_objective", "fault", "message", "elapsed", "prepare_elapsed", "wall_elapsed", "cpu_seconds",
-    "peak_memory", "environment", "created",
+    "peak_memory", "environment", "created", "code", "revision", "stale",
 ]  # fmt: skip
 """Columns of ``results.csv``; those from `elapsed` on differ between two executions of the same runs."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,19 +10,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from instances import InputError
 from reports.columns import PLACEMENTS
 from reports.figures.placement_convergence import draw_placement_convergence
 from reports.figures.svg import Drawn
 from reports.pages.blocks import Beside, Block, Lines, Section, table_of
-from reports.pages.made import limits_and_machines
+from reports.pages.made import code_notes, environments_of, limits_and_machines
 from reports.pages.page import Page, write_page
 from reports.placement_store import placement_contradictions
-from reports.runfile import read_json
 
 RUN_COLUMNS = [
     "instance", "digest", "n_tasks", "method", "seed", "time_limit", "status", "mutual_information", "certificate",
-    "ratio", "gap_found", "elapsed", "cpu_seconds", "peak_memory", "stopped_by", "message",
+    "ratio", "gap_found", "elapsed", "cpu_seconds", "peak_memory", "stopped_by", "message", "code",
 ]  # fmt: skip
 
 
@@ -75,23 +72,16 @@ def write_placement_page(runs: Sequence[dict[str, Any]], path: Path | None, titl
 def _blocks(runs: Sequence[dict[str, Any]], frame: pd.DataFrame) -> list[Block]:
     figures = [drawn for digest in dict.fromkeys(frame["digest"]) if (drawn := _convergence(runs, digest)) is not None]
     false = [f"{words}." for _, words in placement_contradictions(runs)]
-    made = pd.DataFrame(runs, columns=["label", "time_limit", "threads", "created", "environment"])
+    stored = [Path(run["path"]) for run in runs]
+    made = pd.DataFrame(runs, columns=["label", "time_limit", "threads", "created", "environment", "code", "revision"])
     methods = table_of(placement_summary(frame), PLACEMENTS, key="summary", methods=frame["method"])
     return [
         *([Section("Contradictions", [Lines(false)], "contradictions", tone="alarm")] if false else []),
+        *code_notes(made["code"]),
         Section("Methods", [methods], "summary"),
         Section("Convergence", [Beside(figures)], "figures"),
-        limits_and_machines(made.rename(columns={"label": "method"}), _environments(runs)),
+        limits_and_machines(made.rename(columns={"label": "method"}), environments_of(stored)),
     ]
-
-
-def _environments(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return machine and versions by their digest, where the stores of `runs` state them."""
-    found = {}
-    for digest, path in {(str(run.get("environment")), Path(run["path"]).parent.parent) for run in runs}:
-        with contextlib.suppress(InputError):
-            found[digest] = read_json(path / "environments" / f"{digest}.json")
-    return found
 
 
 def _convergence(runs: Sequence[dict[str, Any]], digest: str) -> Drawn | None:

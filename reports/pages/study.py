@@ -17,7 +17,7 @@ from reports.example import example_routes
 from reports.figures import study_figures
 from reports.metrics import contradictions, with_gaps
 from reports.pages.blocks import Beside, Block, Note, Section, column_help
-from reports.pages.made import limits_and_machines
+from reports.pages.made import code_notes, limits_and_machines
 from reports.pages.page import Page, write_page
 from reports.pages.payload import payload
 from reports.pages.significance import significance
@@ -69,6 +69,7 @@ def _blocks(runs: pd.DataFrame, stores: Stores, report: Report, embedded: int) -
     example = example_routes(runs, stores.instance_files)
     return [
         *alarms(runs, report.contradictions, report.warnings),
+        *code_notes(runs["code"]),
         methods(runs),
         *([against(report.comparison)] if report.comparison is not None else []),
         Section("Quality and time", [Beside(study_figures(runs))], "figures"),

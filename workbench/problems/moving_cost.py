@@ -44,7 +44,7 @@ from workbench.terminal import print_table
 if TYPE_CHECKING:
     import pandas as pd
 
-    from reports.moving_cost_page import Case
+    from reports.pages.moving_cost import Case
 
 SAMPLED = 65
 """Points a side at which the wind enters a scenario's digest."""
@@ -208,8 +208,9 @@ class MovingCostStudy(Problem[MovingCostItem]):
 
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
         """Print the methods side by side on each scenario."""
-        from reports.moving_cost_page import write_moving_cost_page  # here: pandas and matplotlib take their time
-        from reports.moving_costs import SUMMARY, moving_cost_frame, moving_cost_summary
+        from reports.columns import MOVING_COSTS, texts  # here: pandas and matplotlib take their time
+        from reports.moving_costs import moving_cost_frame, moving_cost_summary
+        from reports.pages.moving_cost import write_moving_cost_page
         from reports.stores import read_runs
 
         runs, warnings = read_runs(*folders, problem=self.name)
@@ -217,9 +218,10 @@ class MovingCostStudy(Problem[MovingCostItem]):
         if outputs.table is not None:
             write_aside(outputs.table, frame.to_csv(index=False))
         if outputs.page is not None:
-            write_moving_cost_page(_cases(runs, frame), outputs.page, f"Moving costs: {study_title(folders)}")
+            title = f"Moving costs: {study_title(folders)}"
+            write_moving_cost_page(_cases(runs, frame), frame, runs, outputs.page, title)
         if len(frame):
-            print_table(SUMMARY, moving_cost_summary(frame), words=2)
+            print_table([c.heading for c in MOVING_COSTS], texts(MOVING_COSTS, moving_cost_summary(frame)), words=2)
         if note := code_note(run.code for run in runs.values()):
             print(note)
         failed = int(frame["mean_cost"].isna().sum())
@@ -248,8 +250,8 @@ def mean_cost(cost: Floats) -> float:
 def _cases(runs: Mapping[Path, Run], frame: pd.DataFrame) -> list[Case]:
     """Return for each scenario its best run's paths and its tables; scenarios of few starts add to the whole's CPU."""
     from formulations.moving_cost.effect import wind_effect
-    from reports.moving_cost_page import Case
     from reports.moving_costs import methods_table, scaling_table
+    from reports.pages.moving_cost import Case
 
     items = {folder: MOVING_COST.read(folder) for folder in dict.fromkeys(path.parent for path in runs)}
     largest: dict[str, MovingCostItem] = {}

@@ -209,7 +209,8 @@ class PlacementStudy(Problem[PlacementItem]):
 
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
         """Print the methods side by side on each problem."""
-        from reports.placement_page import HEADINGS, placement_summary, summary_cells, write_placement_page
+        from reports.columns import PLACEMENTS, texts
+        from reports.pages.placement import placement_summary, write_placement_page
         from reports.placement_store import placement_contradictions, read_placements
 
         runs, warnings = read_placements(*folders)
@@ -217,7 +218,7 @@ class PlacementStudy(Problem[PlacementItem]):
         if outputs.table is not None:
             write_aside(outputs.table, frame.to_csv(index=False))
         if len(frame):
-            print_table(list(HEADINGS.values()), summary_cells(placement_summary(frame)), words=2)
+            print_table([c.heading for c in PLACEMENTS], texts(PLACEMENTS, placement_summary(frame)), words=2)
         problems = [*warnings, *(sentence for _, sentence in placement_contradictions(runs))]
         if failed := int(frame["mutual_information"].isna().sum()):
             problems.append(f"{failed} runs ended without a placement")

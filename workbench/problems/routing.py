@@ -175,7 +175,7 @@ class Routing(Problem[Instance]):
         from reports import tables  # here: pandas and matplotlib take their time
         from reports.compare import compare_stores
         from reports.metrics import contradictions
-        from reports.page import write_report
+        from reports.pages.study import write_report
         from reports.stores import read_stores
 
         against = outputs.extra.get("against")
@@ -210,15 +210,14 @@ def _kept(folder: Path) -> Path | None:
 
 def _print_summary(runs: pd.DataFrame) -> None:
     """Print the summary per solver as a table on stdout."""
+    from reports.columns import SUMMARY, shown, texts
     from reports.metrics import summary
-    from reports.tables import SUMMARY_COLUMNS, cells, shown
 
     if runs.empty:
         return
-    found = summary(runs)
-    columns = shown(SUMMARY_COLUMNS, found)
-    rows = ([str(name), *told] for name, told in zip(found.index, cells(columns, found), strict=True))
-    print_table(["Solver", *(column.heading for column in columns)], rows)
+    found = summary(runs).reset_index()
+    columns = shown(SUMMARY, found)
+    print_table(["Solver", *(column.heading for column in columns[1:])], texts(columns, found))
     if note := code_note(runs["code"]):
         print(note)
 

@@ -1,5 +1,6 @@
 """Figures and page of moving costs: everything is drawn, and the page is one file with its words."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from instances.paths import Paths
 from instances.scenario import Scenario
 from reports.figures.paths import draw_claim, draw_methods, draw_paths, save_paths
 from reports.figures.wind import draw_terrain, draw_wind
-from reports.pages.moving_cost import write_moving_cost_page
+from reports.pages.moving_cost import Case, write_moving_cost_page
 
 METHODS = pd.DataFrame(
     [("refined", "default", 0.5, 0.0, 0.0, 1e-6), ("fmt-star", "2 000", 0.1, 6e-2, 0.12, 1.5)],
@@ -63,10 +64,15 @@ def test_environment_and_comparison_figures_name_their_units(scenario: Scenario)
 
 def test_the_page_is_one_file(scenario: Scenario, paths: Paths, tmp_path: Path) -> None:
     made = {"machine": {"processor": "a & b", "memory": 8e9}, "versions": {"python": "3.11"}}
-    write_moving_cost_page(scenario, paths, METHODS, CLAIM, "wind: <much>", tmp_path / "page.html", made)
+    (tmp_path / "environments").mkdir()
+    (tmp_path / "environments" / "e1.json").write_text(json.dumps(made))
+    rows = {"method": "refined", "time_limit": 60.0, "threads": 1, "created": "", "environment": "e1"}
+    runs = pd.DataFrame([rows | {"code": "0" * 12, "revision": "abc"}])
+    case = Case(scenario, paths, METHODS, CLAIM, "wind: <much>")
+    stored = [tmp_path / "survey-123" / "refined-default-s0-t60.json"]
+    write_moving_cost_page([case], runs, stored, tmp_path / "page.html", "Moving costs: survey")
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert page.count("<figure ") == 4
-    assert "wind: &lt;much&gt;" in page
-    assert "30 ordered pairs" in page
-    assert "a &amp; b" in page
-    assert "8.00 GB" in page
+    for words in ("wind: &lt;much&gt;", "30 ordered pairs", "a &amp; b", "8.00 GB", "000000000000 (abc)"):
+        assert words in page
+    assert "1 of 1 runs were made by other code than today" in page

@@ -187,12 +187,8 @@ def _beginning_with(problem: Subproblem, task: int) -> float:
     spent = problem.legs.out[task]
     if not spent <= problem.cap:
         return np.inf
-    bits, members = 0, problem.watch.members
-    for r in range(members.shape[1]):
-        for a in range(3):
-            if members[task, r, a] == task:
-                bits |= 1 << r
-    state = bits * ((1 << problem.memory.near.shape[1]) + 1)
+    nothing = np.zeros((problem.price.size + 63) // 64, np.uint64)
+    state = _state(problem.memory.near, problem.watch.members, nothing, task)
     left = bins_left(problem.cap - spent, problem.bins)
     return problem.sigma * spent - problem.price[task] + problem.best[task, left, state]
 

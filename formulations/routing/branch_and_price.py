@@ -36,7 +36,7 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pricing import Column
 from formulations.routing.columns.searching import STEPS, Search, search
-from formulations.routing.columns.tree import Ended, Tree
+from formulations.routing.columns.tree import StoppedBy, Tree
 from formulations.routing.columns.warming import warm_up
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
@@ -99,7 +99,7 @@ class BranchAndPrice(Solver):
         recorder = Recorder(instance, limits, observe, start)
         self.improve(recorder, 1000 * seed, self.starts)
         ended, counts = self.prove(recorder, seed)
-        proved = ended == Ended.PROOF
+        proved = ended == StoppedBy.PROOF
         return recorder.result(ended, proved=proved, tolerance=2 * TOLERANCE * recorder.objective, **counts)
 
     def prove(self, recorder: Recorder, seed: int) -> tuple[str, dict[str, Any]]:
@@ -110,7 +110,7 @@ class BranchAndPrice(Solver):
         for simple_bound in SIMPLE.values():
             recorder.raise_bound(simple_bound(recorder.instance, recorder.objective))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
-            return Ended.PROOF.value, {}
+            return StoppedBy.PROOF.value, {}
         n, limits = recorder.instance.n_tasks, recorder.limits
         store = make_store(n, min(self.labels, max(1000, n << min(n, 40))))  # no more than all sets and last tasks
         legs = Legs.of(recorder.instance)
@@ -123,7 +123,7 @@ class BranchAndPrice(Solver):
         nodes = np.inf if limits.iterations is None else limits.iterations
         patience.share(1 / 3)
         ended = tree.grow(recorder, TOLERANCE, nodes)
-        if ended is not Ended.PROOF:
+        if ended is not StoppedBy.PROOF:
             if limits.iterations is None and recorder.bound < (1 - _WIDE) * recorder.objective:
                 patience.share(1 / 2)
                 self._destruct(recorder, patience)

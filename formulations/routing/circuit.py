@@ -26,7 +26,8 @@ from typing import ClassVar
 
 from ortools.sat.python import cp_model
 
-from formulations.routing.cpsat import Values, search
+from formulations.routing import cpsat
+from formulations.routing.cpsat import Values
 from formulations.routing.model_solver import ModelSolver
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts, scale_costs
@@ -70,19 +71,14 @@ class Circuit(ModelSolver):
             form.break_symmetry()
         best = recorder.routes or ()
         form.hint(in_order(instance, best) if self.symmetry else best)
-        search(
-            form.model,
-            scaled,
-            recorder,
-            seed,
-            lambda value: recorder.incumbent(form.routes(value)),
-            conflicts=limits.iterations,
-        )
+
+        def on_solution(value: Values) -> None:
+            recorder.incumbent(form.routes(value))
+
+        cpsat.search(form.model, scaled, recorder, seed, on_solution, conflicts=limits.iterations)
         proved = recorder.objective - recorder.bound <= scaled.tolerance
-        stopped_by = (
-            "proof" if proved else "time" if limits.iterations is None or recorder.remaining == 0 else "iterations"
-        )
-        return recorder.result(stopped_by, proved=proved, tolerance=scaled.tolerance)
+        limit = "time" if limits.iterations is None or recorder.remaining == 0 else "iterations"
+        return recorder.result("proof" if proved else limit, proved=proved, tolerance=scaled.tolerance)
 
 
 class GiantCircuit:

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from formulations.routing import strengthening
-from formulations.routing.cpsat import Values, search
+from formulations.routing import cpsat, strengthening
+from formulations.routing.cpsat import Values
 from formulations.routing.model_solver import ModelSolver
 from formulations.routing.paper_model import PaperModel, why_too_large
 from formulations.routing.recorder import Recorder
@@ -91,7 +91,7 @@ class _Rounds:
             self.found = []
             if self.options.hint and recorder.routes is not None:
                 strengthening.hint(self.paper, self.instance, recorder.routes)
-            solved = search(self.paper.model, self.scaled, recorder, self.seed, self.on_solution)
+            solved = cpsat.search(self.paper.model, self.scaled, recorder, self.seed, self.on_solution)
             rounds += 1
             if recorder.objective - recorder.bound <= self.scaled.tolerance:
                 return self.result("proof", rounds)

@@ -23,7 +23,7 @@ _EQUAL = 1e-4
 """Bounds count as equal within this share."""
 
 
-class Ended(StrEnum):
+class StoppedBy(StrEnum):
     """Why the tree stopped growing, in the words of `Result.stopped_by`."""
 
     PROOF = "proof"
@@ -60,7 +60,7 @@ class Tree:
         """Return a lower bound on all routes, no higher than `cap` [s]."""
         return min(cap, self._stuck, *(node.bound for _, _, node in self._open))
 
-    def grow(self, recorder: Recorder, tolerance: float, nodes: float) -> Ended:
+    def grow(self, recorder: Recorder, tolerance: float, nodes: float) -> StoppedBy:
         """Improve the recorder's routes and bound until they meet, or time is up, or `nodes` are done.
 
         tolerance : share by which routes must be better to count: the cap, ever lower, on the tours to come.
@@ -71,8 +71,8 @@ class Tree:
 
         while self._open and self.bound(math.inf) <= cap() > 0:
             if nodes <= 0 or self.work.out_of_time():
-                limit = Ended.TIME if self.work.out_of_time() else Ended.ITERATIONS
-                return Ended.MEMORY if self._stuck < math.inf else limit
+                limit = StoppedBy.TIME if self.work.out_of_time() else StoppedBy.ITERATIONS
+                return StoppedBy.MEMORY if self._stuck < math.inf else limit
             node = self.pop()
             if node.bound > cap():
                 continue
@@ -93,4 +93,4 @@ class Tree:
                 case Improved() | Interrupted() | Overtaken():
                     self.push(node)
             recorder.raise_bound(self.bound(cap()))
-        return Ended.PROOF if self._stuck > cap() or cap() <= 0 else Ended.MEMORY
+        return StoppedBy.PROOF if self._stuck > cap() or cap() <= 0 else StoppedBy.MEMORY

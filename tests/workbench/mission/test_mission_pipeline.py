@@ -266,3 +266,12 @@ def test_a_mission_that_another_process_works_on_is_left_alone(mission_file: Pat
     finally:
         other.communicate(b"\n")
     assert again(mission_file, copied, force_from="report") == ["report"]
+
+
+def test_stages_that_other_code_made_are_made_again(mission_file: Path, copied: Path, monkeypatch) -> None:
+    assert again(mission_file, copied) == []
+    stamp = json.loads((copied / "4-routes" / "stamp.json").read_text())
+    assert len(stamp["code"]) == 12
+    (copied / "4-routes" / "stamp.json").write_text(json.dumps(stamp | {"code": "0" * 12}))
+    assert again(mission_file, copied)[0] == "routes"
+    assert again(mission_file, copied) == []

@@ -21,22 +21,22 @@ import argparse
 import resource
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
-from types import ModuleType, SimpleNamespace
-from typing import Any
-from unittest.mock import patch
+from types import SimpleNamespace
 
 import numpy as np
 from public_sets import add_option, public
 
 import formulations.routing.recorder
-import formulations.routing.search.pace
-from formulations.limits import Limits
+import formulations.routing.search.budget
 from formulations.moving_cost.families import generate
 from formulations.routing.registry import make_solver
-from formulations.routing.search import cooling, population
-from formulations.routing.search.recreate import WIDTH
+from formulations.routing.search.memetic import Memetic
+from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.strategy import Reheating
+from formulations.routing.solver import Limits, Solver
 from instances import Instance, Routes, check_routes, makespan
 from instances.files import write_routes
 
@@ -56,25 +56,33 @@ PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`
     (60, 2): (3056.716, 3045.643, 3006.693, 3003.286, 2802.143, 2831.332, 3119.675, 3103.277, 2948.174, 2855.437),
     (60, 4): (1708.692, 1650.808, 1627.962, 1629.712),
 }
-CONSTANTS: dict[str, tuple[ModuleType, dict[str, Any]]] = {  # ingredients that are constants of a module
-    "no cap in the end (p-norm throughout)": (
-        cooling,
-        {name: getattr(cooling, name)._replace(settled=0.0) for name in ("COARSE", "FINE", "PACKED")},
+FULL = SearchParameters()
+NO_CAP, NO_REHEATING = replace(FULL.schedule.final, below=0.0), Reheating(share=0.0)
+PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters of memetic
+    "no cap in the end (p-norm throughout)": replace(
+        FULL,
+        schedule=replace(FULL.schedule, final=NO_CAP),
+        several_depots=replace(FULL.several_depots, fine=replace(FULL.several_depots.fine, below=0.0)),
+        one_site=replace(FULL.one_site, fine=replace(FULL.one_site.fine, below=0.0)),
     ),
-    "no fine annealings": (cooling, {"FINE": cooling.COARSE, "MOST_PACKED": 0.0, "MOST_STIRRED": 0.0}),
-    "no stirring": (cooling, {"MOST_STIRRED": 0.0}),
-    "no wide recreation": (population, {"NEAR_TASKS": WIDTH}),
+    "no fine annealings": replace(
+        FULL,
+        several_depots=replace(FULL.several_depots, fine_share=0.0),
+        one_site=replace(FULL.one_site, fine_share=0.0, reheating=NO_REHEATING),
+    ),
+    "no reheating": replace(FULL, one_site=replace(FULL.one_site, reheating=NO_REHEATING)),
+    "no wide recreation": replace(FULL, one_site=replace(FULL.one_site, width=FULL.several_depots.width)),
 }
 ABLATIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic
     "all": {},
-    "no long cuts": {"cuts": 0.0},
+    "no moves of long segments": {"cuts": 0.0},
     "no string removal": {"strings": 0.0},
     "no adjacent removal": {"strings": 1.0},
     "insertion by total cost only (p = 1)": {"powers": 1},
     "p of 1 and 2 only": {"powers": 2},
     "no guide by the longest tour left (p = ∞)": {"powers": 5},
-    "no focus": {"focuses": 0.0},
-    "no relief of the whole": {"reliefs": 0.0},
+    "no decomposition": {"focuses": 0.0},
+    "no perturbation of the whole": {"reliefs": 0.0},
     "no crossover": {"reliefs": 1.0},
     "no search of single tours' orders": {"kicks": 0.0},
     "one long annealing, no population": {"depth": 1e9},
@@ -107,7 +115,20 @@ Search = Callable[[Instance, float, int], Routes]
 
 def by_solver(name: str, **options: float) -> Search:
     """Return a search that runs our solver `name`."""
-    solver = make_solver(name, options)
+    return by(make_solver(name, options))
+
+
+def by_memetic(changed: SearchParameters) -> Search:
+    """Return a search by `memetic` with other parameters."""
+
+    class Ablated(Memetic):
+        parameters = changed
+
+    return by(Ablated())
+
+
+def by(solver: Solver) -> Search:
+    """Return a search that runs a solver of ours."""
 
     def run(instance: Instance, seconds: float, seed: int) -> Routes:
         solver.prepare(instance)
@@ -319,11 +340,10 @@ def ablation(args: argparse.Namespace) -> None:
     cases = public(args.benchmarks, *sources, only=args.only or ("md10", "md25", "md40", "lin318_5", "rat99_5"))
     seconds = args.seconds or 10.0
     print(f"\n== ablation: {seconds:g} CPU s, {args.seeds} seeds, mean gap [%] on {len(cases)} instances ==")
-    for label in (*ABLATIONS, *CONSTANTS):
-        search = by_solver("memetic", **ABLATIONS.get(label, {}))
-        module, values = CONSTANTS.get(label, (cooling, {}))
-        with patch.dict(vars(module), values):
-            means = [fmean(gaps_of(search, case, best, seconds, args.seeds)) for case, best in cases]
+    searches = {label: by_solver("memetic", **options) for label, options in ABLATIONS.items()}
+    searches |= {label: by_memetic(changed) for label, changed in PARAMETERS.items()}
+    for label, search in searches.items():
+        means = [fmean(gaps_of(search, case, best, seconds, args.seeds)) for case, best in cases]
         print(f"{label:<40}{fmean(means):>8.2f}   {' '.join(f'{g:.2f}' for g in means)}", flush=True)
 
 
@@ -349,7 +369,7 @@ def main() -> None:
     if args.quick:
         args.seeds, args.seconds, args.long = 1, args.seconds or 3.0, 30.0
     cpu = SimpleNamespace(perf_counter=time.process_time)
-    for module in (formulations.routing.recorder, formulations.routing.search.pace):
+    for module in (formulations.routing.recorder, formulations.routing.search.budget):
         module.time = cpu  # type: ignore[attr-defined]
     for name in args.sections or [s for s in SECTIONS if s != "large"]:
         SECTIONS[name](args)

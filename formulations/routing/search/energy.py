@@ -1,15 +1,16 @@
 """Energy: what an annealing lowers.
 
-    E = ‖C‖_p + ε · mean_k C_k, in the end E = Σ_k max(0, C_k − cap) + ε · mean_k C_k
+    E = measure(C) + ε · mean_k C_k,   measure(C) = ‖C‖_p, in the end Σ_k max(0, C_k − cap)
 
 The longest tour alone is flat: a large norm sees the others near it as well, and a share ε of the mean lets the search
 shorten all of them, which makes room for the long ones to give tasks away. In the end it is a matter of packing: the
-tasks must fit into tours below a cap, and what exceeds it in any of them counts alike. p, ε and the cap follow the
-temperature (cooling.py).
+tasks must fit into tours below a cap, and what exceeds it in any of them counts alike. The measure and ε follow the
+temperature (schedule.py). The same measures tell the fitness of individuals and guide recreations (recreate.py).
 """
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import NamedTuple
 
 from numba import njit
@@ -17,39 +18,54 @@ from numba import njit
 from formulations.routing.search.tours import Tours
 from instances.arrays import Floats
 
-SHARP = 500
-"""p from which the norm would be the maximum, to within what matters: then the excess over the cap counts."""
-FIT = 128
-"""The p by which tours are compared that are kept, where it is not by what exceeds the best known longest tour."""
 TINY = 1e-300
 """Tours that cost nothing are scaled by this [s]."""
 
 
-class Aim(NamedTuple):
-    """What counts at present.
+class MeasureKind(IntEnum):
+    """How tours count together: by ‖C‖_p, or by what exceeds a cap, Σ_k max(0, C_k − cap)."""
 
-    evenness: the share ε of the mean; p: of the norm; cap [s]: counts from p = SHARP; known [s]: by which fitness is
-    measured, the longest of the best tours known or 0.
-    """
+    P_NORM = 0
+    EXCESS = 1
 
-    evenness: float
+
+class Measure(NamedTuple):
+    """p: of a norm; cap: of an excess [s], 0 for a norm. Made by p_norm and excess."""
+
+    kind: MeasureKind
     p: int
     cap: float
-    known: float = 0.0
 
 
-class Stakes(NamedTuple):
-    """What the other tours leave to beat.
+def p_norm(p: int) -> Measure:
+    """Return the measure ‖C‖_p, p ≥ 1."""
+    return Measure(MeasureKind.P_NORM, p, 0.0)
 
-    total: their sum [s]; scale: the longest of all [s]; powers: their Σ (C_k / scale)^p, from p = SHARP their
-    Σ max(0, C_k − cap) [s]; m: the number of all.
+
+def excess(cap: float) -> Measure:
+    """Return the measure Σ_k max(0, C_k − cap)."""
+    return Measure(MeasureKind.EXCESS, 1, cap)
+
+
+class Objective(NamedTuple):
+    """The energy's measure and mean_weight, the share ε of the mean tour."""
+
+    measure: Measure
+    mean_weight: float
+
+
+class PartialEnergy(NamedTuple):
+    """The energy's sums over all tours but the two that a move changes.
+
+    total: their Σ C_k [s]; scale: the longest of all [s]; measured: their Σ (C_k / scale)^p of a norm, their
+    Σ max(0, C_k − cap) [s] of an excess; m: the number of all.
     """
 
     total: float
     scale: float
-    powers: float
+    measured: float
     m: int
-    aim: Aim
+    objective: Objective
 
 
 @njit(cache=True, nogil=True)
@@ -77,48 +93,52 @@ def norm(lengths: Floats, p: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def energy(lengths: Floats, aim: Aim) -> float:
-    """Return ‖C‖_p + ε · mean_k C_k [s], from p = SHARP Σ_k max(0, C_k − cap) + ε · mean_k C_k; lengths (m,) [s]."""
-    total = aim.evenness * lengths.mean()
-    if aim.p < SHARP:
-        return total + norm(lengths, aim.p)
+def energy(lengths: Floats, objective: Objective) -> float:
+    """Return the energy [s] of lengths (m,) [s]."""
+    measure, total = objective.measure, objective.mean_weight * lengths.mean()
+    if measure.kind == MeasureKind.P_NORM:
+        return total + norm(lengths, measure.p)
     for length in lengths:
-        total += max(0.0, length - aim.cap)
+        total += max(0.0, length - measure.cap)
     return total
 
 
 @njit(cache=True, nogil=True)
-def fitness(lengths: Floats, known: float) -> float:
-    """Return Σ_k max(0, C_k − known) [s], below 0 by how much all beat known [s], the longest of the best tours known.
+def fitness(lengths: Floats, measure: Measure) -> float:
+    """Return the measure of lengths (m,) [s], never below max_k C_k − cap; an excess of 0 is replaced by that.
 
-    Of two with the same longest tour that with fewer long ones is fitter. Many tours nearly as long as the best known
-    are no fault, as they are in the norm: tight packings consist of them. Without `known`, 0, return ‖C‖_FIT [s].
+    Of two with the same longest tour that with fewer long ones is fitter. By the excess over the longest tour of the
+    incumbent many tours nearly as long are no fault, as they are in the norm: tight packings consist of them.
     """
-    if known <= 0.0:
-        return norm(lengths, FIT)
+    if measure.kind == MeasureKind.P_NORM:
+        return norm(lengths, measure.p)
     total = 0.0
     for length in lengths:
-        total += max(0.0, length - known)
-    return total if total > 0.0 else lengths.max() - known
+        total += max(0.0, length - measure.cap)
+    return total if total > 0.0 else lengths.max() - measure.cap
 
 
 @njit(cache=True, nogil=True)
-def stakes_without(tours: Tours, k_a: int, k_b: int, aim: Aim) -> Stakes:
-    """Return the Stakes left by all tours but k_a and k_b."""
-    scale, total, powers = max(tours.cost.max(), TINY), 0.0, 0.0
+def energy_without(tours: Tours, k_a: int, k_b: int, objective: Objective) -> PartialEnergy:
+    """Return the PartialEnergy of all tours but k_a and k_b."""
+    measure = objective.measure
+    scale, total, measured = max(tours.cost.max(), TINY), 0.0, 0.0
     for k in range(tours.cost.size):
         if k != k_a and k != k_b:
             total += tours.cost[k]
-            powers += max(0.0, tours.cost[k] - aim.cap) if aim.p >= SHARP else power(tours.cost[k] / scale, aim.p)
-    return Stakes(total, scale, powers, tours.cost.size, aim)
+            if measure.kind == MeasureKind.EXCESS:
+                measured += max(0.0, tours.cost[k] - measure.cap)
+            else:
+                measured += power(tours.cost[k] / scale, measure.p)
+    return PartialEnergy(total, scale, measured, tours.cost.size, objective)
 
 
 @njit(cache=True, nogil=True)
-def energy_with(stakes: Stakes, cost_a: float, cost_b: float) -> float:
-    """Return the energy [s] where the two tours at work cost cost_a and cost_b."""
-    p, scale, cap = stakes.aim.p, stakes.scale, stakes.aim.cap
-    even = stakes.aim.evenness * (stakes.total + cost_a + cost_b) / stakes.m
-    if p >= SHARP:
-        return stakes.powers + max(0.0, cost_a - cap) + max(0.0, cost_b - cap) + even
-    powers = stakes.powers + power(cost_a / scale, p) + power(cost_b / scale, p)
-    return scale * powers ** (1.0 / p) + even
+def energy_with(partial: PartialEnergy, cost_a: float, cost_b: float) -> float:
+    """Return the energy [s] where the two tours that a move changes cost cost_a and cost_b."""
+    measure, scale = partial.objective.measure, partial.scale
+    even = partial.objective.mean_weight * (partial.total + cost_a + cost_b) / partial.m
+    if measure.kind == MeasureKind.EXCESS:
+        return partial.measured + max(0.0, cost_a - measure.cap) + max(0.0, cost_b - measure.cap) + even
+    powers = partial.measured + power(cost_a / scale, measure.p) + power(cost_b / scale, measure.p)
+    return scale * powers ** (1.0 / measure.p) + even

@@ -1,4 +1,4 @@
-"""Intensification: every tour gets a better order of its tasks, each by a search of its own (order.py)."""
+"""Intensification: every tour gets a better order of its tasks, each by a search of its own (local_search.py)."""
 
 from __future__ import annotations
 
@@ -7,24 +7,25 @@ from numba import njit
 from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
-from formulations.routing.search.order import improve, round_of
-from formulations.routing.search.tours import Tours, clear, lay_out, sum_costs
-
-FEWEST = 8
-"""Tasks of a tour, at least: shorter ones the annealing leaves in the best order."""
+from formulations.routing.search.local_search import LocalSearchParameters, closed_tour, improve
+from formulations.routing.search.tours import Tours, clear, fill, sum_costs
 
 
 @njit(cache=True, nogil=True)
-def intensify(costs: Costs, tours: Tours, rng: NDArray[np.uint64], kicks: float) -> None:
-    """Improve the order of every tour, in place, with `kicks` kicks for each of its tasks."""
+def intensify(
+    costs: Costs, tours: Tours, rng: NDArray[np.uint64], kicks: float, parameters: LocalSearchParameters
+) -> None:
+    """Improve the order of every tour, in place, with `kicks` double bridges for each of its tasks."""
     for k in range(tours.cost.size):
-        if tours.size[k] >= FEWEST:
-            _intensify_one(costs, tours, k, rng, kicks)
+        if tours.size[k] >= parameters.fewest:
+            _intensify_one(costs, tours, k, rng, kicks, parameters)
     sum_costs(tours)
 
 
 @njit(cache=True, nogil=True)
-def _intensify_one(costs: Costs, tours: Tours, k: int, rng: NDArray[np.uint64], kicks: float) -> None:
+def _intensify_one(
+    costs: Costs, tours: Tours, k: int, rng: NDArray[np.uint64], kicks: float, parameters: LocalSearchParameters
+) -> None:
     """Improve the order of tour k; its cost is the caller's business."""
     nodes = np.empty(tours.size[k] + 1, np.int32)
     nodes[0] = tours.after.size - tours.cost.size + k
@@ -34,9 +35,9 @@ def _intensify_one(costs: Costs, tours: Tours, k: int, rng: NDArray[np.uint64], 
     for i in range(nodes.size):
         for j in range(nodes.size):
             cost[i, j] = costs.out[nodes[i], nodes[j]]
-    tour = round_of(cost)
-    before = tour.strip.forward[-1]
+    tour = closed_tour(cost, parameters)
+    before = tour.segments.forward[-1]
     improve(tour, rng, int(kicks * tours.size[k]))
-    if tour.strip.forward[-1] < before:
+    if tour.segments.forward[-1] < before:
         clear(costs, tours, k, np.empty(nodes.size, np.int32))
-        lay_out(costs, tours, k, nodes[tour.strip.nodes[1:-1]])
+        fill(costs, tours, k, nodes[tour.segments.nodes[1:-1]])

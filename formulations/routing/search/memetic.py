@@ -1,16 +1,15 @@
-"""`memetic`: annealed ruin-and-recreate with long cuts, inside a population with route crossover.
+"""`memetic`: annealed ruin-and-recreate with moves of long segments, inside a population with route crossover.
 
 How it was chosen: several annealings and their children beat one long annealing, the more so the smaller the instance,
 as long as each is deep enough; long tours need more depth. So the size of the population follows from the limit:
 depth · n² / m steps go into one annealing, and where the limit allows fewer than three, all of it goes into one.
-Parts: ruin.py, recreate.py (p-norm insertion), cuts.py (2-opt, Or-opt, 2-opt* and segments priced by prefix sums),
-energy.py, annealing.py, focus.py, relief.py, crossover.py, intensify.py (single tours, order.py), population.py.
+The package's docstring says what is where.
 """
 
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import repeat
 from typing import ClassVar
 
@@ -18,22 +17,19 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.recorder import Recorder
-from formulations.routing.search.annealing import POWERS, Habits
-from formulations.routing.search.focus import put_back
-from formulations.routing.search.ground import survey
-from formulations.routing.search.neighbours import NEAR_TASKS
-from formulations.routing.search.pace import Pace
-from formulations.routing.search.population import Population, Shares
+from formulations.routing.search.budget import Budget
+from formulations.routing.search.decomposition import merge
+from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.perturbation import perturb
+from formulations.routing.search.population import Population
+from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded, uniform
-from formulations.routing.search.relief import relieve
+from formulations.routing.search.recreate import GUIDES
 from formulations.routing.search.tours import from_routes, to_routes
 from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 
-_PROBE = 0.01
-"""Share of the limit after which the speed is known well enough to plan."""
-_STEPS_A_LEVEL = 250
-"""Steps at one temperature, at most: the shortest annealing, of 10 000, has forty levels."""
+_DEFAULT = SearchParameters()
 
 
 @dataclass(frozen=True)
@@ -42,31 +38,34 @@ class Memetic(Solver):
 
     removals : tasks taken out by one ruin, at most (1 to 20).
     strings : share of ruins that take strings of consecutive tasks; the others take nearest neighbours.
-    cuts : share of steps that cut and rejoin long pieces of one or two tours.
+    cuts : share of steps that cut and rejoin long segments of one or two tours.
     powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, 30, ∞, the recreation draws from (1: the total).
     focuses : share of the population's later stages that search the longest tour and a few others alone.
     reliefs : share of the remaining ones that send a UAV elsewhere; the others are crossovers.
     kicks : of each tour's order at the end of a stage, for each of its tasks; 0 leaves orders to the annealing.
     depth : a founder's annealing takes depth · n² / m steps, at least 10 000 to 25 000, doubled at each new start.
+
+    What else could be set is in `parameters`, of the class.
     """
 
-    removals: int = 12
-    strings: float = 0.5
-    cuts: float = 0.1
-    powers: int = len(POWERS)
-    focuses: float = 0.6
-    reliefs: float = 0.5
-    kicks: float = 1.0
-    depth: float = 2.0
+    removals: int = _DEFAULT.annealing.removals
+    strings: float = _DEFAULT.annealing.strings
+    cuts: float = _DEFAULT.annealing.moves
+    powers: int = _DEFAULT.annealing.guides
+    focuses: float = _DEFAULT.population.decompositions
+    reliefs: float = _DEFAULT.population.perturbations
+    kicks: float = _DEFAULT.population.kicks
+    depth: float = _DEFAULT.population.depth
 
     proves: ClassVar[bool] = False
+    parameters: ClassVar[SearchParameters] = _DEFAULT
 
     def __post_init__(self) -> None:
         for name, low, high in (
-            ("removals", 1, NEAR_TASKS),
+            ("removals", 1, self.parameters.neighbourhood.tasks),
             ("strings", 0, 1),
             ("cuts", 0, 1),
-            ("powers", 1, len(POWERS)),
+            ("powers", 1, len(GUIDES)),
             ("focuses", 0, 1),
             ("reliefs", 0, 1),
             ("kicks", 0, 1000),
@@ -85,10 +84,11 @@ class Memetic(Solver):
         population.next_stage(0.0)
         population.members = [population.best, population.best]
         population.child()
-        population.relieved()
-        part = population.focused()
-        relieve(part.ground.costs, part.ground.near, part.tours, population.rng)
-        put_back(population.ground.costs, part.nodes, part.best, population.best)
+        population.perturbed()
+        part, parameters = population.decomposed(), population.parameters
+        recreation = parameters.annealing.recreate
+        perturb(part.data.costs, part.data.near, part.tours, parameters.perturbation, recreation, population.rng)
+        merge(population.data.costs, part.nodes, part.best, population.best)
 
     def solve(
         self,
@@ -102,7 +102,7 @@ class Memetic(Solver):
         """Search until a limit; one annealing step is one iteration, counted in each of the `threads` populations."""
         recorder = Recorder(instance, limits, observe, start)
         populations = self._populations(instance, limits.threads, seed, start)
-        pace = Pace(recorder)
+        budget = Budget(recorder, self.parameters.budget)
         planned = False
         with ThreadPoolExecutor(limits.threads) as pool:
             while True:
@@ -110,29 +110,41 @@ class Memetic(Solver):
                     if population.improved:
                         population.improved = False
                         recorder.incumbent(to_routes(population.best))
-                if pace.stopped_by:
+                if budget.stopped_by:
                     break
-                now = pace.fraction
-                if not planned and now >= _PROBE:
+                now = budget.fraction
+                if not planned and now >= self.parameters.budget.probe:
                     planned = True
                     for population in populations:
-                        population.plan(1.0 / pace.total_steps, self.depth)
+                        population.plan(1.0 / budget.total_steps)
                 _next_stages(populations, now)
-                steps = pace.next_steps(_STEPS_A_LEVEL)
+                steps = budget.next_steps(self.parameters.budget.level)
                 if len(populations) == 1:
                     populations[0].advance(now, steps)
                 else:
                     list(pool.map(Population.advance, populations, repeat(now), repeat(steps)))
-                pace.took(steps)
-        return recorder.result(pace.stopped_by, iterations=pace.iterations, stages=populations[0].stages)
+                budget.took(steps)
+        return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=populations[0].stages)
 
     def _populations(self, instance: Instance, count: int, seed: int, start: Routes | None) -> list[Population]:
-        ground = survey(instance.cost, instance.n_tasks)
-        habits = Habits(self.removals, float(self.strings), float(self.cuts), self.powers)
-        shares = Shares(float(self.focuses), float(self.reliefs))
-        kicks = float(self.kicks)
-        first = [from_routes(ground.costs, start) if start is not None else None for _ in range(count)]
-        return [Population(ground, habits, shares, kicks, seeded(seed, i), tours) for i, tours in enumerate(first)]
+        parameters = self._with_options()
+        data = problem_data(instance.cost, instance.n_tasks, parameters.neighbourhood)
+        first = [from_routes(data.costs, start) if start is not None else None for _ in range(count)]
+        return [Population(data, parameters, seeded(seed, i), tours) for i, tours in enumerate(first)]
+
+    def _with_options(self) -> SearchParameters:
+        """Return the parameters with those that are options as they were set; numbers have the types kernels know."""
+        annealing = self.parameters.annealing._replace(
+            removals=self.removals, strings=float(self.strings), moves=float(self.cuts), guides=self.powers
+        )
+        population = replace(
+            self.parameters.population,
+            decompositions=float(self.focuses),
+            perturbations=float(self.reliefs),
+            kicks=float(self.kicks),
+            depth=self.depth,
+        )
+        return replace(self.parameters, annealing=annealing, population=population)
 
 
 def _next_stages(populations: list[Population], now: float) -> None:

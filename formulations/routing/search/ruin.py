@@ -1,8 +1,8 @@
-"""Ruin: take a few related tasks out of their tours, and put them back exactly where they were.
+"""Ruin (Schrimpf et al. 2000): remove a few related tasks from their tours, and restore them exactly where they were.
 
 Two ways: a task with its nearest neighbours (Shaw 1998; adjacent removal), and strings of consecutive tasks from tours
 near a seed task (slack induction by string removals, Christiaens & Vanden Berghe 2020).
-Each removal writes the task and the node it stood behind to `gone` and `stood`; undoing reads them backwards.
+Each removal writes the task and the node before it to `removed` and `behind`; restoring reads them backwards.
 """
 
 from __future__ import annotations
@@ -17,39 +17,41 @@ from formulations.routing.search.tours import Tours, link, removal_change, unlin
 
 
 @njit(cache=True, nogil=True)
-def take_out(costs: Costs, tours: Tours, v: int, count: int, gone: NDArray[np.int32], stood: NDArray[np.int32]) -> int:
+def remove(
+    costs: Costs, tours: Tours, v: int, count: int, removed: NDArray[np.int32], behind: NDArray[np.int32]
+) -> int:
     """Take task v out, book its cost and place, and return the new count of removed tasks."""
     tours.cost[tours.tour[v]] += removal_change(costs, tours, v)
-    gone[count] = v
-    stood[count] = tours.before[v]
+    removed[count] = v
+    behind[count] = tours.before[v]
     unlink(costs, tours, v)
     return count + 1
 
 
 @njit(cache=True, nogil=True)
-def put_back(costs: Costs, tours: Tours, count: int, gone: NDArray[np.int32], stood: NDArray[np.int32]) -> None:
+def restore(costs: Costs, tours: Tours, count: int, removed: NDArray[np.int32], behind: NDArray[np.int32]) -> None:
     """Undo `count` removals, last first; costs are the caller's business."""
     for i in range(count - 1, -1, -1):
-        link(costs, tours, gone[i], stood[i])
+        link(costs, tours, removed[i], behind[i])
 
 
 @njit(cache=True, nogil=True)
-def ruin_adjacent(
+def remove_adjacent(
     costs: Costs,
     near: NDArray[np.int32],
     tours: Tours,
     rng: NDArray[np.uint64],
     most: int,
-    gone: NDArray[np.int32],
-    stood: NDArray[np.int32],
+    removed: NDArray[np.int32],
+    behind: NDArray[np.int32],
 ) -> int:
     """Take out a random task and its nearest neighbours, 1 to `most` tasks together; return how many."""
     n = near.shape[0]
     wanted = 1 + below(rng, min(most, near.shape[1] + 1))
     v = below(rng, n)
-    count = take_out(costs, tours, v, 0, gone, stood)
+    count = remove(costs, tours, v, 0, removed, behind)
     for j in range(wanted - 1):
-        count = take_out(costs, tours, near[v, j], count, gone, stood)
+        count = remove(costs, tours, near[v, j], count, removed, behind)
     return count
 
 
@@ -65,14 +67,14 @@ def _string_around(tours: Tours, v: int, length: int, rng: NDArray[np.uint64], n
 
 
 @njit(cache=True, nogil=True)
-def ruin_strings(
+def remove_strings(
     costs: Costs,
     near: NDArray[np.int32],
     tours: Tours,
     rng: NDArray[np.uint64],
     most: int,
-    gone: NDArray[np.int32],
-    stood: NDArray[np.int32],
+    removed: NDArray[np.int32],
+    behind: NDArray[np.int32],
     ruined: NDArray[np.uint8],
 ) -> int:
     """Take out strings from a few tours near a random task, at most `most` tasks together; return how many.
@@ -103,7 +105,7 @@ def ruin_strings(
             if taken >= skip_from and skipped < kept:
                 skipped += 1
             else:
-                count = take_out(costs, tours, u, count, gone, stood)
+                count = remove(costs, tours, u, count, removed, behind)
                 taken += 1
             u = after
         if count >= wanted:

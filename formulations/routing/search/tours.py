@@ -56,6 +56,13 @@ def copy_tours(source: Tours, target: Tours) -> None:
     target.size[:] = source.size
 
 
+def duplicate(tours: Tours) -> Tours:
+    """Return a copy."""
+    copy = empty_tours(tours.after.size - tours.cost.size, tours.cost.size)
+    copy_tours(tours, copy)
+    return copy
+
+
 @njit(cache=True, nogil=True)
 def join(costs: Costs, tours: Tours, u: int, w: int) -> None:
     """Let node w follow node u."""
@@ -119,19 +126,19 @@ def sum_costs(tours: Tours) -> None:
 
 
 @njit(cache=True, nogil=True)
-def clear(costs: Costs, tours: Tours, k: int, homeless: NDArray[np.int32]) -> int:
-    """Take all tasks out of tour k and write them, in their order, to `homeless`; return how many."""
+def clear(costs: Costs, tours: Tours, k: int, removed: NDArray[np.int32]) -> int:
+    """Take all tasks out of tour k and write them, in their order, to `removed`; return how many."""
     n = tours.after.size - tours.cost.size
     count = 0
     while tours.after[n + k] < n:
-        homeless[count] = tours.after[n + k]
-        unlink(costs, tours, homeless[count])
+        removed[count] = tours.after[n + k]
+        unlink(costs, tours, removed[count])
         count += 1
     return count
 
 
 @njit(cache=True, nogil=True)
-def lay_out(costs: Costs, tours: Tours, k: int, tasks: NDArray[np.int32]) -> None:
+def fill(costs: Costs, tours: Tours, k: int, tasks: NDArray[np.int32]) -> None:
     """Fill the empty tour k with `tasks`, in their order; its cost is the caller's business."""
     u = tours.after.size - tours.cost.size + k
     for v in tasks:
@@ -145,7 +152,7 @@ def from_routes(costs: Costs, routes: Routes) -> Tours:
     n_tasks = costs.out.shape[0] - n_depots
     tours = empty_tours(n_tasks, n_depots)
     for k, route in enumerate(routes):
-        lay_out(costs, tours, k, np.array(route, np.int32))
+        fill(costs, tours, k, np.array(route, np.int32))
     sum_costs(tours)
     return tours
 

@@ -1,25 +1,27 @@
-"""Crossover and the population's manners."""
+"""Crossover, and what a population does."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from formulations.routing.search import cooling
 from formulations.routing.search import crossover as mixing
 from formulations.routing.search import tours as rings
-from formulations.routing.search.annealing import Habits
+from formulations.routing.search.annealing import AnnealingParameters
 from formulations.routing.search.energy import fitness
-from formulations.routing.search.ground import survey
-from formulations.routing.search.neighbours import NEAR_TASKS
-from formulations.routing.search.population import Population, Shares
+from formulations.routing.search.granular import NeighbourhoodParameters
+from formulations.routing.search.parameters import PopulationParameters, SearchParameters
+from formulations.routing.search.population import Population
+from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
+from formulations.routing.search.recreate import RecreateParameters
+from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS
 from instances import Instance, check_routes, tour_costs
 
 N = 15
 
 
-def ground(seed, positions):
+def plane(seed, positions):
     """Tasks and depots in a plane with a wind, so that depots at one position have equal costs."""
     rng = np.random.default_rng(seed)
     xy = np.vstack([rng.uniform(0, 100, (N, 2)), np.array(positions, float)])
@@ -27,7 +29,7 @@ def ground(seed, positions):
     cost = np.hypot(leg[..., 0], leg[..., 1]) * 1.2 - 0.3 * leg[..., 0]
     np.fill_diagonal(cost, 0.0)
     instance = Instance("plane", np.maximum(cost, 0.0), N, len(positions))
-    return instance, survey(instance.cost, N)
+    return instance, problem_data(instance.cost, N, NeighbourhoodParameters())
 
 
 def random_routes(seed, m):
@@ -42,32 +44,32 @@ SPREAD = [(0, 0), (100, 0), (50, 100)]
 SHARED = [(0, 0), (50, 50), (0, 0), (0, 0)]
 
 
-def test_depots_with_the_same_costs_are_one_place():
-    assert ground(1, SHARED)[1].place.tolist() == [0, 1, 0, 0]
-    assert ground(1, SPREAD)[1].place.tolist() == [0, 1, 2]
+def test_depots_with_the_same_costs_are_one_site():
+    assert plane(1, SHARED)[1].site.tolist() == [0, 1, 0, 0]
+    assert plane(1, SPREAD)[1].site.tolist() == [0, 1, 2]
 
 
-def test_a_tour_matches_the_one_of_its_place_that_shares_most_tasks():
-    _, field = ground(2, SHARED)
+def test_a_tour_matches_the_one_of_its_site_that_shares_most_tasks():
+    _, field = plane(2, SHARED)
     child = rings.from_routes(field.costs, ((0, 1), (2, 3, 4, 5), (6, 7, 8), tuple(range(9, N))))
     donor = rings.from_routes(field.costs, ((6, 7, 2, 3, 4, 5), (0, 1), (8,), tuple(range(9, N))))
-    assert mixing.matching_tour(child, donor, 0, field.place) == 2
-    assert mixing.matching_tour(child, donor, 1, field.place) == 1
+    assert mixing.matching_tour(child, donor, 0, field.site) == 2
+    assert mixing.matching_tour(child, donor, 1, field.site) == 1
 
 
 @given(st.integers(0, 10**6))
 @settings(deadline=None, max_examples=30)
-def test_laying_a_tour_over_copies_it_and_names_the_homeless(seed):
-    instance, field = ground(seed, SPREAD)
+def test_inheriting_a_tour_copies_it_and_names_the_removed(seed):
+    instance, field = plane(seed, SPREAD)
     first, second = random_routes(seed, 3), random_routes(seed + 1, 3)
     child, donor = rings.from_routes(field.costs, first), rings.from_routes(field.costs, second)
-    homeless = np.empty(N, np.int32)
-    count = mixing.lay_over(field.costs, child, donor, 1, 1, homeless, 0)
+    removed = np.empty(N, np.int32)
+    count = mixing.inherit(field.costs, child, donor, 1, 1, removed, 0)
     found = rings.to_routes(child)
     assert found[1] == second[1]
     for k in (0, 2):
         assert found[k] == tuple(v for v in first[k] if v not in second[1])
-    assert sorted(homeless[:count]) == sorted(set(first[1]) - set(second[1]))
+    assert sorted(removed[:count]) == sorted(set(first[1]) - set(second[1]))
     rings.sum_costs(child)
     assert child.cost == pytest.approx(tour_costs(instance, found))
 
@@ -76,25 +78,31 @@ def test_laying_a_tour_over_copies_it_and_names_the_homeless(seed):
 @given(seed=st.integers(0, 10**6))
 @settings(deadline=None, max_examples=30)
 def test_a_child_visits_every_task_once_and_books_its_costs(positions, seed):
-    instance, field = ground(seed, positions)
+    instance, field = plane(seed, positions)
     m = len(positions)
     child = rings.from_routes(field.costs, random_routes(seed, m))
     donor = rings.from_routes(field.costs, random_routes(seed + 1, m))
-    mixing.crossover(field.costs, field.near, child, donor, field.place, seeded(seed))
+    mixing.crossover(field.costs, field.near, child, donor, field.site, RecreateParameters(), seeded(seed))
     routes = rings.to_routes(child)
     assert check_routes(instance, routes) == []
     assert child.cost == pytest.approx(tour_costs(instance, routes))
 
 
-DEEP = Shares(focuses=0.0, reliefs=0.0)
 STEP = 1e-5
 """Of the limit: a founder takes a tenth of it, at the least depth."""
 
 
+def new_population(seed, positions, decompositions=0.0, perturbations=0.0):
+    """Return an instance and a population on it, of crossovers unless shares say otherwise."""
+    instance, data = plane(seed, positions)
+    stages = PopulationParameters(decompositions=decompositions, perturbations=perturbations, depth=1.0)
+    parameters = SearchParameters(annealing=AnnealingParameters(removals=6, guides=4), population=stages)
+    return instance, Population(data, parameters, seeded(seed), None)
+
+
 def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
-    instance, field = ground(5, SPREAD)
-    population = Population(field, Habits(6, 0.5, 0.1, 4), DEEP, 1.0, seeded(5), None)
-    population.plan(STEP, 1.0)
+    instance, population = new_population(5, SPREAD)
+    population.plan(STEP)
     ends = []
     now = 0.0
     for _ in range(30):
@@ -104,7 +112,7 @@ def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
         if now >= 1.0:
             break
         population.next_stage(now)
-        values = [fitness(member.cost, population.known) for member in population.members]
+        values = [fitness(member.cost, population.measure) for member in population.members]
         assert len(values) <= population.founders
         assert len(set(values)) == len(values)
     assert now == pytest.approx(1.0)
@@ -114,11 +122,10 @@ def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
     assert check_routes(instance, rings.to_routes(population.best)) == []
 
 
-@pytest.mark.parametrize("shares", [Shares(1.0, 0.0), Shares(0.5, 0.5)])
-def test_a_population_that_focuses_keeps_whole_routes_and_never_loses_its_best(shares):
-    instance, field = ground(7, [*SPREAD, (100, 100), (0, 50)])
-    population = Population(field, Habits(6, 0.5, 0.1, 4), shares, 1.0, seeded(7), None)
-    population.plan(STEP / 10, 1.0)
+@pytest.mark.parametrize("shares", [(1.0, 0.0), (0.5, 0.5)])
+def test_a_population_that_decomposes_keeps_whole_routes_and_never_loses_its_best(shares):
+    instance, population = new_population(7, [*SPREAD, (100, 100), (0, 50)], *shares)
+    population.plan(STEP / 10)
     now, best = 0.0, np.inf
     while now < 1.0:
         population.advance(now, 20)
@@ -134,41 +141,30 @@ def test_a_population_that_focuses_keeps_whole_routes_and_never_loses_its_best(s
 
 
 def test_a_population_that_may_run_once_only_does_not_split_its_time():
-    population = Population(ground(6, SPREAD)[1], Habits(6, 0.5, 0.1, 4), Shares(0.5, 0.5), 1.0, seeded(6), None)
-    population.plan(6e-5, 1.0)
+    _, population = new_population(6, SPREAD)
+    population.plan(6e-5)
     assert population.end == 1.0
 
 
-def test_fitness_is_measured_by_the_best_known_longest_tour_where_all_start_at_one_place():
-    together, apart = (
-        Population(ground(6, positions)[1], Habits(6, 0.5, 0.1, 4), Shares(0.5, 0.5), 1.0, seeded(6), None)
-        for positions in ([(0, 0)] * 3, SPREAD)
-    )
-    assert together.known == together.best.cost.max()
-    assert apart.known == 0.0
+def test_where_all_start_at_one_site_fitness_is_measured_by_the_incumbent_and_recreations_look_at_all_near_tasks():
+    together, apart = (new_population(6, positions)[1] for positions in ([(0, 0)] * 3, SPREAD))
+    assert (together.strategy, apart.strategy) == (ONE_SITE, SEVERAL_DEPOTS)
+    assert together.measure.cap == together.best.cost.max()
+    assert apart.measure == SEVERAL_DEPOTS.measure
+    assert together.annealing.recreate.width == NeighbourhoodParameters().tasks > apart.annealing.recreate.width
 
 
-def test_recreations_look_at_all_near_tasks_where_all_start_at_one_place():
-    habits = Habits(6, 0.5, 0.1, 4)
-    together, apart = (
-        Population(ground(6, positions)[1], habits, Shares(0.5, 0.5), 1.0, seeded(6), None)
-        for positions in ([(0, 0)] * 3, SPREAD)
-    )
-    assert together.habits.width == NEAR_TASKS > habits.width
-    assert apart.habits == habits
-
-
-@pytest.mark.parametrize(("positions", "stirs"), [([(0, 0)] * 3, True), (SPREAD, False)])
-def test_where_all_start_at_one_place_good_members_are_stirred_once_nothing_new_comes(positions, stirs):
-    population = Population(ground(8, positions)[1], Habits(6, 0.5, 0.1, 4), DEEP, 1.0, seeded(8), None)
-    population.plan(STEP / 100, 1.0)
-    now, stirred = 0.0, 0
+@pytest.mark.parametrize(("positions", "reheats"), [([(0, 0)] * 3, True), (SPREAD, False)])
+def test_where_all_start_at_one_site_good_members_are_reheated_once_nothing_new_comes(positions, reheats):
+    _, population = new_population(8, positions)
+    population.plan(STEP / 100)
+    now, reheated = 0.0, 0
     while now < 1.0:
         population.advance(now, 20)
         now = population.end
         population.next_stage(now)
-        if population._manner.first == cooling.GENTLE:
-            stirred += 1
-            routes = rings.to_routes(population._newcomer)
+        if population._newcomer.first == ONE_SITE.reheating.first:
+            reheated += 1
+            routes = rings.to_routes(population._newcomer.tours)
             assert routes in [rings.to_routes(member) for member in population.members]
-    assert (stirred > 0) == stirs
+    assert (reheated > 0) == reheats

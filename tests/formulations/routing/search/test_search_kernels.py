@@ -1,5 +1,6 @@
 """Every kernel of ruin and recreate against a naive twin, on random asymmetric costs."""
 
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
@@ -7,18 +8,34 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from formulations.routing.search import cooling
 from formulations.routing.search import recreate as rebuilding
 from formulations.routing.search import ruin as ruining
 from formulations.routing.search import tours as rings
-from formulations.routing.search.annealing import POWERS, Habits, anneal, undo
+from formulations.routing.search.annealing import AnnealingParameters, anneal, undo
 from formulations.routing.search.costs import both_ways
-from formulations.routing.search.energy import SHARP, Aim, energy, energy_with, fitness, stakes_without
-from formulations.routing.search.neighbours import neighbours
+from formulations.routing.search.energy import (
+    MeasureKind,
+    Objective,
+    energy,
+    energy_with,
+    energy_without,
+    excess,
+    fitness,
+    p_norm,
+)
+from formulations.routing.search.granular import NeighbourhoodParameters, granular_neighbourhood
 from formulations.routing.search.randomness import below, seeded, uniform
+from formulations.routing.search.recreate import GUIDES, RecreateParameters
+from formulations.routing.search.schedule import Schedule, ScheduleParameters
+from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS
 from instances import Instance, check_routes, makespan, tour_costs
 
 seeds = st.integers(0, 10**6)
+TIE = RecreateParameters().tie
+
+
+def neighbours(costs, n_tasks, tasks, depots):
+    return granular_neighbourhood(costs, n_tasks, NeighbourhoodParameters(tasks, depots))
 
 
 def random_instance(seed, n=14, m=3):
@@ -113,35 +130,37 @@ def test_ruin_books_its_costs_and_undoes_without_a_trace(way, seed):
     instance, routes = random_instance(seed), random_routes(seed)
     near = neighbours(both_ways(instance.cost), instance.n_tasks, 8, 3)
     tours = rings.from_routes(both_ways(instance.cost), routes)
-    gone, stood = np.empty(6, np.int32), np.empty(6, np.int32)
+    removed, behind = np.empty(6, np.int32), np.empty(6, np.int32)
     if way == "adjacent":
-        count = ruining.ruin_adjacent(both_ways(instance.cost), near.tasks, tours, seeded(seed), 6, gone, stood)
+        count = ruining.remove_adjacent(both_ways(instance.cost), near.tasks, tours, seeded(seed), 6, removed, behind)
     else:
         ruined = np.zeros(3, np.uint8)
-        count = ruining.ruin_strings(both_ways(instance.cost), near.tasks, tours, seeded(seed), 6, gone, stood, ruined)
+        count = ruining.remove_strings(
+            both_ways(instance.cost), near.tasks, tours, seeded(seed), 6, removed, behind, ruined
+        )
     assert 1 <= count <= 6
-    taken = set(gone[:count].tolist())
+    taken = set(removed[:count].tolist())
     left = tuple(tuple(v for v in route if v not in taken) for route in routes)
     assert len(taken) == count
     assert rings.to_routes(tours) == left
     assert tours.cost == pytest.approx(tour_costs(instance, left))
     assert all(tours.tour[v] == -1 for v in taken)
-    ruining.put_back(both_ways(instance.cost), tours, count, gone, stood)
+    ruining.restore(both_ways(instance.cost), tours, count, removed, behind)
     assert rings.to_routes(tours) == routes
 
 
-def hurt(lengths, longest, p):
+def guided(lengths, longest, guide):
     """What recreation lowers, from its definition."""
     shares = lengths / longest
-    if p < SHARP:
-        return (shares**p).sum()
-    return np.maximum(shares - 1.0, 0.0).sum() + rebuilding.TIE * shares.sum()
+    if guide.kind == MeasureKind.P_NORM:
+        return (shares**guide.p).sum()
+    return np.maximum(shares - 1.0, 0.0).sum() + TIE * shares.sum()
 
 
-@pytest.mark.parametrize("p", POWERS)
+@pytest.mark.parametrize("guide", GUIDES)
 @given(seed=seeds)
 @settings(deadline=None, max_examples=15)
-def test_best_place_is_the_best_of_all_places_where_the_lists_hold_all(p, seed):
+def test_best_insertion_is_the_best_of_all_where_the_lists_hold_all(guide, seed):
     instance, routes = random_instance(seed, 10), random_routes(seed, 10)
     costs = both_ways(instance.cost)
     near = neighbours(both_ways(instance.cost), 10, 9, 3)
@@ -154,13 +173,15 @@ def test_best_place_is_the_best_of_all_places_where_the_lists_hold_all(p, seed):
     for k, route in enumerate(left):
         for i in range(len(route) + 1):
             tried = (*left[:k], (*route[:i], v, *route[i:]), *left[k + 1 :])
-            norms.append(hurt(tour_costs(instance, tried), longest, p))
-    u, change = rebuilding.best_place(costs, near, tours, v, p, 1.0 / longest, 9, 0.0, seeded(seed))
+            norms.append(guided(tour_costs(instance, tried), longest, guide))
+    u, change = rebuilding.best_insertion(
+        costs, near, tours, v, guide, 1.0 / longest, RecreateParameters(9), 0.0, seeded(seed)
+    )
     k = tours.tour[u]
     rings.link(costs, tours, v, u)
     tours.cost[k] += change
     assert tours.cost == pytest.approx(tour_costs(instance, rings.to_routes(tours)))
-    assert hurt(tours.cost, longest, p) == pytest.approx(min(norms))
+    assert guided(tours.cost, longest, guide) == pytest.approx(min(norms))
 
 
 def test_a_wider_recreation_sees_a_tour_that_passes_none_of_the_nearest_tasks():
@@ -169,7 +190,10 @@ def test_a_wider_recreation_sees_a_tour_that_passes_none_of_the_nearest_tasks():
     near = neighbours(costs, 4, 3, 1)  # one depot, of the long tour
     tours = rings.from_routes(costs, ((1, 2), (3,)))
     tours.cost[0] += 10.0  # so long that at p = 5 the tour of the farthest task is the better
-    found = [rebuilding.best_place(costs, near, tours, 0, 5, 0.01, width, 0.0, seeded(1))[0] for width in (1, 2, 3)]
+    found = [
+        rebuilding.best_insertion(costs, near, tours, 0, p_norm(5), 0.01, RecreateParameters(width), 0.0, seeded(1))[0]
+        for width in (1, 2, 3)
+    ]
     assert [tours.tour[u] for u in found] == [0, 0, 1]
 
 
@@ -179,7 +203,7 @@ def test_construction_and_recreation_book_what_they_build(seed):
     instance = random_instance(seed)
     near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours = rings.empty_tours(14, 3)
-    rebuilding.construct(both_ways(instance.cost), near, tours, seeded(seed))
+    rebuilding.construct(both_ways(instance.cost), near, tours, RecreateParameters(), seeded(seed))
     routes = rings.to_routes(tours)
     assert check_routes(instance, routes) == []
     assert tours.cost == pytest.approx(tour_costs(instance, routes))
@@ -189,21 +213,23 @@ def test_construction_where_all_costs_are_zero_or_huge():
     for scale in (0.0, 1e200):
         cost = Instance("flat", scale * (1.0 - np.eye(8)), 6, 2).cost
         tours = rings.empty_tours(6, 2)
-        rebuilding.construct(both_ways(cost), neighbours(both_ways(cost), 6, 5, 2), tours, seeded(0))
+        near = neighbours(both_ways(cost), 6, 5, 2)
+        rebuilding.construct(both_ways(cost), near, tours, RecreateParameters(), seeded(0))
         assert sorted(sum(rings.to_routes(tours), ())) == list(range(6))
 
 
 def test_growth_is_the_difference_of_powers():
     for p in (1, 2, 5, 12, 30):
         assert rebuilding.power(1.3, p) == pytest.approx(1.3**p)
-        assert rebuilding.growth(1.3, 0.4, p) == pytest.approx(1.7**p - 1.3**p)
+        assert rebuilding.growth(1.3, 0.4, p_norm(p), TIE) == pytest.approx(1.7**p - 1.3**p)
 
 
 def test_the_last_guide_prefers_a_long_detour_with_time_to_spare_to_the_least_growth_of_the_longest():
-    spare, longest = rebuilding.growth(0.5, 0.4, SHARP), rebuilding.growth(1.0, 1e-3, SHARP)
+    last, sharp = GUIDES[-1], p_norm(30)
+    spare, longest = rebuilding.growth(0.5, 0.4, last, TIE), rebuilding.growth(1.0, 1e-3, last, TIE)
     assert spare < longest
-    assert rebuilding.growth(0.5, 0.3, SHARP) < spare
-    assert rebuilding.growth(0.5, 0.4, 30) > rebuilding.growth(1.0, 1e-4, 30)
+    assert rebuilding.growth(0.5, 0.3, last, TIE) < spare
+    assert rebuilding.growth(0.5, 0.4, sharp, TIE) > rebuilding.growth(1.0, 1e-4, sharp, TIE)
 
 
 def test_shuffle_keeps_the_items_and_moves_them():
@@ -219,11 +245,13 @@ def test_undo_returns_to_the_tours_before_the_step():
     near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours = rings.from_routes(both_ways(instance.cost), routes)
     costs = tours.cost.copy()
-    gone, stood = np.empty(6, np.int32), np.empty(6, np.int32)
+    removed, behind = np.empty(6, np.int32), np.empty(6, np.int32)
     rng = seeded(5)
-    count = ruining.ruin_adjacent(both_ways(instance.cost), near.tasks, tours, rng, 6, gone, stood)
-    rebuilding.recreate(both_ways(instance.cost), near, tours, gone[:count].copy(), count, 5, 8, rng)
-    undo(both_ways(instance.cost), tours, count, gone, stood, costs)
+    count = ruining.remove_adjacent(both_ways(instance.cost), near.tasks, tours, rng, 6, removed, behind)
+    rebuilding.recreate(
+        both_ways(instance.cost), near, tours, removed[:count].copy(), count, p_norm(5), RecreateParameters(8), rng
+    )
+    undo(both_ways(instance.cost), tours, count, removed, behind, costs)
     assert rings.to_routes(tours) == routes
     assert tours.cost.tolist() == costs.tolist()
 
@@ -234,29 +262,31 @@ def test_annealing_keeps_its_best_and_its_books(seed):
     instance, routes = random_instance(seed), random_routes(seed)
     near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours, best, fittest = (rings.from_routes(both_ways(instance.cost), routes) for _ in range(3))
-    aim, habits = Aim(0.1, 9, 0.0, 0.9 * makespan(instance, routes)), Habits(6, 0.5, 0.3, 4)
-    anneal(both_ways(instance.cost), near, tours, best, fittest, seeded(seed), 300, 5.0, aim, habits)
+    objective, measure = Objective(p_norm(9), 0.1), excess(0.9 * makespan(instance, routes))
+    how = AnnealingParameters(removals=6, moves=0.3, guides=4)
+    anneal(both_ways(instance.cost), near, tours, best, fittest, seeded(seed), 300, 5.0, objective, measure, how)
     for each in (tours, best, fittest):
         found = rings.to_routes(each)
         assert check_routes(instance, found) == []
         assert each.cost == pytest.approx(tour_costs(instance, found))
     assert best.cost.max() <= min(tours.cost.max(), fittest.cost.max(), makespan(instance, routes)) * (1 + 1e-12)
-    assert fitness(fittest.cost, aim.known) <= min(fitness(each.cost, aim.known) for each in (tours, best)) + 1e-9
+    assert fitness(fittest.cost, measure) <= min(fitness(each.cost, measure) for each in (tours, best)) + 1e-9
 
 
 def test_energy_is_a_norm_plus_a_share_of_the_mean():
     lengths = np.array([3.0, 4.0])
-    assert energy(lengths, Aim(0.5, 2, 0.0)) == pytest.approx(5.0 + 0.5 * 3.5)
-    assert energy(np.zeros(2), Aim(0.5, 2, 0.0)) == 0.0
+    assert energy(lengths, Objective(p_norm(2), 0.5)) == pytest.approx(5.0 + 0.5 * 3.5)
+    assert energy(np.zeros(2), Objective(p_norm(2), 0.5)) == 0.0
 
 
 def test_in_the_end_energy_is_what_exceeds_the_cap_plus_a_share_of_the_mean():
     lengths = np.array([3.0, 4.0, 5.0])
-    assert energy(lengths, Aim(0.5, SHARP, 3.5)) == (0.5 + 1.5) + 0.5 * 4.0
-    assert energy(lengths, Aim(0.5, SHARP, 9.0)) == 0.5 * 4.0
+    assert energy(lengths, Objective(excess(3.5), 0.5)) == (0.5 + 1.5) + 0.5 * 4.0
+    assert energy(lengths, Objective(excess(9.0), 0.5)) == 0.5 * 4.0
 
 
-COARSE, FINE = (cooling.Manner(cooling.HOT, 8.0, ending) for ending in (cooling.COARSE, cooling.FINE))
+SCHEDULE = ScheduleParameters()
+COARSE, FINE = (Schedule(SCHEDULE.founder, 8.0, final) for final in (SCHEDULE.final, SEVERAL_DEPOTS.fine))
 
 
 def legs(count: int) -> rings.Tours:
@@ -266,84 +296,88 @@ def legs(count: int) -> rings.Tours:
     return tours
 
 
+def objective_at(done, schedule, count):
+    return schedule.at(done, legs(count), 90.0, SCHEDULE)[1]
+
+
 def test_the_norm_sharpens_as_the_temperature_falls_and_in_the_end_a_cap_counts():
-    aims = [cooling.cool(legs(1000), 90.0, done, COARSE)[1] for done in (0.0, 0.4, 1.0)]
-    assert [aim.p for aim in aims] == [178, SHARP - 1, SHARP]
-    assert [cooling.cool(legs(10), 90.0, 0.4, COARSE._replace(soft=soft))[1].p for soft in (8.0, 2.0)] == [24, 98]
-    assert {aim.cap for aim in aims} == {90.0 * (1.0 - cooling.COARSE.under)}
-    assert cooling.cool(legs(1000), 90.0, 1.0, FINE)[1].cap == 90.0 * (1.0 - cooling.FINE.under)
-    assert [aims[0].evenness, aims[2].evenness] == pytest.approx([cooling.EVEN, cooling.PEAKED])
+    start, middle, end = (objective_at(done, COARSE, 1000) for done in (0.0, 0.4, 1.0))
+    assert [start.measure, middle.measure] == [p_norm(178), p_norm(SCHEDULE.largest_p)]
+    assert end.measure == excess(90.0 * (1.0 - SCHEDULE.final.margin))
+    assert objective_at(1.0, FINE, 1000).measure == excess(90.0 * (1.0 - SEVERAL_DEPOTS.fine.margin))
+    softened = [replace(COARSE, softness=softness) for softness in SCHEDULE.softness]
+    assert [objective_at(0.4, schedule, 10).measure.p for schedule in softened] == [24, 98]
+    assert (start.mean_weight, end.mean_weight) == pytest.approx(SCHEDULE.mean_weight)
 
 
 def test_the_last_temperature_is_low_in_mean_legs_and_in_longest_tours():
-    for count, manner, last in (
-        (1000, COARSE, cooling.COLD * 0.1),
-        (10, COARSE, cooling.COARSE.last * 100.0),
-        (10, FINE, cooling.FINE.last * 100.0),
+    for count, schedule, last in (
+        (1000, COARSE, SCHEDULE.last * 0.1),
+        (10, COARSE, SCHEDULE.final.last * 100.0),
+        (10, FINE, SEVERAL_DEPOTS.fine.last * 100.0),
     ):
-        hot, cold = (cooling.cool(legs(count), 90.0, done, manner)[0] for done in (0.0, 1.0))
-        assert hot == pytest.approx(cooling.HOT * 100.0 / count)
+        hot, cold = (schedule.at(done, legs(count), 90.0, SCHEDULE)[0] for done in (0.0, 1.0))
+        assert hot == pytest.approx(SCHEDULE.founder * 100.0 / count)
         assert cold == pytest.approx(last)
 
 
-def test_annealings_are_fine_the_more_often_the_longer_nothing_new_was_found_and_when_packing_begin_low():
+@pytest.mark.parametrize(("strategy", "first", "most"), [(SEVERAL_DEPOTS, SCHEDULE.child, 400), (ONE_SITE, 0.05, 300)])
+def test_annealings_are_fine_the_more_often_the_longer_nothing_new_was_found_and_at_one_site_begin_low(
+    strategy, first, most
+):
     rng = seeded(4)
-    for packing, ending, first, most in (
-        (False, cooling.FINE, cooling.WARM, 400),
-        (True, cooling.PACKED, cooling.LOW, 300),
-    ):
-        drawn = [
-            [cooling.draw_manner(cooling.WARM, stale, packing, rng) for _ in range(400)] for stale in (0.0, 0.5, 9.0)
-        ]
-        fine = [sum(manner.ending == ending for manner in manners) for manners in drawn]
-        assert fine[0] == 0
-        assert 160 < fine[1] < 240 < fine[2] <= most
-        for manner in chain(*drawn):
-            assert manner in [
-                cooling.Manner(*each)
-                for soft in cooling.SOFT
-                for each in ((cooling.WARM, soft, cooling.COARSE), (first, soft, ending))
-            ]
+    drawn = [
+        [strategy.draw_schedule(SCHEDULE.child, stale, SCHEDULE, rng) for _ in range(400)] for stale in (0.0, 0.5, 9.0)
+    ]
+    fine = [sum(schedule.final == strategy.fine for schedule in schedules) for schedules in drawn]
+    assert fine[0] == 0
+    assert 160 < fine[1] < 240 < fine[2] <= most
+    for schedule in chain(*drawn):
+        assert schedule.softness in SCHEDULE.softness
+        assert (schedule.first, schedule.final) in [(SCHEDULE.child, SCHEDULE.final), (first, strategy.fine)]
 
 
-def test_stirrings_come_the_more_often_the_longer_nothing_new_was_found_and_begin_gently():
+def test_reheatings_come_the_more_often_the_longer_nothing_new_was_found_and_begin_gently():
     rng = seeded(6)
-    drawn = [[cooling.draw_stirring(stale, rng) for _ in range(400)] for stale in (0.0, 0.4, 9.0)]
-    none, some, most = (sum(manner is not None for manner in manners) for manners in drawn)
+    drawn = [[ONE_SITE.draw_reheating(stale, SCHEDULE, rng) for _ in range(400)] for stale in (0.0, 0.4, 9.0)]
+    none, some, most = (sum(schedule is not None for schedule in schedules) for schedules in drawn)
     assert none == 0
     assert 50 < some < 110 < 130 < most < 190
-    for manner in chain(*drawn):
-        assert manner is None or manner in [cooling.Manner(cooling.GENTLE, s, cooling.PACKED) for s in cooling.SOFT]
+    gentle = [Schedule(ONE_SITE.reheating.first, softness, ONE_SITE.fine) for softness in SCHEDULE.softness]
+    assert all(schedule is None or schedule in gentle for schedule in chain(*drawn))
+    assert SEVERAL_DEPOTS.draw_reheating(9.0, SCHEDULE, rng) is None
 
 
-def test_tours_that_cost_nothing_have_a_temperature_and_an_aim():
-    temperature, aim = cooling.cool(rings.empty_tours(3, 2), 0.0, 0.5, COARSE)
+def test_tours_that_cost_nothing_have_a_temperature_and_an_objective():
+    temperature, objective = COARSE.at(0.5, rings.empty_tours(3, 2), 0.0, SCHEDULE)
     assert 0.0 <= temperature < 1e-9
-    assert aim.cap == 0.0
+    assert objective.measure.cap == 0.0
 
 
 def test_of_two_with_the_same_longest_tour_the_one_with_fewer_long_ones_is_fitter():
-    for known in (0.0, 9.0):
-        assert fitness(np.array([10.0, 9.9, 5.0]), known) < fitness(np.array([10.0, 10.0, 1.0]), known)
+    for measure in (p_norm(128), excess(9.0)):
+        assert fitness(np.array([10.0, 9.9, 5.0]), measure) < fitness(np.array([10.0, 10.0, 1.0]), measure)
 
 
 def test_many_tours_nearly_as_long_as_the_longest_known_are_no_fault():
     even, uneven = np.array([10.0, 10.0, 10.0]), np.array([10.05, 8.0, 8.0])
-    assert fitness(even, 10.0) < fitness(uneven, 10.0)
-    assert fitness(even, 0.0) > fitness(uneven, 0.0)
+    assert fitness(even, excess(10.0)) < fitness(uneven, excess(10.0))
+    assert fitness(even, p_norm(128)) > fitness(uneven, p_norm(128))
 
 
 def test_tours_that_beat_the_best_known_are_the_fitter_the_more_they_do():
-    better, good, known = (fitness(np.array(lengths), 10.0) for lengths in ([9.0, 9.0], [9.5, 1.0], [10.0, 1.0]))
+    better, good, known = (
+        fitness(np.array(lengths), excess(10.0)) for lengths in ([9.0, 9.0], [9.5, 1.0], [10.0, 1.0])
+    )
     assert better < good < known
 
 
-@given(st.lists(st.floats(0.0, 1e4), min_size=2, max_size=6), st.integers(0, 9), st.sampled_from((2, 7, 64, SHARP)))
+@given(st.lists(st.floats(0.0, 1e4), min_size=2, max_size=6), st.integers(0, 9), st.sampled_from((2, 7, 64, "excess")))
 @settings(deadline=None, max_examples=60)
-def test_stakes_and_two_lengths_make_the_energy(lengths, pick, p):
+def test_a_partial_energy_and_two_lengths_make_the_energy(lengths, pick, p):
     tours = rings.empty_tours(0, len(lengths))
     tours.cost[:] = lengths
     a, b = pick % len(lengths), (pick + 1) % len(lengths)
-    aim = Aim(0.3, p, 0.6 * max(lengths))
-    stakes = stakes_without(tours, a, b, aim)
-    assert energy_with(stakes, lengths[a], lengths[b]) == pytest.approx(energy(tours.cost, aim), rel=1e-12, abs=1e-12)
+    objective = Objective(excess(0.6 * max(lengths)) if p == "excess" else p_norm(p), 0.3)
+    partial, whole = energy_without(tours, a, b, objective), energy(tours.cost, objective)
+    assert energy_with(partial, lengths[a], lengths[b]) == pytest.approx(whole, rel=1e-12, abs=1e-12)

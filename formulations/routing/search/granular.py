@@ -1,4 +1,4 @@
-"""Who is near whom: every task's nearest tasks and nearest depots (granular neighbourhoods, Toth & Vigo 2003).
+"""Granular neighbourhood (Toth & Vigo 2003): every task's nearest tasks and nearest depots, all that a move looks at.
 
 Near means a small min(c_ij, c_ji): under wind the cheap direction is the one a good tour uses.
 """
@@ -14,11 +14,19 @@ from numpy.typing import NDArray
 from formulations.routing.search.costs import Costs
 from instances.arrays import Floats
 
-NEAR_TASKS, NEAR_DEPOTS = 20, 128
-"""Lengths of the lists, where there are as many."""
+
+class NeighbourhoodParameters(NamedTuple):
+    """Lengths of the lists, where there are as many.
+
+    tasks: as many as the widest recreation and the largest removal see (strategy.py, annealing.py).
+    depots: so many that a UAV far away may still be drawn (recreate.py) and the lists of 5000 tasks take 3 MB.
+    """
+
+    tasks: int = 20
+    depots: int = 128
 
 
-class Neighbours(NamedTuple):
+class GranularNeighbourhood(NamedTuple):
     """tasks (n, k) and depots (n, d): node numbers, nearest first."""
 
     tasks: NDArray[np.int32]
@@ -48,13 +56,13 @@ def keep_nearest(there: Floats, back: Floats, v: int, first: int, out: NDArray[n
 
 
 @njit(cache=True, nogil=True)
-def neighbours(costs: Costs, n_tasks: int, k: int, d: int) -> Neighbours:
-    """Return the k nearest tasks and d nearest depots of every task (fewer where there are fewer)."""
+def granular_neighbourhood(costs: Costs, n_tasks: int, parameters: NeighbourhoodParameters) -> GranularNeighbourhood:
+    """Return the nearest tasks and nearest depots of every task."""
     n_depots = costs.out.shape[0] - n_tasks
-    tasks = np.empty((n_tasks, min(k, n_tasks - 1)), np.int32)
-    depots = np.empty((n_tasks, min(d, n_depots)), np.int32)
+    tasks = np.empty((n_tasks, min(parameters.tasks, n_tasks - 1)), np.int32)
+    depots = np.empty((n_tasks, min(parameters.depots, n_depots)), np.int32)
     for v in range(n_tasks):
         there, back = costs.out[v], costs.into[v]
         keep_nearest(there[:n_tasks], back[:n_tasks], v, 0, tasks[v])
         keep_nearest(there[n_tasks:], back[n_tasks:], v, n_tasks, depots[v])
-    return Neighbours(tasks, depots)
+    return GranularNeighbourhood(tasks, depots)

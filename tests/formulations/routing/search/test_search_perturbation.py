@@ -1,15 +1,16 @@
-"""Relief: a UAV leaves its tasks and takes over a piece of a long tour; against naive twins on asymmetric costs."""
+"""Perturbation: a UAV leaves its tasks and takes over a segment of a long tour, against naive twins on random costs."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from formulations.routing.search import relief
+from formulations.routing.search import perturbation
 from formulations.routing.search import tours as rings
 from formulations.routing.search.costs import both_ways
-from formulations.routing.search.neighbours import neighbours
+from formulations.routing.search.granular import NeighbourhoodParameters, granular_neighbourhood
 from formulations.routing.search.randomness import seeded
+from formulations.routing.search.recreate import RecreateParameters
 from instances import check_routes, tour_costs
 
 N, M = 14, 4
@@ -18,38 +19,38 @@ seeds = st.integers(0, 10**6)
 
 @given(seed=seeds)
 @settings(deadline=None, max_examples=40)
-def test_the_reliever_can_get_there_and_the_task_is_not_its_own(random_case, seed):
+def test_the_relocated_uav_can_get_there_and_the_task_is_not_its_own(random_case, seed):
     instance, routes = random_case(seed, N, M)
     costs = both_ways(instance.cost)
     tours = rings.from_routes(costs, routes)
-    h, v = relief.reliever(costs, tours, seeded(seed))
+    h, v = perturbation.draw_relocation(costs, tours, 50, seeded(seed))
     if h >= 0:
         assert v not in routes[h]
         assert instance.cost[N + h, v] + instance.cost[v, N + h] < tour_costs(instance, routes).max()
 
 
-def test_nobody_relieves_the_only_uav(random_case):
+def test_the_only_uav_is_not_relocated(random_case):
     instance, routes = random_case(3, N, 1)
     costs = both_ways(instance.cost)
-    assert relief.reliever(costs, rings.from_routes(costs, routes), seeded(1)) == (-1, -1)
+    assert perturbation.draw_relocation(costs, rings.from_routes(costs, routes), 50, seeded(1)) == (-1, -1)
 
 
 @given(seed=seeds)
 @settings(deadline=None, max_examples=40)
-def test_clearing_and_taking_over_a_piece(random_case, seed):
+def test_clearing_and_relocating_to_a_segment(random_case, seed):
     instance, routes = random_case(seed, N, M)
     costs = both_ways(instance.cost)
     rng = np.random.default_rng(seed + 1)
     tours = rings.from_routes(costs, routes)
     h = int(rng.integers(M))
-    homeless = np.empty(N, np.int32)
-    count = rings.clear(costs, tours, h, homeless)
-    assert tuple(homeless[:count].tolist()) == routes[h]
+    removed = np.empty(N, np.int32)
+    count = rings.clear(costs, tours, h, removed)
+    assert tuple(removed[:count].tolist()) == routes[h]
     others = [v for k in range(M) if k != h for v in routes[k]]
     if not others:
         return
     v, limit = int(rng.choice(others)), float(rng.uniform(50, 400))
-    relief.take_over(costs, tours, h, v, limit)
+    perturbation.relocate(costs, tours, h, v, limit)
     k = next(k for k in range(M) if v in routes[k])
     at = routes[k].index(v)
     length = 1
@@ -68,11 +69,13 @@ def test_clearing_and_taking_over_a_piece(random_case, seed):
 
 @given(seed=seeds)
 @settings(deadline=None, max_examples=30)
-def test_relief_keeps_every_task_and_its_books(random_case, seed):
+def test_a_perturbation_keeps_every_task_and_its_books(random_case, seed):
     instance, routes = random_case(seed, N, M)
     costs = both_ways(instance.cost)
     tours = rings.from_routes(costs, routes)
-    relief.relieve(costs, neighbours(costs, N, 8, M), tours, seeded(seed))
+    near = granular_neighbourhood(costs, N, NeighbourhoodParameters(8, M))
+    how = perturbation.PerturbationParameters()
+    perturbation.perturb(costs, near, tours, how, RecreateParameters(), seeded(seed))
     found = rings.to_routes(tours)
     assert check_routes(instance, found) == []
     assert tours.cost == pytest.approx(tour_costs(instance, found))

@@ -1,26 +1,38 @@
-"""Pace: how far a search is on its way to its limit, and how many steps to take before looking at the clock again."""
+"""Budget: how far a search is on its way to its limit, and how many steps to take before looking at the clock again."""
 
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 
 from formulations.routing.recorder import Recorder
 
-_SLICE = 0.02
-"""Seconds between two looks at the clock."""
-_STEPS = 1000
-"""Steps between two looks where the iteration limit sets the schedule."""
 
+@dataclass(frozen=True)
+class BudgetParameters:
+    """How often a search looks at its limits.
 
-class Pace:
-    """The schedule of one search under a recorder's limits.
-
-    Where an iteration limit is given the schedule counts iterations only, so that a run is repeatable; the time limit
-    then merely stops it. Otherwise it follows the clock.
+    seconds: between two looks at the clock: a tenth of what a limit may be overrun by (0.2 s, tests/benchmarks).
+    steps: between two looks where the iteration limit sets the schedule.
+    level: steps at one temperature, at most: the shortest annealing of a population, of 10 000, has forty levels.
+    probe: share of the limit after which the speed is known well enough to plan a population.
     """
 
-    def __init__(self, recorder: Recorder) -> None:
-        self._recorder = recorder
+    seconds: float = 0.02
+    steps: int = 1000
+    level: int = 250
+    probe: float = 0.01
+
+
+class Budget:
+    """What one search may use under a recorder's limits.
+
+    Where an iteration limit is given it counts iterations only, so that a run is repeatable; the time limit then merely
+    stops it. Otherwise it follows the clock.
+    """
+
+    def __init__(self, recorder: Recorder, parameters: BudgetParameters) -> None:
+        self._recorder, self._parameters = recorder, parameters
         self._rate = 1000.0
         self._began = time.perf_counter()
         self.iterations = 0
@@ -52,8 +64,8 @@ class Pace:
         self._began = time.perf_counter()
         limit = self._recorder.limits.iterations
         if limit is not None:
-            return max(1, min(_STEPS, most, limit - self.iterations))
-        return max(1, min(most, int(self._rate * min(_SLICE, self._recorder.remaining))))
+            return max(1, min(self._parameters.steps, most, limit - self.iterations))
+        return max(1, min(most, int(self._rate * min(self._parameters.seconds, self._recorder.remaining))))
 
     def took(self, steps: int) -> None:
         """Say that `steps` steps were taken since `next_steps`."""

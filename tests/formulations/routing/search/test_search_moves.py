@@ -1,15 +1,15 @@
-"""Moves that cut long pieces, each against a naive twin that recomputes the tours, on random asymmetric costs."""
+"""Moves of long segments, each against a naive twin that recomputes the tours, on random asymmetric costs."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from formulations.routing.search import cuts, strips
+from formulations.routing.search import concatenation, moves
 from formulations.routing.search import tours as rings
 from formulations.routing.search.costs import both_ways
-from formulations.routing.search.energy import SHARP, Aim, energy
-from formulations.routing.search.neighbours import neighbours
+from formulations.routing.search.energy import Objective, energy, excess, p_norm
+from formulations.routing.search.granular import NeighbourhoodParameters, granular_neighbourhood
 from formulations.routing.search.randomness import seeded
 from instances import Instance, check_routes, tour_costs
 
@@ -30,10 +30,10 @@ class Table:
         self.routes = [tuple(r) for r in routes]
         self.costs = both_ways(self.instance.cost)
         self.tours = rings.from_routes(self.costs, tuple(self.routes))
-        self.bench = cuts.blank_bench(N)
+        self.workspace = moves.empty_workspace(N)
         self.k_a, self.k_b = (int(k) for k in rng.permutation(M)[:2])
-        strips.lay_out(self.tours, self.k_a, self.bench.a, self.bench.position)
-        strips.lay_out(self.tours, self.k_b, self.bench.b, self.bench.position)
+        concatenation.read_tour(self.tours, self.k_a, self.workspace.a, self.workspace.position)
+        concatenation.read_tour(self.tours, self.k_b, self.workspace.b, self.workspace.position)
         self.rng = rng
 
     def pick(self, low, high):
@@ -63,26 +63,26 @@ seeds = st.integers(0, 10**6)
 @settings(deadline=None, max_examples=60)
 def test_prefix_sums_are_the_costs_of_flying_there_and_back(seed):
     table = Table(seed)
-    a, cost, stops = table.bench.a, table.instance.cost, [N + table.k_a, *table.routes[table.k_a], N + table.k_a]
+    a, cost, stops = table.workspace.a, table.instance.cost, [N + table.k_a, *table.routes[table.k_a], N + table.k_a]
     assert a.shape.tolist() == [table.k_a, len(stops) - 2]
     assert a.nodes[: len(stops)].tolist() == stops
     for i in range(len(stops)):
         assert a.forward[i] == pytest.approx(sum(cost[stops[q], stops[q + 1]] for q in range(i)))
         assert a.backward[i] == pytest.approx(sum(cost[stops[q + 1], stops[q]] for q in range(i)))
-    assert all(table.bench.position[v] == i for i, v in enumerate(stops[1:-1], 1))
+    assert all(table.workspace.position[v] == i for i, v in enumerate(stops[1:-1], 1))
 
 
 @given(seeds)
 @settings(deadline=None, max_examples=60)
-def test_reversal(seed):
+def test_two_opt(seed):
     table = Table(seed)
     route = table.routes[table.k_a]
     if not route:
         return
     i = table.pick(1, len(route))
     j = table.pick(i, len(route))
-    cost_a = table.tours.cost[table.k_a] + strips.reversal_change(table.costs, table.bench.a, i, j)
-    strips.reversal(table.costs, table.tours, table.bench.a, i, j)
+    cost_a = table.tours.cost[table.k_a] + concatenation.two_opt_change(table.costs, table.workspace.a, i, j)
+    concatenation.two_opt(table.costs, table.tours, table.workspace.a, i, j)
     turned = (*route[: i - 1], *route[i - 1 : j][::-1], *route[j:])
     table.check(turned, table.routes[table.k_b], cost_a, table.tours.cost[table.k_b])
 
@@ -90,15 +90,15 @@ def test_reversal(seed):
 @pytest.mark.parametrize("turned", [False, True])
 @given(seed=seeds)
 @settings(deadline=None, max_examples=60)
-def test_segment_to_another_tour(turned, seed):
+def test_or_opt_to_another_tour(turned, seed):
     table = Table(seed)
     a, b = table.routes[table.k_a], table.routes[table.k_b]
     if not a:
         return
     i = table.pick(1, len(a))
     j, q = table.pick(i, len(a)), table.pick(0, len(b))
-    out, into = strips.segment_changes(table.costs, table.bench.a, i, j, table.bench.b, q, turned)
-    strips.segment(table.costs, table.tours, table.bench.a, i, j, table.bench.b, q, turned)
+    out, into = concatenation.or_opt_changes(table.costs, table.workspace.a, i, j, table.workspace.b, q, turned)
+    concatenation.or_opt(table.costs, table.tours, table.workspace.a, i, j, table.workspace.b, q, turned)
     piece = a[i - 1 : j][::-1] if turned else a[i - 1 : j]
     costs = table.tours.cost
     table.check((*a[: i - 1], *a[j:]), (*b[:q], *piece, *b[q:]), costs[table.k_a] + out, costs[table.k_b] + into)
@@ -107,7 +107,7 @@ def test_segment_to_another_tour(turned, seed):
 @pytest.mark.parametrize("turned", [False, True])
 @given(seed=seeds)
 @settings(deadline=None, max_examples=60)
-def test_segment_inside_a_tour(turned, seed):
+def test_or_opt_inside_a_tour(turned, seed):
     table = Table(seed)
     a = table.routes[table.k_a]
     if len(a) < 2:
@@ -118,8 +118,8 @@ def test_segment_inside_a_tour(turned, seed):
     if not places:
         return
     q = places[table.pick(0, len(places) - 1)]
-    out, into = strips.segment_changes(table.costs, table.bench.a, i, j, table.bench.a, q, turned)
-    strips.segment(table.costs, table.tours, table.bench.a, i, j, table.bench.a, q, turned)
+    out, into = concatenation.or_opt_changes(table.costs, table.workspace.a, i, j, table.workspace.a, q, turned)
+    concatenation.or_opt(table.costs, table.tours, table.workspace.a, i, j, table.workspace.a, q, turned)
     piece = a[i - 1 : j][::-1] if turned else a[i - 1 : j]
     moved = (*a[:q], *piece, *a[q : i - 1], *a[j:]) if q < i else (*a[: i - 1], *a[j:q], *piece, *a[q:])
     costs = table.tours.cost
@@ -128,40 +128,41 @@ def test_segment_inside_a_tour(turned, seed):
 
 @given(seeds)
 @settings(deadline=None, max_examples=80)
-def test_tails(seed):
+def test_two_opt_star(seed):
     table = Table(seed)
     a, b = table.routes[table.k_a], table.routes[table.k_b]
     i, j = table.pick(0, len(a)), table.pick(1, len(b) + 1)
-    cost_a, cost_b = strips.tails_costs(table.costs, table.bench.a, i, table.bench.b, j)
-    strips.tails(table.costs, table.tours, table.bench.a, i, table.bench.b, j)
+    cost_a, cost_b = concatenation.two_opt_star_costs(table.costs, table.workspace.a, i, table.workspace.b, j)
+    concatenation.two_opt_star(table.costs, table.tours, table.workspace.a, i, table.workspace.b, j)
     table.check((*a[:i], *b[j - 1 :]), (*b[: j - 1], *a[i:]), cost_a, cost_b)
 
 
 @given(seeds)
 @settings(deadline=None, max_examples=80)
-def test_heads(seed):
+def test_reversed_two_opt_star(seed):
     table = Table(seed)
     a, b = table.routes[table.k_a], table.routes[table.k_b]
     i, j = table.pick(0, len(a)), table.pick(0, len(b))
-    cost_a, cost_b = strips.heads_costs(table.costs, table.bench.a, i, table.bench.b, j)
-    strips.heads(table.costs, table.tours, table.bench.a, i, table.bench.b, j)
+    cost_a, cost_b = concatenation.reversed_two_opt_star_costs(table.costs, table.workspace.a, i, table.workspace.b, j)
+    concatenation.reversed_two_opt_star(table.costs, table.tours, table.workspace.a, i, table.workspace.b, j)
     table.check((*a[:i], *b[:j][::-1]), (*a[i:][::-1], *b[j:]), cost_a, cost_b)
 
 
-@pytest.mark.parametrize("p", [4, SHARP])
+@pytest.mark.parametrize("by", ["norm", "excess"])
 @given(seed=seeds)
 @settings(deadline=None, max_examples=40)
-def test_cut_keeps_the_books_and_the_threshold(seed, p):
+def test_a_move_keeps_the_books_and_the_threshold(seed, by):
     table = Table(seed)
-    near = neighbours(both_ways(table.instance.cost), N, 8, M)
+    near = granular_neighbourhood(table.costs, N, NeighbourhoodParameters(8, M))
     rng, tours = seeded(seed), table.tours
-    aim = Aim(0.1, p, 0.8 * tours.cost.max())
-    now = energy(tours.cost, aim)
+    objective = Objective(p_norm(4) if by == "norm" else excess(0.8 * tours.cost.max()), 0.1)
+    how = moves.MoveParameters()
+    now = energy(tours.cost, objective)
     for _ in range(20):
-        then = cuts.cut(table.costs, near.tasks, tours, table.bench, rng, now, 1e-9, aim)
+        then = moves.move(table.costs, near.tasks, tours, table.workspace, rng, now, 1e-8, objective, how)
         routes = rings.to_routes(tours)
         assert check_routes(table.instance, routes) == []
         assert tours.cost == pytest.approx(tour_costs(table.instance, routes))
-        assert then == pytest.approx(energy(tours.cost, aim))
+        assert then == pytest.approx(energy(tours.cost, objective))
         assert then <= now + 1e-6
         now = then

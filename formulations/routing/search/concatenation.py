@@ -1,9 +1,10 @@
-"""Strips: one or two tours laid out in flying order with prefix sums, for moves that cut long pieces.
+"""Moves as concatenations of segments, priced in constant time (Kindervater & Savelsbergh 1997; Vidal et al. 2014).
 
 With forward[i] the cost of flying from the depot to position i and backward[i] that of flying the same way back, any
-piece of a tour has a known cost in both directions, so a reversal is priced in constant time under asymmetric costs.
+segment of a tour has a known cost in both directions, so a reversal is priced in constant time under asymmetric costs.
 Positions run from 0 (depot) over 1..L (tasks) to L+1 (the depot again).
-Every `..._change` or `..._costs` function prices one move; the function of the same name without it makes the move.
+Every `..._change`, `..._changes` or `..._costs` function prices one move; the function of the same name without it
+makes the move.
 """
 
 from __future__ import annotations
@@ -19,9 +20,12 @@ from formulations.routing.search.tours import Tours, join
 from instances.arrays import Floats, Ints
 
 
-class Strip(NamedTuple):
-    """nodes (n+2,): the tour's nodes by position; forward, backward (n+2,): prefix sums [s];
-    shape (2,): tour number k and its number of tasks L."""
+class Segments(NamedTuple):
+    """A tour from which the cost of any segment is known.
+
+    nodes (n+2,): the tour's nodes by position; forward, backward (n+2,): prefix sums [s];
+    shape (2,): tour number k and its number of tasks L.
+    """
 
     nodes: NDArray[np.int32]
     forward: Floats
@@ -30,37 +34,39 @@ class Strip(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def blank_strip(n_tasks: int) -> Strip:
+def empty_segments(n_tasks: int) -> Segments:
     """Return room for a tour of up to n_tasks tasks."""
-    return Strip(np.empty(n_tasks + 2, np.int32), np.empty(n_tasks + 2), np.empty(n_tasks + 2), np.zeros(2, np.int64))
+    return Segments(
+        np.empty(n_tasks + 2, np.int32), np.empty(n_tasks + 2), np.empty(n_tasks + 2), np.zeros(2, np.int64)
+    )
 
 
 @njit(cache=True, nogil=True)
-def lay_out(tours: Tours, k: int, strip: Strip, position: Ints) -> None:
-    """Write tour k to `strip` and each of its tasks' place to `position`."""
+def read_tour(tours: Tours, k: int, segments: Segments, position: Ints) -> None:
+    """Write tour k to `segments` and each of its tasks' place to `position`."""
     depot = tours.after.size - tours.cost.size + k
     u, i = depot, 0
-    strip.nodes[0] = depot
-    strip.forward[0] = 0.0
-    strip.backward[0] = 0.0
+    segments.nodes[0] = depot
+    segments.forward[0] = 0.0
+    segments.backward[0] = 0.0
     while True:
         w = tours.after[u]
         i += 1
-        strip.nodes[i] = w
-        strip.forward[i] = strip.forward[i - 1] + tours.arc[u]
-        strip.backward[i] = strip.backward[i - 1] + tours.back[u]
+        segments.nodes[i] = w
+        segments.forward[i] = segments.forward[i - 1] + tours.arc[u]
+        segments.backward[i] = segments.backward[i - 1] + tours.back[u]
         if w == depot:
             break
         position[w] = i
         u = w
-    strip.shape[0] = k
-    strip.shape[1] = i - 1
+    segments.shape[0] = k
+    segments.shape[1] = i - 1
 
 
 @njit(cache=True, nogil=True)
-def _flip(tours: Tours, strip: Strip, i: int, j: int) -> None:
+def _flip(tours: Tours, segments: Segments, i: int, j: int) -> None:
     """Turn the links between positions i..j round; the links to either side are the caller's business."""
-    nodes = strip.nodes
+    nodes = segments.nodes
     for q in range(j - 1, i - 1, -1):
         u, w = nodes[q + 1], nodes[q]
         arc, back = tours.arc[w], tours.back[w]
@@ -71,14 +77,14 @@ def _flip(tours: Tours, strip: Strip, i: int, j: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _relabel(tours: Tours, strip: Strip, i: int, j: int, k: int) -> None:
+def _relabel(tours: Tours, segments: Segments, i: int, j: int, k: int) -> None:
     """Book the tasks at positions i..j on tour k."""
     for q in range(i, j + 1):
-        tours.tour[strip.nodes[q]] = k
+        tours.tour[segments.nodes[q]] = k
 
 
 @njit(cache=True, nogil=True)
-def reversal_change(costs: Costs, a: Strip, i: int, j: int) -> float:
+def two_opt_change(costs: Costs, a: Segments, i: int, j: int) -> float:
     """Return the change of the tour's cost [s] if its tasks at positions i..j were flown in reverse, 1 ≤ i ≤ j ≤ L."""
     u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
     before = a.forward[j + 1] - a.forward[i - 1]
@@ -86,7 +92,7 @@ def reversal_change(costs: Costs, a: Strip, i: int, j: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def reversal(costs: Costs, tours: Tours, a: Strip, i: int, j: int) -> None:
+def two_opt(costs: Costs, tours: Tours, a: Segments, i: int, j: int) -> None:
     """Fly positions i..j in reverse."""
     u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
     _flip(tours, a, i, j)
@@ -95,7 +101,7 @@ def reversal(costs: Costs, tours: Tours, a: Strip, i: int, j: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def segment_changes(costs: Costs, a: Strip, i: int, j: int, b: Strip, q: int, turned: bool) -> tuple[float, float]:
+def or_opt_changes(costs: Costs, a: Segments, i: int, j: int, b: Segments, q: int, turned: bool) -> tuple[float, float]:
     """Return the changes of tours a and b [s] if a's positions i..j moved behind b's position q, perhaps reversed.
 
     b may be a itself, then q is not in i−1..j and the change of the tour is the sum of both.
@@ -111,7 +117,7 @@ def segment_changes(costs: Costs, a: Strip, i: int, j: int, b: Strip, q: int, tu
 
 
 @njit(cache=True, nogil=True)
-def segment(costs: Costs, tours: Tours, a: Strip, i: int, j: int, b: Strip, q: int, turned: bool) -> None:
+def or_opt(costs: Costs, tours: Tours, a: Segments, i: int, j: int, b: Segments, q: int, turned: bool) -> None:
     """Move a's positions i..j behind b's position q, perhaps reversed."""
     u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
     if turned:
@@ -127,13 +133,13 @@ def segment(costs: Costs, tours: Tours, a: Strip, i: int, j: int, b: Strip, q: i
 
 
 @njit(cache=True, nogil=True)
-def tails_costs(costs: Costs, a: Strip, i: int, b: Strip, j: int) -> tuple[float, float]:
+def two_opt_star_costs(costs: Costs, a: Segments, i: int, b: Segments, j: int) -> tuple[float, float]:
     """Return the costs [s] of tours a[..i] b[j..] and b[..j−1] a[i+1..], 0 ≤ i ≤ L_a, 1 ≤ j ≤ L_b + 1."""
     return _head_and_tail(costs, a, i, b, j), _head_and_tail(costs, b, j - 1, a, i + 1)
 
 
 @njit(cache=True, nogil=True)
-def _head_and_tail(costs: Costs, a: Strip, i: int, b: Strip, j: int) -> float:
+def _head_and_tail(costs: Costs, a: Segments, i: int, b: Segments, j: int) -> float:
     depot, last = a.nodes[0], b.shape[1]
     if j > last:
         return a.forward[i] + costs.out[a.nodes[i], depot]
@@ -142,7 +148,7 @@ def _head_and_tail(costs: Costs, a: Strip, i: int, b: Strip, j: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def tails(costs: Costs, tours: Tours, a: Strip, i: int, b: Strip, j: int) -> None:
+def two_opt_star(costs: Costs, tours: Tours, a: Segments, i: int, b: Segments, j: int) -> None:
     """Exchange the tails behind a's position i and from b's position j on."""
     k_a, n_a, k_b, n_b = a.shape[0], a.shape[1], b.shape[0], b.shape[1]
     depot_a, depot_b = a.nodes[0], b.nodes[0]
@@ -159,7 +165,7 @@ def tails(costs: Costs, tours: Tours, a: Strip, i: int, b: Strip, j: int) -> Non
 
 
 @njit(cache=True, nogil=True)
-def heads_costs(costs: Costs, a: Strip, i: int, b: Strip, j: int) -> tuple[float, float]:
+def reversed_two_opt_star_costs(costs: Costs, a: Segments, i: int, b: Segments, j: int) -> tuple[float, float]:
     """Return the costs [s] of tours a[..i] b[j..1] and a[L..i+1] b[j+1..], 0 ≤ i ≤ L_a, 0 ≤ j ≤ L_b."""
     n_a, n_b, depot_a, depot_b = a.shape[1], b.shape[1], a.nodes[0], b.nodes[0]
     cost_a = a.forward[i]
@@ -178,7 +184,7 @@ def heads_costs(costs: Costs, a: Strip, i: int, b: Strip, j: int) -> tuple[float
 
 
 @njit(cache=True, nogil=True)
-def heads(costs: Costs, tours: Tours, a: Strip, i: int, b: Strip, j: int) -> None:
+def reversed_two_opt_star(costs: Costs, tours: Tours, a: Segments, i: int, b: Segments, j: int) -> None:
     """Exchange a's tail behind position i and b's head up to position j, both reversed."""
     k_a, n_a, k_b, n_b = a.shape[0], a.shape[1], b.shape[0], b.shape[1]
     depot_a, depot_b = a.nodes[0], b.nodes[0]

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
-from formulations.routing.search import order
+from formulations.routing.search import local_search
 from formulations.routing.search import tours as rings
 from formulations.routing.search.costs import both_ways
 from formulations.routing.search.intensify import intensify
@@ -15,15 +15,16 @@ from formulations.routing.subset_dp import SubsetDp
 from instances import tour_costs
 
 L = 11
+HOW = local_search.LocalSearchParameters()
 seeds = st.integers(0, 10**6)
 
 
-def random_round(seed):
-    """A tour over random asymmetric costs, its nodes in a random order."""
+def random_tour(seed):
+    """A tour over random asymmetric costs, its nodes in a random local_search."""
     rng = np.random.default_rng(seed)
-    tour = order.round_of(rng.uniform(1.0, 100.0, (L + 1, L + 1)))
-    tour.strip.nodes[1:-1] = 1 + rng.permutation(L)
-    order.book(tour, 1)
+    tour = local_search.closed_tour(rng.uniform(1.0, 100.0, (L + 1, L + 1)), HOW)
+    tour.segments.nodes[1:-1] = 1 + rng.permutation(L)
+    local_search.book(tour, 1)
     return tour, rng
 
 
@@ -32,52 +33,52 @@ def length(tour, nodes):
 
 
 def assert_booked(tour):
-    """Places and prefix sums are those of the order."""
-    nodes = tour.strip.nodes
+    """Places and prefix sums are those of the local_search."""
+    nodes = tour.segments.nodes
     assert sorted(nodes[:-1]) == list(range(L + 1))
     assert nodes[-1] == 0
     assert all(nodes[tour.position[v]] == v for v in range(L + 1))
-    assert tour.strip.forward[1:] == pytest.approx(np.cumsum(tour.costs.out[nodes[:-1], nodes[1:]]))
-    assert tour.strip.backward[1:] == pytest.approx(np.cumsum(tour.costs.out[nodes[1:], nodes[:-1]]))
+    assert tour.segments.forward[1:] == pytest.approx(np.cumsum(tour.costs.out[nodes[:-1], nodes[1:]]))
+    assert tour.segments.backward[1:] == pytest.approx(np.cumsum(tour.costs.out[nodes[1:], nodes[:-1]]))
 
 
 @given(seed=seeds)
 @settings(max_examples=60, deadline=None)
 def test_a_reversal_gains_what_it_says(seed):
-    tour, rng = random_round(seed)
+    tour, rng = random_tour(seed)
     i, j = sorted(int(x) for x in rng.integers(1, L + 1, 2))
-    before, gain = tour.strip.nodes.copy(), order.reversal_gain(tour, i, j)
-    order.reverse(tour, i, j)
-    assert list(tour.strip.nodes) == [*before[:i], *before[i : j + 1][::-1], *before[j + 1 :]]
-    assert gain == pytest.approx(length(tour, before) - length(tour, tour.strip.nodes))
+    before, gain = tour.segments.nodes.copy(), local_search.reversal_gain(tour, i, j)
+    local_search.reverse(tour, i, j)
+    assert list(tour.segments.nodes) == [*before[:i], *before[i : j + 1][::-1], *before[j + 1 :]]
+    assert gain == pytest.approx(length(tour, before) - length(tour, tour.segments.nodes))
     assert_booked(tour)
 
 
 @given(seed=seeds)
 @settings(max_examples=60, deadline=None)
 def test_an_exchange_gains_what_it_says(seed):
-    tour, rng = random_round(seed)
+    tour, rng = random_tour(seed)
     p, q, r = sorted(int(x) for x in rng.choice(L + 1, 3, replace=False))
-    before, gain = tour.strip.nodes.copy(), order.exchange_gain(tour, p, q, r)
-    order.exchange(tour, p, q, r)
-    assert list(tour.strip.nodes) == [
+    before, gain = tour.segments.nodes.copy(), local_search.exchange_gain(tour, p, q, r)
+    local_search.exchange(tour, p, q, r)
+    assert list(tour.segments.nodes) == [
         *before[: p + 1],
         *before[q + 1 : r + 1],
         *before[p + 1 : q + 1],
         *before[r + 1 :],
     ]
-    assert gain == pytest.approx(length(tour, before) - length(tour, tour.strip.nodes))
+    assert gain == pytest.approx(length(tour, before) - length(tour, tour.segments.nodes))
     assert_booked(tour)
 
 
 @given(seed=seeds, kicks=st.integers(0, 30))
 @settings(max_examples=60, deadline=None)
 def test_an_improved_tour_is_a_tour_and_no_longer(seed, kicks):
-    tour, _ = random_round(seed)
-    before = length(tour, tour.strip.nodes)
-    order.improve(tour, seeded(seed), kicks)
+    tour, _ = random_tour(seed)
+    before = length(tour, tour.segments.nodes)
+    local_search.improve(tour, seeded(seed), kicks)
     assert_booked(tour)
-    assert tour.strip.forward[-1] <= before
+    assert tour.segments.forward[-1] <= before
     assert tour.ring[1] == 0
     assert not tour.queued.any()
 
@@ -87,9 +88,9 @@ def test_enough_kicks_find_the_best_order(seed, random_case):
     instance, _ = random_case(seed, 9, 1)
     optimum = SubsetDp().solve(instance, limits=Limits(time=60.0)).objective
     nodes = [9, *range(9)]
-    tour = order.round_of(np.ascontiguousarray(instance.cost[np.ix_(nodes, nodes)]))
-    order.improve(tour, seeded(seed), 300)
-    assert tour.strip.forward[-1] == pytest.approx(optimum)
+    tour = local_search.closed_tour(np.ascontiguousarray(instance.cost[np.ix_(nodes, nodes)]), HOW)
+    local_search.improve(tour, seeded(seed), 300)
+    assert tour.segments.forward[-1] == pytest.approx(optimum)
 
 
 @given(seed=seeds)
@@ -98,7 +99,7 @@ def test_intensified_tours_keep_their_tasks_and_none_is_longer(seed, random_case
     instance, routes = random_case(seed, 40, 3)
     costs = both_ways(instance.cost)
     tours = rings.from_routes(costs, routes)
-    intensify(costs, tours, seeded(seed), 1.0)
+    intensify(costs, tours, seeded(seed), 1.0, HOW)
     found = rings.to_routes(tours)
     assert [sorted(tour) for tour in found] == [sorted(tour) for tour in routes]
     assert tours.cost == pytest.approx(tour_costs(instance, found))
@@ -108,6 +109,6 @@ def test_intensified_tours_keep_their_tasks_and_none_is_longer(seed, random_case
 
 
 def test_two_tasks_and_costs_of_zero() -> None:
-    tour = order.round_of(np.zeros((3, 3)))
-    order.improve(tour, seeded(1), 10)
-    assert sorted(tour.strip.nodes[:-1]) == [0, 1, 2]
+    tour = local_search.closed_tour(np.zeros((3, 3)), HOW)
+    local_search.improve(tour, seeded(1), 10)
+    assert sorted(tour.segments.nodes[:-1]) == [0, 1, 2]

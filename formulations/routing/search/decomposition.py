@@ -1,4 +1,4 @@
-"""Focus: the longest tour and a few others searched alone, from the beginning, as an instance of their own.
+"""Decomposition: the longest tour and a few others searched alone, from the beginning, as an instance of their own.
 
 Where a few tours decide and the others have time to spare, most steps of a search of the whole are spent elsewhere;
 here all of them go to tours around the longest one, and an annealing of few tasks is soon over (POPMUSIC, Taillard &
@@ -14,29 +14,42 @@ from numba import njit
 from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
-from formulations.routing.search.ground import Ground, survey
-from formulations.routing.search.neighbours import Neighbours
+from formulations.routing.search.granular import GranularNeighbourhood, NeighbourhoodParameters
+from formulations.routing.search.problem_data import ProblemData, problem_data
 from formulations.routing.search.randomness import below, uniform
-from formulations.routing.search.tours import Tours, clear, copy_tours, empty_tours, lay_out, sum_costs
-
-MOST = 6
-"""Tours searched together, at most."""
-FROM_ANYWHERE = 0.3
-"""Share of draws that look for a short tour anywhere; the others step from a task chosen to a near one."""
-NEAR = 12
-"""Near tasks that such a step may go to."""
-DRAWS = 50
-"""Draws for each tour wanted, after which there are fewer."""
+from formulations.routing.search.tours import Tours, clear, copy_tours, empty_tours, fill, sum_costs
 
 
-class Part(NamedTuple):
-    """Some tours as an instance of their own.
+class DecompositionParameters(NamedTuple):
+    """Which tours make a subproblem, and how deep it is searched.
 
-    ground: theirs; tours: theirs as they were; best: those found with the smallest max_k C_k; nodes (s+w,): the node of
-    the whole for each of theirs, tasks first.
+    most: tours searched together, at most: few enough to be solved nearly to the optimum.
+    anywhere: share of draws that look for a short tour anywhere; the others step from a task chosen to a near one.
+    near: near tasks that such a step may go to.
+    draws: for each tour wanted, after which there are fewer.
+    depth: steps are depth · s² / w for s tasks of w tours, 2.5 times those of a founder of that size.
+    least: steps at least.
+    perturbed: share that begins with a perturbation, half as long, not from scratch.
     """
 
-    ground: Ground
+    most: int = 6
+    anywhere: float = 0.3
+    near: int = 12
+    draws: int = 50
+    depth: float = 5.0
+    least: int = 10_000
+    perturbed: float = 0.3
+
+
+class Subproblem(NamedTuple):
+    """Some tours as an instance of their own.
+
+    data: theirs; whole: the tours they are of; tours: theirs as they were; best: those found with the smallest
+    max_k C_k; nodes (s+w,): the node of the whole for each of theirs, tasks first.
+    """
+
+    data: ProblemData
+    whole: Tours
     tours: Tours
     best: Tours
     nodes: NDArray[np.int32]
@@ -54,7 +67,9 @@ def _task_on(tours: Tours, k: int, rng: NDArray[np.uint64]) -> int:
 
 
 @njit(cache=True, nogil=True)
-def around_longest(near: Neighbours, tours: Tours, wanted: int, rng: NDArray[np.uint64]) -> NDArray[np.int32]:
+def around_longest(
+    near: GranularNeighbourhood, tours: Tours, wanted: int, parameters: DecompositionParameters, rng: NDArray[np.uint64]
+) -> NDArray[np.int32]:
     """Return the longest tour and up to `wanted` − 1 others: near those chosen already, or short ones from anywhere."""
     m = tours.cost.size
     n = tours.after.size - m
@@ -63,15 +78,15 @@ def around_longest(near: Neighbours, tours: Tours, wanted: int, rng: NDArray[np.
     chosen[0] = np.argmax(tours.cost)
     taken[chosen[0]] = 1
     count = 1
-    for _ in range(DRAWS * wanted):
+    for _ in range(parameters.draws * wanted):
         if count == wanted:
             break
         v = _task_on(tours, chosen[below(rng, count)], rng)
-        if uniform(rng) < FROM_ANYWHERE or v >= n or near.tasks.shape[1] == 0:
+        if uniform(rng) < parameters.anywhere or v >= n or near.tasks.shape[1] == 0:
             h, g = below(rng, m), below(rng, m)
             k = h if tours.cost[h] < tours.cost[g] else g
         else:
-            k = tours.tour[near.tasks[v, below(rng, min(NEAR, near.tasks.shape[1]))]]
+            k = tours.tour[near.tasks[v, below(rng, min(parameters.near, near.tasks.shape[1]))]]
         if not taken[k]:
             taken[k] = 1
             chosen[count] = k
@@ -95,31 +110,33 @@ def _nodes_of(tours: Tours, uavs: NDArray[np.int32]) -> NDArray[np.int32]:
     return nodes
 
 
-def part_of(ground: Ground, tours: Tours, uavs: NDArray[np.int32]) -> Part:
+def subproblem(
+    data: ProblemData, tours: Tours, uavs: NDArray[np.int32], parameters: NeighbourhoodParameters
+) -> Subproblem:
     """Return the tours of some UAVs as an instance of their own."""
     nodes = _nodes_of(tours, uavs)
     n_tasks = nodes.size - uavs.size
-    cost = np.ascontiguousarray(ground.costs.out[np.ix_(nodes, nodes)])
+    cost = np.ascontiguousarray(data.costs.out[np.ix_(nodes, nodes)])
     cost.setflags(write=False)  # like an instance's own: the kernels are compiled for that type
-    own = survey(cost, n_tasks)
-    part = Part(own, empty_tours(n_tasks, uavs.size), empty_tours(n_tasks, uavs.size), nodes)
+    own = problem_data(cost, n_tasks, parameters)
+    part = Subproblem(own, tours, empty_tours(n_tasks, uavs.size), empty_tours(n_tasks, uavs.size), nodes)
     ends = np.cumsum(tours.size[uavs])
     for j, tasks in enumerate(np.split(np.arange(n_tasks, dtype=np.int32), ends[:-1])):
-        lay_out(own.costs, part.tours, j, tasks)
+        fill(own.costs, part.tours, j, tasks)
     sum_costs(part.tours)
     copy_tours(part.tours, part.best)
     return part
 
 
 @njit(cache=True, nogil=True)
-def put_back(costs: Costs, nodes: NDArray[np.int32], found: Tours, tours: Tours) -> None:
-    """Give the UAVs of a part, whose nodes these are, the tours `found` for them, in `tours` of the whole."""
+def merge(costs: Costs, nodes: NDArray[np.int32], found: Tours, tours: Tours) -> None:
+    """Give the UAVs of a subproblem, whose nodes these are, the tours `found` for them, in `tours` of the whole."""
     w = found.cost.size
     s, n = nodes.size - w, tours.after.size - tours.cost.size
-    homeless = np.empty(s, np.int32)
+    removed = np.empty(s, np.int32)
     for depot in nodes[s:]:
-        clear(costs, tours, depot - n, homeless)
+        clear(costs, tours, depot - n, removed)
     for j in range(w):
         own = _nodes_of(found, np.array([j], np.int32))[:-1]
-        lay_out(costs, tours, nodes[s + j] - n, nodes[own])
+        fill(costs, tours, nodes[s + j] - n, nodes[own])
     sum_costs(tours)

@@ -1,4 +1,4 @@
-"""Order: the tasks of one tour in a better order, by descent and double bridges (iterated local search).
+"""Iterated local search for the order of one tour's tasks, by descent and double bridges.
 
 Ruin and recreate sees a dozen tasks at a time, and the energy hardly sees tours below the longest: long tours are left
 in orders that a search for one tour alone improves. The descent goes through 2-opt, priced for asymmetric costs by
@@ -16,31 +16,40 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from formulations.routing.search import strips
+from formulations.routing.search import concatenation
+from formulations.routing.search.concatenation import Segments
 from formulations.routing.search.costs import Costs
-from formulations.routing.search.neighbours import keep_nearest
+from formulations.routing.search.granular import keep_nearest
 from formulations.routing.search.randomness import below
-from formulations.routing.search.strips import Strip
 from instances.arrays import Bools, Floats, Ints
 
-NEAR = 8
-"""Nodes that a move may make the next or the one before."""
-SPAN = 10
-"""Tasks of a segment of a double bridge, at most."""
-GAIN = 1e-9
-"""Share of the tour's cost below which a gain counts as rounding."""
+
+class LocalSearchParameters(NamedTuple):
+    """How far the search of one tour goes.
+
+    near: nodes that a move may make the next or the one before; 5 to 10 are usual since Lin & Kernighan (1973).
+    span: tasks of a segment of a double bridge, at most: short ones leave the descent little to look at.
+    gain: share of the tour's cost below which a gain counts as rounding.
+    fewest: tasks of a tour, at least; shorter ones the annealing leaves in the best order.
+    """
+
+    near: int = 8
+    span: int = 10
+    gain: float = 1e-9
+    fewest: int = 8
 
 
-class Round(NamedTuple):
-    """One closed tour at work.
+class ClosedTour(NamedTuple):
+    """One tour at work.
 
-    costs: legs (L+1, L+1) [s]; strip: the order and its prefix sums; ahead, behind (L+1, q): the nodes cheapest to fly
-    to from, and to come from to, each node; position (L+1,): the place of each node, 0 for the depot; spare (L+2,):
-    room; queue (L+1,): nodes to look at, a ring; queued (L+1,): whether in it; ring (2,): its first place and length.
+    costs: legs (L+1, L+1) [s]; segments: the order and its prefix sums; ahead, behind (L+1, q): the nodes cheapest to
+    fly to from, and to come from to, each node; position (L+1,): the place of each node, 0 for the depot; spare (L+2,):
+    room; queue (L+1,): nodes to look at, a ring (don't-look bits, Bentley 1992); queued (L+1,): whether in it;
+    ring (2,): its first place and length.
     """
 
     costs: Costs
-    strip: Strip
+    segments: Segments
     ahead: NDArray[np.int32]
     behind: NDArray[np.int32]
     position: Ints
@@ -48,21 +57,22 @@ class Round(NamedTuple):
     queue: Ints
     queued: Bools
     ring: Ints
+    parameters: LocalSearchParameters
 
 
 @njit(cache=True, nogil=True)
-def round_of(cost: Floats) -> Round:
+def closed_tour(cost: Floats, parameters: LocalSearchParameters) -> ClosedTour:
     """Return the tour 0, 1, …, L, 0 over `cost`, shape (L+1, L+1) [s], ready to be improved."""
     size = cost.shape[0]
-    near = min(NEAR, size - 1)
+    near = min(parameters.near, size - 1)
     costs = Costs(cost, cost.T.copy())
     ahead, behind = np.zeros((size, near), np.int32), np.zeros((size, near), np.int32)
     for v in range(size):
         keep_nearest(costs.out[v], costs.out[v], v, 0, ahead[v])
         keep_nearest(costs.into[v], costs.into[v], v, 0, behind[v])
-    tour = Round(
+    tour = ClosedTour(
         costs,
-        strips.blank_strip(size - 1),
+        concatenation.empty_segments(size - 1),
         ahead,
         behind,
         np.arange(size),
@@ -70,19 +80,20 @@ def round_of(cost: Floats) -> Round:
         np.zeros(size, np.int64),
         np.zeros(size, np.bool_),
         np.zeros(2, np.int64),
+        parameters,
     )
-    tour.strip.shape[1] = size - 1
-    tour.strip.nodes[:size] = np.arange(size)
-    tour.strip.nodes[size] = 0
-    tour.strip.forward[0] = tour.strip.backward[0] = 0.0
+    tour.segments.shape[1] = size - 1
+    tour.segments.nodes[:size] = np.arange(size)
+    tour.segments.nodes[size] = 0
+    tour.segments.forward[0] = tour.segments.backward[0] = 0.0
     book(tour, 1)
     return tour
 
 
 @njit(cache=True, nogil=True)
-def book(tour: Round, low: int) -> None:
+def book(tour: ClosedTour, low: int) -> None:
     """Recompute places and prefix sums from position `low` ≥ 1 on."""
-    nodes, out, forward, backward = tour.strip.nodes, tour.costs.out, tour.strip.forward, tour.strip.backward
+    nodes, out, forward, backward = tour.segments.nodes, tour.costs.out, tour.segments.forward, tour.segments.backward
     for i in range(low, nodes.size):
         u, w = nodes[i - 1], nodes[i]
         forward[i] = forward[i - 1] + out[u, w]
@@ -92,15 +103,15 @@ def book(tour: Round, low: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def reversal_gain(tour: Round, i: int, j: int) -> float:
+def reversal_gain(tour: ClosedTour, i: int, j: int) -> float:
     """Return what the tour saves [s] with positions i..j reversed, 1 ≤ i ≤ j ≤ L."""
-    return -strips.reversal_change(tour.costs, tour.strip, i, j)
+    return -concatenation.two_opt_change(tour.costs, tour.segments, i, j)
 
 
 @njit(cache=True, nogil=True)
-def reverse(tour: Round, i: int, j: int) -> None:
+def reverse(tour: ClosedTour, i: int, j: int) -> None:
     """Reverse positions i..j."""
-    low, nodes = i, tour.strip.nodes
+    low, nodes = i, tour.segments.nodes
     while i < j:
         nodes[i], nodes[j] = nodes[j], nodes[i]
         i, j = i + 1, j - 1
@@ -108,16 +119,16 @@ def reverse(tour: Round, i: int, j: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def exchange_gain(tour: Round, p: int, q: int, r: int) -> float:
+def exchange_gain(tour: ClosedTour, p: int, q: int, r: int) -> float:
     """Return what the tour saves [s] with positions p+1..q and q+1..r exchanged, 0 ≤ p < q < r ≤ L."""
-    out, into = strips.segment_changes(tour.costs, tour.strip, p + 1, q, tour.strip, r, False)
+    out, into = concatenation.or_opt_changes(tour.costs, tour.segments, p + 1, q, tour.segments, r, False)
     return -(out + into)
 
 
 @njit(cache=True, nogil=True)
-def exchange(tour: Round, p: int, q: int, r: int) -> None:
+def exchange(tour: ClosedTour, p: int, q: int, r: int) -> None:
     """Exchange positions p+1..q and q+1..r."""
-    spare, nodes = tour.spare, tour.strip.nodes
+    spare, nodes = tour.spare, tour.segments.nodes
     spare[: q - p] = nodes[p + 1 : q + 1]
     for i in range(q + 1, r + 1):
         nodes[i - q + p] = nodes[i]
@@ -126,9 +137,9 @@ def exchange(tour: Round, p: int, q: int, r: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _ask(tour: Round, i: int) -> None:
+def _enqueue(tour: ClosedTour, i: int) -> None:
     """Queue the node at position i."""
-    v, ring = tour.strip.nodes[i], tour.ring
+    v, ring = tour.segments.nodes[i], tour.ring
     if not tour.queued[v]:
         tour.queued[v] = True
         tour.queue[(ring[0] + ring[1]) % tour.queue.size] = v
@@ -136,7 +147,7 @@ def _ask(tour: Round, i: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _reverse_at(tour: Round, v: int, least: float) -> bool:
+def _improve_by_two_opt(tour: ClosedTour, v: int, least: float) -> bool:
     """Try to bring v next to a near node by a reversal; return whether one gained more than `least` [s]."""
     last = tour.position.size - 1
     i = tour.position[v]
@@ -155,21 +166,21 @@ def _reverse_at(tour: Round, v: int, least: float) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def _reversed(tour: Round, low: int, high: int) -> bool:
+def _reversed(tour: ClosedTour, low: int, high: int) -> bool:
     for i in (low - 1, low, high, high + 1):
-        _ask(tour, i)
+        _enqueue(tour, i)
     reverse(tour, low, high)
     return True
 
 
 @njit(cache=True, nogil=True)
-def _exchange_at(tour: Round, v: int, least: float) -> bool:
+def _improve_by_exchange(tour: ClosedTour, v: int, least: float) -> bool:
     """Try to let a near node follow v by an exchange of two segments; return whether one gained more than `least` [s].
 
     v is the end before the first segment (x begins the second), the end of the first (x follows the second), or the
     end of the second (x begins the first); what the third leg costs is looked for among near nodes too.
     """
-    nodes, cost, position = tour.strip.nodes, tour.costs.out, tour.position
+    nodes, cost, position = tour.segments.nodes, tour.costs.out, tour.position
     last = position.size - 1
     i = position[v]
     after = nodes[i + 1]
@@ -201,15 +212,15 @@ def _exchange_at(tour: Round, v: int, least: float) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def _exchanged(tour: Round, p: int, q: int, r: int) -> bool:
+def _exchanged(tour: ClosedTour, p: int, q: int, r: int) -> bool:
     for i in (p, p + 1, q, q + 1, r, r + 1):
-        _ask(tour, i)
+        _enqueue(tour, i)
     exchange(tour, p, q, r)
     return True
 
 
 @njit(cache=True, nogil=True)
-def descend(tour: Round) -> None:
+def descend(tour: ClosedTour) -> None:
     """Make improving moves around the queued nodes until there is none."""
     ring = tour.ring
     while ring[1] > 0:
@@ -217,21 +228,21 @@ def descend(tour: Round) -> None:
         ring[0] = (ring[0] + 1) % tour.queue.size
         ring[1] -= 1
         tour.queued[v] = False
-        least = GAIN * tour.strip.forward[-1]
-        while _exchange_at(tour, v, least) or _reverse_at(tour, v, least):
+        least = tour.parameters.gain * tour.segments.forward[-1]
+        while _improve_by_exchange(tour, v, least) or _improve_by_two_opt(tour, v, least):
             pass
 
 
 @njit(cache=True, nogil=True)
-def _kick(tour: Round, rng: NDArray[np.uint64]) -> None:
-    """Put three consecutive short segments in reverse order, none of them reversed (a double bridge)."""
+def _double_bridge(tour: ClosedTour, rng: NDArray[np.uint64]) -> None:
+    """Put three consecutive short segments in reverse order, none of them reversed."""
     last = tour.position.size - 1
-    span = min(SPAN, last // 3)
+    span = min(tour.parameters.span, last // 3)
     a, b, c = 1 + below(rng, span), 1 + below(rng, span), 1 + below(rng, span)
     p = below(rng, last - a - b - c + 1)
-    nodes, spare = tour.strip.nodes, tour.spare
+    nodes, spare = tour.segments.nodes, tour.spare
     for i in (p, p + 1, p + a, p + a + 1, p + a + b, p + a + b + 1, p + a + b + c, p + a + b + c + 1):
-        _ask(tour, i)
+        _enqueue(tour, i)
     spare[:c] = nodes[p + a + b + 1 : p + a + b + c + 1]
     spare[c : c + b] = nodes[p + a + 1 : p + a + b + 1]
     spare[c + b : c + b + a] = nodes[p + 1 : p + a + 1]
@@ -240,20 +251,20 @@ def _kick(tour: Round, rng: NDArray[np.uint64]) -> None:
 
 
 @njit(cache=True, nogil=True)
-def improve(tour: Round, rng: NDArray[np.uint64], kicks: int) -> None:
+def improve(tour: ClosedTour, rng: NDArray[np.uint64], kicks: int) -> None:
     """Improve the order by a descent from all nodes and `kicks` kicks, each followed by a descent around it."""
     for i in range(tour.position.size):
-        _ask(tour, i)
+        _enqueue(tour, i)
     descend(tour)
     if tour.position.size < 4:
         return
-    kept, best = tour.strip.nodes.copy(), tour.strip.forward[-1]
+    kept, best = tour.segments.nodes.copy(), tour.segments.forward[-1]
     for _ in range(kicks):
-        _kick(tour, rng)
+        _double_bridge(tour, rng)
         descend(tour)
-        if tour.strip.forward[-1] <= best:
-            kept[:] = tour.strip.nodes
-            best = tour.strip.forward[-1]
+        if tour.segments.forward[-1] <= best:
+            kept[:] = tour.segments.nodes
+            best = tour.segments.forward[-1]
         else:
-            tour.strip.nodes[:] = kept
+            tour.segments.nodes[:] = kept
             book(tour, 1)

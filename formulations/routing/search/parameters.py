@@ -1,0 +1,72 @@
+"""Parameters of the memetic search, all in one object; those of one idea stand beside its code.
+
+They were tuned by hand on the instances that tests/benchmarks/search.py names (TUNED_ON), at its limits of 10 to 45 s,
+and confirmed on the others there. A field with a figure was measured by itself (its `ablation`); one without was
+settled together with others and is a sensible value rather than an optimum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from formulations.routing.search.annealing import AnnealingParameters
+from formulations.routing.search.budget import BudgetParameters
+from formulations.routing.search.decomposition import DecompositionParameters
+from formulations.routing.search.granular import NeighbourhoodParameters
+from formulations.routing.search.local_search import LocalSearchParameters
+from formulations.routing.search.perturbation import PerturbationParameters
+from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.schedule import ScheduleParameters
+from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS, Strategy
+
+
+@dataclass(frozen=True)
+class PopulationParameters:
+    """Members, and the stages that renew them. Figures: mean gaps in % with several depots and with one (README of
+    routing), where nothing left out gives 0.07 and 0.00.
+
+    size: members at most; one long annealing instead of a population gives 0.28 and 0.14.
+    decompositions: share of the later stages that search a subproblem.
+    perturbations: share of the remaining ones that perturb a member; the others are children of crossover.
+    kicks: double bridges of each tour at the end of a stage, for each of its tasks.
+    depth: a founder's annealing takes depth · n² / m steps: long tours need more than their number of tasks says.
+    least, per_task, enough: steps of a founder at least, `least` or `per_task` for each task up to `enough`; small
+    instances gain more by new starts.
+    child, perturbed: lengths of the stages of a child and of a perturbed member, in those of a founder: both keep most
+    of their tours.
+    same: tours whose fitness differs by less than this share of the incumbent's longest count as copies.
+    """
+
+    size: int = 8
+    decompositions: float = 0.6
+    perturbations: float = 0.5
+    kicks: float = 1.0
+    depth: float = 2.0
+    least: int = 10_000
+    per_task: int = 250
+    enough: int = 25_000
+    child: float = 0.5
+    perturbed: float = 0.15
+    same: float = 1e-9
+
+
+@dataclass(frozen=True)
+class SearchParameters:
+    """All of them; what differs between several depots and one site is a strategy."""
+
+    neighbourhood: NeighbourhoodParameters = field(default_factory=NeighbourhoodParameters)
+    annealing: AnnealingParameters = field(default_factory=AnnealingParameters)
+    local_search: LocalSearchParameters = field(default_factory=LocalSearchParameters)
+    decomposition: DecompositionParameters = field(default_factory=DecompositionParameters)
+    perturbation: PerturbationParameters = field(default_factory=PerturbationParameters)
+    schedule: ScheduleParameters = field(default_factory=ScheduleParameters)
+    population: PopulationParameters = field(default_factory=PopulationParameters)
+    budget: BudgetParameters = field(default_factory=BudgetParameters)
+    several_depots: Strategy = SEVERAL_DEPOTS
+    one_site: Strategy = ONE_SITE
+
+    def strategy(self, data: ProblemData) -> Strategy:
+        """Return the strategy for an instance."""
+        return self.one_site if np.all(data.site == 0) else self.several_depots

@@ -1,0 +1,89 @@
+"""Annealing schedule (Kirkpatrick, Gelatt, Vecchi 1983): temperature and objective; all change geometrically.
+
+The norm is so soft that a tour counts as long which is within a few temperatures of the longest. How soft is drawn for
+each annealing: a soft norm makes room in crowds of long tours, a sharp one finds optima in which most tours are long.
+In the end what counts is the excess over a cap just below the longest tour of the incumbent, and the annealing goes on
+to temperatures below the small shares of a tour by which good packings differ. A fine annealing has a cap nearer to
+that tour and a colder end. Temperatures are in mean legs, so that they suit instances of any size and unit.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.routing.search.energy import TINY, Objective, excess, p_norm
+from formulations.routing.search.randomness import below
+from formulations.routing.search.tours import Tours
+
+
+@dataclass(frozen=True)
+class FinalPhase:
+    """How an annealing ends.
+
+    below: the temperature in mean legs below which the excess over the cap counts; margin: the share of the incumbent's
+    longest tour by which the cap lies below it; last: the last temperature, at most, as a share of the longest tour;
+    strings: share of ruins by strings, in that of other annealings.
+    """
+
+    below: float
+    margin: float
+    last: float
+    strings: float = 1.0
+
+
+@dataclass(frozen=True)
+class ScheduleParameters:
+    """Temperatures in mean legs, and what else belongs to all schedules.
+
+    founder: the first temperature of a solution from scratch: legs of the mean length are still accepted often.
+    child, perturbed: lower ones, at which a child of crossover and a perturbed member keep most of their tours.
+    last: the last temperature, at most; the final phase may go lower.
+    mean_weight: share ε of the mean tour in the energy at the temperature of a founder, and in the end.
+    softness: p = max_k C_k / (softness · temperature), one of these drawn for each annealing.
+    largest_p: a larger p tells lengths apart that differ by less than 0.2 %, which is left to the final phase.
+    final: the usual final phase. Its cap found packings of rat99_5 that a norm alone had not.
+    """
+
+    founder: float = 0.7
+    child: float = 0.15
+    perturbed: float = 0.1
+    last: float = 0.007
+    mean_weight: tuple[float, float] = (0.5, 0.02)
+    softness: tuple[float, float] = (8.0, 2.0)
+    largest_p: int = 499
+    final: FinalPhase = FinalPhase(below=0.015, margin=1e-3, last=1e-4)
+
+    def draw_softness(self, rng: NDArray[np.uint64]) -> float:
+        """Return one of `softness`."""
+        return self.softness[below(rng, len(self.softness))]
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """How one annealing goes: its first temperature in mean legs, its softness and its final phase."""
+
+    first: float
+    softness: float
+    final: FinalPhase
+
+    def at(
+        self, done: float, tours: Tours, incumbent: float, parameters: ScheduleParameters
+    ) -> tuple[float, Objective]:
+        """Return (temperature [s], objective) at `done` in 0..1 of an annealing; legs are those of `tours`.
+
+        incumbent [s]: the longest of the best tours known.
+        """
+        leg = max(float(tours.cost.sum()) / tours.after.size, TINY)  # an empty tour has a leg of 0
+        legs = float(tours.cost.max()) / leg
+        last = max(min(parameters.last, self.final.last * legs), TINY)
+        now = self.first * (last / self.first) ** done
+        even, peaked = parameters.mean_weight
+        weight = peaked * (even / peaked) ** (math.log(now / last) / math.log(parameters.founder / last))
+        if now < self.final.below:
+            return leg * now, Objective(excess((1.0 - self.final.margin) * incumbent), weight)
+        p = int(min(parameters.largest_p, max(2.0, legs / (self.softness * now))))
+        return leg * now, Objective(p_norm(p), weight)

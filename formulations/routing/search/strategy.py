@@ -1,0 +1,103 @@
+"""Strategy: what a population decides differently where UAVs start at several depots and where all start at one site.
+
+With several depots it is a matter of which UAV serves which crowd of tasks: individuals are compared by a norm, which
+sees all crowds whose tours are too long. At one site it is a matter of packing, and tours can be packed tightly:
+individuals are compared by what exceeds the incumbent's longest tour, in which many tours nearly as long as that are no
+fault. The basins of good packings lie near each other: fine annealings begin low there, and where nothing new is found
+many of them are reheatings of a good individual. And a task may have to go to a tour that passes none of its nearest
+tasks: recreations look at all of the granular neighbourhood.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.routing.search.energy import Measure, MeasureKind, excess, p_norm
+from formulations.routing.search.granular import NeighbourhoodParameters
+from formulations.routing.search.randomness import uniform
+from formulations.routing.search.recreate import RecreateParameters
+from formulations.routing.search.schedule import FinalPhase, Schedule, ScheduleParameters
+
+
+@dataclass(frozen=True)
+class Reheating:
+    """A good individual annealed as it is, from a temperature so low that it keeps most of itself.
+
+    On rat99_5, 10 s, 17 of 24 runs reached the best known longest tour, before reheating 5 of 24.
+
+    share: of the annealings, at most; first: temperature in mean legs; steps: how long.
+    """
+
+    share: float = 0.4
+    first: float = 0.01
+    steps: int = 40_000
+
+
+@dataclass(frozen=True)
+class Strategy:
+    """One of the two strategies.
+
+    measure: of fitness; an excess is over the longest tour of the incumbent.
+    width: near tasks whose two sides an annealing's recreation looks at. At one site 20 instead of 12 brought rat99_5,
+    10 s, from 26 of 48 to 141 of 144 runs that reach the best known value.
+    patience: stages in a row without a new individual, for each founder, after which the population restarts.
+    settling: as many after which annealings are fine as often as they may be.
+    fine: the final phase of fine annealings; fine_share: their share, at most; fine_first: their first temperature in
+    mean legs, at most.
+    reheating: where there is any.
+    """
+
+    measure: Measure
+    width: int
+    patience: int
+    settling: int
+    fine: FinalPhase
+    fine_share: float
+    fine_first: float
+    reheating: Reheating | None
+
+    def fitness_measure(self, incumbent: float) -> Measure:
+        """Return the measure of fitness while the longest of the best tours known is `incumbent` [s]."""
+        return self.measure if self.measure.kind == MeasureKind.P_NORM else excess(incumbent)
+
+    def draw_reheating(
+        self, staleness: float, parameters: ScheduleParameters, rng: NDArray[np.uint64]
+    ) -> Schedule | None:
+        """Return the schedule of a reheating, with probability staleness / 2 but reheating.share at most, else None."""
+        if self.reheating is None or uniform(rng) >= min(self.reheating.share, 0.5 * staleness):
+            return None
+        return Schedule(self.reheating.first, parameters.draw_softness(rng), self.fine)
+
+    def draw_schedule(
+        self, first: float, staleness: float, parameters: ScheduleParameters, rng: NDArray[np.uint64]
+    ) -> Schedule:
+        """Return a schedule from `first` mean legs on, fine with probability `staleness` but fine_share at most."""
+        softness = parameters.draw_softness(rng)
+        if uniform(rng) >= min(self.fine_share, staleness):
+            return Schedule(first, softness, parameters.final)
+        return Schedule(min(first, self.fine_first), softness, self.fine)
+
+
+SEVERAL_DEPOTS = Strategy(
+    measure=p_norm(128),
+    width=RecreateParameters().width,
+    patience=3,
+    settling=3,
+    fine=FinalPhase(below=0.015, margin=2e-4, last=2e-5),
+    fine_share=1.0,
+    fine_first=float("inf"),
+    reheating=None,
+)
+ONE_SITE = Strategy(
+    measure=excess(0.0),
+    width=NeighbourhoodParameters().tasks,
+    patience=9,
+    settling=1,
+    fine=FinalPhase(below=0.05, margin=3e-5, last=3e-5, strings=0.2),
+    fine_share=0.67,
+    fine_first=0.05,
+    reheating=Reheating(),
+)

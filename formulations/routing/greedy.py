@@ -22,21 +22,14 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.recorder import Recorder
-from formulations.routing.search.construction import (
-    CHEAPEST,
-    REGRET,
-    SHORTEST,
-    extend_nearest,
-    first_gaps,
-    insert_many,
-)
+from formulations.routing.search.construction import Rule, extend_nearest, first_gaps, insert_many
 from formulations.routing.search.costs import both_ways
 from formulations.routing.search.tours import Tours, empty_tours, to_routes
 from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 from instances.errors import suggestion
 
-_RULES = {"regret": REGRET, "cheapest": CHEAPEST, "shortest": SHORTEST}
+_RULES = {rule.name.lower(): rule for rule in Rule}
 VARIANTS = (*_RULES, "nearest")
 _LOOKS = 4_000_000
 """Entries of the table of gaps looked at between two looks at the clock: about 10 ms."""
@@ -82,7 +75,7 @@ class Greedy(Solver):
         return recorder.result("finished" if in_time else "time")
 
 
-def _insert_all(instance: Instance, tours: Tours, rule: int, recorder: Recorder) -> bool:
+def _insert_all(instance: Instance, tours: Tours, rule: Rule, recorder: Recorder) -> bool:
     """Fill `tours` by `rule` until all is routed or the time is up; return whether all is."""
     costs = both_ways(instance.cost)
     gaps = first_gaps(costs, instance.n_tasks)

@@ -1,1 +1,15 @@
-"""Min-max route search: ruin-and-recreate and the memetic search, as small numba kernels on flat arrays."""
+"""Min-max route search: ruin-and-recreate and the memetic search, as small numba kernels on flat arrays.
+
+Words of our own, and options whose names differ from the field's:
+
+* leg: one arc of a tour; temperatures are in mean legs. Site: a place where one or more UAVs start.
+* measure: how tours count together, by a p-norm or by what exceeds a cap; guide: the measure a recreation goes by.
+* incumbent: the longest tour of the best tours known; crowding: n² / m, what the length of an annealing goes by.
+* stage: one annealing of a newcomer of the population; a fine annealing ends colder, with a cap nearer the incumbent.
+* options of `memetic`: cuts, share of steps that are moves of long segments (moves.py); powers, number of guides;
+  focuses, share of stages that are decompositions; reliefs, share of perturbations; kicks, number of double bridges.
+
+From the bottom up: costs, tours, granular and problem_data hold the data; energy measures it; ruin, recreate, moves (by
+concatenation) and local_search change it; annealing under a schedule is `ruin_recreate`; decomposition, perturbation,
+crossover and intensify make a population of a strategy, which is `memetic`; parameters has all that was tuned.
+"""

@@ -7,22 +7,22 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.energy import Measure, Objective, energy, fitness
-from formulations.routing.search.granular import GranularNeighbourhood
 from formulations.routing.search.moves import MoveParameters, empty_workspace, move
-from formulations.routing.search.randomness import below, uniform
+from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
-from formulations.routing.search.ruin import remove_adjacent, remove_strings, restore
+from formulations.routing.search.ruin import Removed, remove_adjacent, remove_strings, restore
 from formulations.routing.search.tours import Tours, copy_tours, sum_costs, unlink
 from instances.arrays import Floats
 
 
 class AnnealingParameters(NamedTuple):
-    """What the steps of an annealing are. Figures: mean gaps in % with several depots and with one (README of routing),
-    0.07 and 0.00 with all.
+    """What the steps of an annealing are.
+
+    Figures: mean gaps in % with several depots and with one (README of routing); with all of them 0.07 and 0.00.
 
     removals: tasks removed by one ruin, at most; halving them costs less than two seeds can tell.
     strings: share of ruins by strings, the others are adjacent removals; without these 0.20 and 0.00.
@@ -40,18 +40,11 @@ class AnnealingParameters(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def undo(
-    costs: Costs,
-    tours: Tours,
-    count: int,
-    removed: NDArray[np.int32],
-    behind: NDArray[np.int32],
-    costs_before: Floats,
-) -> None:
+def undo(costs: Costs, tours: Tours, count: int, removed: Removed, costs_before: Floats) -> None:
     """Return to the tours as they were before a ruin of `count` tasks and its recreation."""
     for i in range(count):
-        unlink(costs, tours, removed[i])
-    restore(costs, tours, count, removed, behind)
+        unlink(costs, tours, removed.tasks[i])
+    restore(costs, tours, count, removed)
     tours.cost[:] = costs_before
 
 
@@ -74,12 +67,11 @@ def _keep(tours: Tours, best: Tours, fittest: Tours, lowest: float, measure: Mea
 
 @njit(cache=True, nogil=True)
 def anneal(
-    costs: Costs,
-    near: GranularNeighbourhood,
+    data: ProblemData,
     tours: Tours,
     best: Tours,
     fittest: Tours,
-    rng: NDArray[np.uint64],
+    rng: Rng,
     steps: int,
     temperature: float,
     objective: Objective,
@@ -91,25 +83,26 @@ def anneal(
     `best` follows the smallest max_k C_k, `fittest` the lowest fitness by `measure`. A step that raises the energy by
     x [s] is accepted with probability exp(−x / temperature).
     """
-    removals = parameters.removals
-    removed, behind, queue = (np.empty(removals, np.int32), np.empty(removals, np.int32), np.empty(removals, np.int32))
-    ruined = np.zeros(tours.cost.size, np.uint8)
-    costs_before = np.empty(tours.cost.size)
+    most, m = parameters.removals, tours.cost.size
+    removed = Removed(np.empty(most, np.int32), np.empty(most, np.int32), np.zeros(m, np.bool_))
+    costs, near = data.costs, data.near  # once: in the loop each access would count references
+    nearest = near.tasks
+    queue, costs_before = np.empty(most, np.int32), np.empty(m)
     sum_costs(tours)
     now = energy(tours.cost, objective)
     lowest = fitness(fittest.cost, measure)
-    workspace = empty_workspace(near.tasks.shape[0])
+    workspace = empty_workspace(nearest.shape[0])
     for _ in range(steps):
         if uniform(rng) < parameters.moves:
-            now = move(costs, near.tasks, tours, workspace, rng, now, temperature, objective, parameters.move)
+            now = move(costs, nearest, tours, workspace, rng, now, temperature, objective, parameters.move)
             lowest = _keep(tours, best, fittest, lowest, measure)
             continue
         costs_before[:] = tours.cost
         if uniform(rng) < parameters.strings:
-            count = remove_strings(costs, near.tasks, tours, rng, removals, removed, behind, ruined)
+            count = remove_strings(costs, nearest, tours, removed, rng)
         else:
-            count = remove_adjacent(costs, near.tasks, tours, rng, removals, removed, behind)
-        queue[:count] = removed[:count]
+            count = remove_adjacent(costs, nearest, tours, removed, rng)
+        queue[:count] = removed.tasks[:count]
         shuffle(queue, count, rng)
         guide = GUIDES[below(rng, parameters.guides)]
         recreate(costs, near, tours, queue, count, guide, parameters.recreate, rng)
@@ -118,4 +111,4 @@ def anneal(
             now = then
             lowest = _keep(tours, best, fittest, lowest, measure)
         else:
-            undo(costs, tours, count, removed, behind, costs_before)
+            undo(costs, tours, count, removed, costs_before)

@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from formulations.routing.search.costs import Costs
+from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.tours import Tours, join
 from instances.arrays import Floats, Ints
 
@@ -27,7 +26,7 @@ class Segments(NamedTuple):
     shape (2,): tour number k and its number of tasks L.
     """
 
-    nodes: NDArray[np.int32]
+    nodes: Nodes
     forward: Floats
     backward: Floats
     shape: Ints

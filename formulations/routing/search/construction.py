@@ -7,19 +7,27 @@ best gap was closed looks through the whole tour again.
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from formulations.routing.search.costs import Costs
+from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.tours import Tours, insertion_change, link
 from instances.arrays import Floats, Ints
 
-CHEAPEST, SHORTEST, REGRET = 0, 1, 2
-"""Rules: the insertion after which the tour is shortest; the cheapest insertion into the shortest tour; the task that
-loses most if it does not get its best tour (regret of the tours' costs, Potvin & Rousseau 1993)."""
+
+class Rule(IntEnum):
+    """Which task is inserted next.
+
+    The one that loses most if it does not get its best tour (regret of the tours' costs, Potvin & Rousseau 1993); that
+    of the insertion after which the tour is shortest; that of the cheapest insertion into the shortest tour.
+    """
+
+    REGRET = 0
+    CHEAPEST = 1
+    SHORTEST = 2
 
 
 class Gaps(NamedTuple):
@@ -27,7 +35,7 @@ class Gaps(NamedTuple):
     task (m,): the task of least growth; least (m,): that growth [s]."""
 
     growth: Floats
-    behind: NDArray[np.int32]
+    behind: Nodes
     task: Ints
     least: Floats
 
@@ -117,13 +125,13 @@ def _most_regretted(tours: Tours, gaps: Gaps) -> tuple[int, int]:
 
 
 @njit(cache=True, nogil=True)
-def insert_many(costs: Costs, tours: Tours, gaps: Gaps, rule: int, count: int) -> None:
+def insert_many(costs: Costs, tours: Tours, gaps: Gaps, rule: Rule, count: int) -> None:
     """Route `count` tasks more by `rule`; there must be as many left. Ties go to the lowest UAV."""
     for _ in range(count):
-        if rule == REGRET:
+        if rule == Rule.REGRET:
             k, v = _most_regretted(tours, gaps)
         else:
-            k = int(np.argmin(tours.cost + gaps.least if rule == CHEAPEST else tours.cost))
+            k = int(np.argmin(tours.cost + gaps.least if rule == Rule.CHEAPEST else tours.cost))
             v = gaps.task[k]
         insert(costs, tours, gaps, k, v)
 

@@ -9,8 +9,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from instances.arrays import Floats
+
+Nodes = NDArray[np.int32]
+"""Node numbers: tasks 0..n−1, then depots."""
 
 _FEW = 8
 """Rows that show most asymmetric matrices to be so, before all are compared."""

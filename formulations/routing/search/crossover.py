@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from formulations.routing.search.costs import Costs
-from formulations.routing.search.granular import GranularNeighbourhood
-from formulations.routing.search.randomness import below
+from formulations.routing.search.costs import Costs, Nodes
+from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.tours import Tours, link, sum_costs, unlink
 from instances.arrays import Ints
@@ -37,7 +36,7 @@ def matching_tour(child: Tours, donor: Tours, k: int, site: Ints) -> int:
 
 
 @njit(cache=True, nogil=True)
-def inherit(costs: Costs, child: Tours, donor: Tours, k: int, h: int, removed: NDArray[np.int32], count: int) -> int:
+def inherit(costs: Costs, child: Tours, donor: Tours, k: int, h: int, removed: Nodes, count: int) -> int:
     """Make child tour h a copy of donor tour k; add tasks left on no tour to `removed`, return the new count."""
     n = child.after.size - child.cost.size
     v = child.after[n + h]
@@ -63,26 +62,24 @@ def inherit(costs: Costs, child: Tours, donor: Tours, k: int, h: int, removed: N
 
 @njit(cache=True, nogil=True)
 def crossover(
-    costs: Costs,
-    near: GranularNeighbourhood,
+    data: ProblemData,
     child: Tours,
     donor: Tours,
-    site: Ints,
     parameters: RecreateParameters,
-    rng: NDArray[np.uint64],
+    rng: Rng,
 ) -> None:
     """Turn `child`, a copy of the first parent, into its child with `donor`, who gives up to half of the tours."""
-    n, m = near.tasks.shape[0], child.cost.size
+    n, m = data.near.tasks.shape[0], child.cost.size
     removed = np.empty(n, np.int32)
     order = np.arange(m).astype(np.int32)
     shuffle(order, m, rng)
     count = 0
     taken = np.zeros(m, np.uint8)
     for i in range(1 + below(rng, (m + 1) // 2)):
-        h = matching_tour(child, donor, order[i], site)
+        h = matching_tour(child, donor, order[i], data.site)
         if not taken[h]:
             taken[h] = 1
-            count = inherit(costs, child, donor, order[i], h, removed, count)
+            count = inherit(data.costs, child, donor, order[i], h, removed, count)
     sum_costs(child)
     shuffle(removed, count, rng)
-    recreate(costs, near, child, removed, count, GUIDES[below(rng, len(GUIDES))], parameters, rng)
+    recreate(data.costs, data.near, child, removed, count, GUIDES[below(rng, len(GUIDES))], parameters, rng)

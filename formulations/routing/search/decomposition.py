@@ -11,12 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from formulations.routing.search.costs import Costs
+from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.granular import GranularNeighbourhood, NeighbourhoodParameters
 from formulations.routing.search.problem_data import ProblemData, problem_data
-from formulations.routing.search.randomness import below, uniform
+from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours, clear, copy_tours, empty_tours, fill, sum_costs
 
 
@@ -52,11 +51,11 @@ class Subproblem(NamedTuple):
     whole: Tours
     tours: Tours
     best: Tours
-    nodes: NDArray[np.int32]
+    nodes: Nodes
 
 
 @njit(cache=True, nogil=True)
-def _task_on(tours: Tours, k: int, rng: NDArray[np.uint64]) -> int:
+def _task_on(tours: Tours, k: int, rng: Rng) -> int:
     """Return a random task of tour k, its depot where there is none."""
     n = tours.after.size - tours.cost.size
     v = n + k
@@ -68,8 +67,8 @@ def _task_on(tours: Tours, k: int, rng: NDArray[np.uint64]) -> int:
 
 @njit(cache=True, nogil=True)
 def around_longest(
-    near: GranularNeighbourhood, tours: Tours, wanted: int, parameters: DecompositionParameters, rng: NDArray[np.uint64]
-) -> NDArray[np.int32]:
+    near: GranularNeighbourhood, tours: Tours, wanted: int, parameters: DecompositionParameters, rng: Rng
+) -> Nodes:
     """Return the longest tour and up to `wanted` − 1 others: near those chosen already, or short ones from anywhere."""
     m = tours.cost.size
     n = tours.after.size - m
@@ -95,7 +94,7 @@ def around_longest(
 
 
 @njit(cache=True, nogil=True)
-def _nodes_of(tours: Tours, uavs: NDArray[np.int32]) -> NDArray[np.int32]:
+def _nodes_of(tours: Tours, uavs: Nodes) -> Nodes:
     """Return the tasks of some tours in their order, then their depots."""
     n = tours.after.size - tours.cost.size
     nodes = np.empty(tours.size[uavs].sum() + uavs.size, np.int32)
@@ -110,9 +109,7 @@ def _nodes_of(tours: Tours, uavs: NDArray[np.int32]) -> NDArray[np.int32]:
     return nodes
 
 
-def subproblem(
-    data: ProblemData, tours: Tours, uavs: NDArray[np.int32], parameters: NeighbourhoodParameters
-) -> Subproblem:
+def subproblem(data: ProblemData, tours: Tours, uavs: Nodes, parameters: NeighbourhoodParameters) -> Subproblem:
     """Return the tours of some UAVs as an instance of their own."""
     nodes = _nodes_of(tours, uavs)
     n_tasks = nodes.size - uavs.size
@@ -129,7 +126,7 @@ def subproblem(
 
 
 @njit(cache=True, nogil=True)
-def merge(costs: Costs, nodes: NDArray[np.int32], found: Tours, tours: Tours) -> None:
+def merge(costs: Costs, nodes: Nodes, found: Tours, tours: Tours) -> None:
     """Give the UAVs of a subproblem, whose nodes these are, the tours `found` for them, in `tours` of the whole."""
     w = found.cost.size
     s, n = nodes.size - w, tours.after.size - tours.cost.size

@@ -30,21 +30,25 @@ class MeasureKind(IntEnum):
 
 
 class Measure(NamedTuple):
-    """p: of a norm; cap: of an excess [s], 0 for a norm. Made by p_norm and excess."""
+    """Made by p_norm and excess.
 
-    kind: MeasureKind
+    kind: a MeasureKind's value, as numba is slow to tell the type of an enum at each call; p: of a norm; cap: of an
+    excess [s], 0 for a norm.
+    """
+
+    kind: int
     p: int
     cap: float
 
 
 def p_norm(p: int) -> Measure:
     """Return the measure ‖C‖_p, p ≥ 1."""
-    return Measure(MeasureKind.P_NORM, p, 0.0)
+    return Measure(MeasureKind.P_NORM.value, p, 0.0)
 
 
 def excess(cap: float) -> Measure:
     """Return the measure Σ_k max(0, C_k − cap)."""
-    return Measure(MeasureKind.EXCESS, 1, cap)
+    return Measure(MeasureKind.EXCESS.value, 1, cap)
 
 
 class Objective(NamedTuple):

@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from formulations.routing.search.costs import Costs
+from formulations.routing.search.costs import Costs, Nodes
 from instances.arrays import Floats
 
 
@@ -29,12 +28,12 @@ class NeighbourhoodParameters(NamedTuple):
 class GranularNeighbourhood(NamedTuple):
     """tasks (n, k) and depots (n, d): node numbers, nearest first."""
 
-    tasks: NDArray[np.int32]
-    depots: NDArray[np.int32]
+    tasks: Nodes
+    depots: Nodes
 
 
 @njit(cache=True, nogil=True)
-def keep_nearest(there: Floats, back: Floats, v: int, first: int, out: NDArray[np.int32]) -> None:
+def keep_nearest(there: Floats, back: Floats, v: int, first: int, out: Nodes) -> None:
     """Write to `out` the nodes nearest to v, v left out; there[i] and back[i] are the costs to and from first + i."""
     room = out.size
     held = 0

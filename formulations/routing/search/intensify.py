@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.local_search import LocalSearchParameters, closed_tour, improve
+from formulations.routing.search.randomness import Rng
 from formulations.routing.search.tours import Tours, clear, fill, sum_costs
 
 
 @njit(cache=True, nogil=True)
-def intensify(
-    costs: Costs, tours: Tours, rng: NDArray[np.uint64], kicks: float, parameters: LocalSearchParameters
-) -> None:
+def intensify(costs: Costs, tours: Tours, rng: Rng, kicks: float, parameters: LocalSearchParameters) -> None:
     """Improve the order of every tour, in place, with `kicks` double bridges for each of its tasks."""
     for k in range(tours.cost.size):
         if tours.size[k] >= parameters.fewest:
@@ -24,7 +22,7 @@ def intensify(
 
 @njit(cache=True, nogil=True)
 def _intensify_one(
-    costs: Costs, tours: Tours, k: int, rng: NDArray[np.uint64], kicks: float, parameters: LocalSearchParameters
+    costs: Costs, tours: Tours, k: int, rng: Rng, kicks: float, parameters: LocalSearchParameters
 ) -> None:
     """Improve the order of tour k; its cost is the caller's business."""
     nodes = np.empty(tours.size[k] + 1, np.int32)

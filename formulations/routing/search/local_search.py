@@ -14,13 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from formulations.routing.search import concatenation
 from formulations.routing.search.concatenation import Segments
-from formulations.routing.search.costs import Costs
+from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.granular import keep_nearest
-from formulations.routing.search.randomness import below
+from formulations.routing.search.randomness import Rng, below
 from instances.arrays import Bools, Floats, Ints
 
 
@@ -50,10 +49,10 @@ class ClosedTour(NamedTuple):
 
     costs: Costs
     segments: Segments
-    ahead: NDArray[np.int32]
-    behind: NDArray[np.int32]
+    ahead: Nodes
+    behind: Nodes
     position: Ints
-    spare: NDArray[np.int32]
+    spare: Nodes
     queue: Ints
     queued: Bools
     ring: Ints
@@ -234,7 +233,7 @@ def descend(tour: ClosedTour) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _double_bridge(tour: ClosedTour, rng: NDArray[np.uint64]) -> None:
+def _double_bridge(tour: ClosedTour, rng: Rng) -> None:
     """Put three consecutive short segments in reverse order, none of them reversed."""
     last = tour.position.size - 1
     span = min(tour.parameters.span, last // 3)
@@ -251,7 +250,7 @@ def _double_bridge(tour: ClosedTour, rng: NDArray[np.uint64]) -> None:
 
 
 @njit(cache=True, nogil=True)
-def improve(tour: ClosedTour, rng: NDArray[np.uint64], kicks: int) -> None:
+def improve(tour: ClosedTour, rng: Rng, kicks: int) -> None:
     """Improve the order by a descent from all nodes and `kicks` kicks, each followed by a descent around it."""
     for i in range(tour.position.size):
         _enqueue(tour, i)

@@ -87,7 +87,7 @@ class Memetic(Solver):
         population.perturbed()
         part, parameters = population.decomposed(), population.parameters
         recreation = parameters.annealing.recreate
-        perturb(part.data.costs, part.data.near, part.tours, parameters.perturbation, recreation, population.rng)
+        perturb(part.data, part.tours, parameters.perturbation, recreation, population.rng)
         merge(population.data.costs, part.nodes, part.best, population.best)
 
     def solve(

@@ -11,13 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from formulations.routing.search import concatenation
 from formulations.routing.search.concatenation import Segments
-from formulations.routing.search.costs import Costs
+from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.energy import Objective, PartialEnergy, energy_with, energy_without
-from formulations.routing.search.randomness import below, uniform
+from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours
 from instances.arrays import Ints
 
@@ -53,10 +52,10 @@ def empty_workspace(n_tasks: int) -> Workspace:
 @njit(cache=True, nogil=True)
 def move(
     costs: Costs,
-    near: NDArray[np.int32],
+    near: Nodes,
     tours: Tours,
     workspace: Workspace,
-    rng: NDArray[np.uint64],
+    rng: Rng,
     now: float,
     temperature: float,
     objective: Objective,
@@ -112,7 +111,7 @@ def _move_inside(
     partial: PartialEnergy,
     other: float,
     limit: float,
-    rng: NDArray[np.uint64],
+    rng: Rng,
     longest: int,
 ) -> float:
     """Try to make positions i and j of one tour adjacent; make the move and return its energy, or return inf."""
@@ -140,9 +139,7 @@ def _move_inside(
 
 
 @njit(cache=True, nogil=True)
-def _segment_at(
-    a: Segments, i: int, j: int, turned: bool, rng: NDArray[np.uint64], longest: int
-) -> tuple[int, int, int]:
+def _segment_at(a: Segments, i: int, j: int, turned: bool, rng: Rng, longest: int) -> tuple[int, int, int]:
     """Return (first, last, q): a random segment with position i at one end, to go beside position j.
 
     Straight: it starts at i and goes behind j, or ends at i and goes before j. Turned: the ends change places.
@@ -164,7 +161,7 @@ def _move_between(
     j: int,
     partial: PartialEnergy,
     limit: float,
-    rng: NDArray[np.uint64],
+    rng: Rng,
     longest: int,
 ) -> float:
     """Try to make position i of one tour and j of another adjacent; make the move, return its energy, or inf."""

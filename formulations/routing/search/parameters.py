@@ -24,8 +24,9 @@ from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS, Strat
 
 @dataclass(frozen=True)
 class PopulationParameters:
-    """Members, and the stages that renew them. Figures: mean gaps in % with several depots and with one (README of
-    routing), where nothing left out gives 0.07 and 0.00.
+    """Members, and the stages that renew them.
+
+    Figures: mean gaps in % with several depots and with one (README of routing); with all of them 0.07 and 0.00.
 
     size: members at most; one long annealing instead of a population gives 0.28 and 0.14.
     decompositions: share of the later stages that search a subproblem.

@@ -10,11 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from formulations.routing.search.costs import Costs
-from formulations.routing.search.granular import GranularNeighbourhood
-from formulations.routing.search.randomness import below, uniform
+from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink
 
@@ -26,7 +25,7 @@ class PerturbationParameters(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def draw_relocation(costs: Costs, tours: Tours, draws: int, rng: NDArray[np.uint64]) -> tuple[int, int]:
+def draw_relocation(costs: Costs, tours: Tours, draws: int, rng: Rng) -> tuple[int, int]:
     """Return (UAV, task): the shorter of two random tours, and of two random tasks the one on the longer tour.
 
     The UAV can fly to the task and back in less than the longest tour. (−1, −1) where none such is drawn.
@@ -62,18 +61,18 @@ def relocate(costs: Costs, tours: Tours, h: int, v: int, limit: float) -> None:
 
 @njit(cache=True, nogil=True)
 def perturb(
-    costs: Costs,
-    near: GranularNeighbourhood,
+    data: ProblemData,
     tours: Tours,
     parameters: PerturbationParameters,
     recreation: RecreateParameters,
-    rng: NDArray[np.uint64],
+    rng: Rng,
 ) -> None:
     """Let one UAV leave its tasks to the others and take over a segment, of random length, of a long tour."""
+    costs = data.costs
     h, v = draw_relocation(costs, tours, parameters.draws, rng)
     if h < 0:
         return
-    n = near.tasks.shape[0]
+    n = data.near.tasks.shape[0]
     removed = np.empty(n, np.int32)
     there_and_back = costs.out[n + h, v] + costs.into[n + h, v]
     limit = there_and_back + uniform(rng) * (tours.cost.max() - there_and_back)
@@ -81,4 +80,4 @@ def perturb(
     relocate(costs, tours, h, v, limit)
     sum_costs(tours)
     shuffle(removed, count, rng)
-    recreate(costs, near, tours, removed, count, GUIDES[below(rng, len(GUIDES))], recreation, rng)
+    recreate(data.costs, data.near, tours, removed, count, GUIDES[below(rng, len(GUIDES))], recreation, rng)

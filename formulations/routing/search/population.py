@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.crossover import crossover
@@ -23,7 +22,7 @@ from formulations.routing.search.intensify import intensify
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
 from formulations.routing.search.problem_data import ProblemData
-from formulations.routing.search.randomness import below, uniform
+from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule
 from formulations.routing.search.tours import Tours, copy_tours, duplicate, empty_tours
@@ -48,18 +47,16 @@ class Population:
     Times are fractions of the limit; `founder` is the length of a founder's stage.
     """
 
-    def __init__(
-        self, data: ProblemData, parameters: SearchParameters, rng: NDArray[np.uint64], start: Tours | None
-    ) -> None:
+    def __init__(self, data: ProblemData, parameters: SearchParameters, rng: Rng, start: Tours | None) -> None:
         self.data, self.parameters, self.rng = data, parameters, rng
         self.strategy = parameters.strategy(data)
         recreate = parameters.annealing.recreate._replace(width=self.strategy.width)
-        self.annealing = parameters.annealing._replace(recreate=recreate)
+        self.annealing = self._steps = parameters.annealing._replace(recreate=recreate)
         self.members: list[Tours] = []
         self.founder, self.founders = 1.0, 1
         self.stages = 0
         self._since_restart, self._barren = 0, 0
-        self._step = 0.0
+        self._step_length = 0.0
         schedule = parameters.schedule
         self._newcomer = Newcomer(start if start is not None else self._constructed(), schedule.founder, self.founder)
         self._schedule = Schedule(schedule.founder, schedule.softness[0], schedule.final)
@@ -73,7 +70,7 @@ class Population:
 
         That begins with the founder under way, unless the limit allows fewer than three.
         """
-        self._step = step
+        self._step_length = step
         parameters = self.parameters.population
         least = max(parameters.least, min(parameters.enough, parameters.per_task * self.data.size[0]))
         founder = step * max(least, parameters.depth * self.data.crowding)
@@ -98,10 +95,10 @@ class Population:
         tours, part = self._newcomer.tours, self._newcomer.subproblem
         data, best = (self.data, self.best) if part is None else (part.data, part.best)
         incumbent, fittest = self.incumbent, self._fittest
+        measure = self.strategy.fitness_measure(incumbent)
         temperature, objective = self._schedule.at(done, fittest, incumbent, self.parameters.schedule)
-        how = self.annealing._replace(strings=self._schedule.final.strings * self.annealing.strings)
-        anneal(data.costs, data.near, tours, best, fittest, self.rng, steps, temperature, objective, self.measure, how)
-        self.improved = self.improved or self.incumbent < incumbent
+        anneal(data, tours, best, fittest, self.rng, steps, temperature, objective, measure, self._steps)
+        self.improved = self.improved or self.best.cost.max() < incumbent
 
     def next_stage(self, now: float, migrant: Tours | None = None) -> None:
         """Take the newcomer (and a migrant from another population) in and begin the next stage."""
@@ -125,6 +122,7 @@ class Population:
             self._newcomer = self._founded() if founding else self._renewed()
             first = self._newcomer.first
             self._schedule = self.strategy.draw_schedule(first, staleness, self.parameters.schedule, self.rng)
+        self._steps = self.annealing._replace(strings=self._schedule.final.strings * self.annealing.strings)
         self._fittest = duplicate(self._newcomer.tours)
         self._begin, self.end = now, self._fitting(self._newcomer.length, now)
 
@@ -182,7 +180,7 @@ class Population:
         parameters, schedule = self.parameters.population, self.parameters.schedule
         if self.data.size[1] > 2 and uniform(self.rng) < parameters.decompositions:
             part, how = self.decomposed(), self.parameters.decomposition
-            tours, length = duplicate(part.tours), self._step * max(how.least, how.depth * part.data.crowding)
+            tours, length = duplicate(part.tours), self._step_length * max(how.least, how.depth * part.data.crowding)
             if uniform(self.rng) < how.perturbed:
                 self._perturb(part.data, tours)
                 return Newcomer(tours, schedule.perturbed, parameters.child * length, part)
@@ -198,7 +196,7 @@ class Population:
         i, j = below(self.rng, len(self.members)), below(self.rng, len(self.members))
         a, b = self.members[i], self.members[j]
         fitter = a if fitness(a.cost, measure) <= fitness(b.cost, measure) else b
-        return Newcomer(duplicate(fitter), reheating.first, reheating.steps * self._step)
+        return Newcomer(duplicate(fitter), reheating.first, reheating.steps * self._step_length)
 
     def decomposed(self) -> Subproblem:
         """Return some tours of a random member, to be searched alone."""
@@ -215,17 +213,17 @@ class Population:
 
     def _perturb(self, data: ProblemData, tours: Tours) -> None:
         recreation = self.parameters.annealing.recreate
-        perturb(data.costs, data.near, tours, self.parameters.perturbation, recreation, self.rng)
+        perturb(data, tours, self.parameters.perturbation, recreation, self.rng)
 
     def child(self) -> Tours:
         """Return the child of two random members."""
         i = below(self.rng, len(self.members))
         j = (i + 1 + below(self.rng, len(self.members) - 1)) % len(self.members)
         child, recreation = duplicate(self.members[i]), self.parameters.annealing.recreate
-        crossover(self.data.costs, self.data.near, child, self.members[j], self.data.site, recreation, self.rng)
+        crossover(self.data, child, self.members[j], recreation, self.rng)
         return child
 
     def _constructed(self) -> Tours:
         tours = empty_tours(*self.data.size)
-        construct(self.data.costs, self.data.near, tours, self.parameters.annealing.recreate, self.rng)
+        construct(self.data, tours, self.parameters.annealing.recreate, self.rng)
         return tours

@@ -15,14 +15,18 @@ _MULTIPLIER = np.uint64(2685821657736338717)
 _UNIT = 2.0**-53
 
 
-def seeded(*seed: int) -> NDArray[np.uint64]:
-    """Return a fresh state, shape (1,), from whole numbers such as (seed, thread)."""
+Rng = NDArray[np.uint64]
+"""A state, shape (1,)."""
+
+
+def seeded(*seed: int) -> Rng:
+    """Return a fresh state from whole numbers such as (seed, thread)."""
     word = np.random.SeedSequence([abs(s) for s in seed]).generate_state(1, np.uint64)
     return np.maximum(word, np.uint64(1))
 
 
 @njit(cache=True, nogil=True)
-def uniform(state: NDArray[np.uint64]) -> float:
+def uniform(state: Rng) -> float:
     """Draw from [0, 1)."""
     x = state[0]
     x ^= x >> _SHIFT_A
@@ -33,6 +37,6 @@ def uniform(state: NDArray[np.uint64]) -> float:
 
 
 @njit(cache=True, nogil=True)
-def below(state: NDArray[np.uint64], n: int) -> int:
+def below(state: Rng, n: int) -> int:
     """Draw a whole number from 0..n−1."""
     return int(uniform(state) * n)

@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from formulations.routing.search.costs import Costs
+from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.energy import Measure, MeasureKind, excess, p_norm, power
 from formulations.routing.search.granular import GranularNeighbourhood
-from formulations.routing.search.randomness import below
+from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.tours import Tours, insertion_change, link
 
 GUIDES = (p_norm(1), p_norm(2), p_norm(5), p_norm(12), p_norm(30), excess(1.0))
@@ -79,7 +79,7 @@ def best_insertion(
     scale: float,
     parameters: RecreateParameters,
     blink: float,
-    rng: NDArray[np.uint64],
+    rng: Rng,
 ) -> tuple[int, float]:
     """Return (node to put task v behind, change of that tour's cost [s]); the node is −1 where all was overlooked.
 
@@ -113,11 +113,11 @@ def recreate(
     costs: Costs,
     near: GranularNeighbourhood,
     tours: Tours,
-    queue: NDArray[np.int32],
+    queue: Nodes,
     count: int,
     guide: Measure,
     parameters: RecreateParameters,
-    rng: NDArray[np.uint64],
+    rng: Rng,
 ) -> None:
     """Insert queue[:count] into the tours, in that order, and book the costs."""
     longest = tours.cost.max()
@@ -133,7 +133,7 @@ def recreate(
 
 
 @njit(cache=True, nogil=True)
-def shuffle(queue: NDArray[np.int32], count: int, rng: NDArray[np.uint64]) -> None:
+def shuffle(queue: Nodes, count: int, rng: Rng) -> None:
     """Put queue[:count] in random order (Fisher & Yates)."""
     for i in range(count - 1, 0, -1):
         j = below(rng, i + 1)
@@ -142,15 +142,14 @@ def shuffle(queue: NDArray[np.int32], count: int, rng: NDArray[np.uint64]) -> No
 
 @njit(cache=True, nogil=True)
 def construct(
-    costs: Costs,
-    near: GranularNeighbourhood,
+    data: ProblemData,
     tours: Tours,
     parameters: RecreateParameters,
-    rng: NDArray[np.uint64],
+    rng: Rng,
 ) -> None:
     """Fill empty tours with all tasks in random order, each where it least raises Σ_k C_k²."""
-    n = near.tasks.shape[0]
+    n = data.near.tasks.shape[0]
     queue = np.arange(n).astype(np.int32)
     shuffle(queue, n, rng)
     for i in range(n):
-        recreate(costs, near, tours, queue[i : i + 1], 1, _CONSTRUCTION_GUIDE, parameters, rng)
+        recreate(data.costs, data.near, tours, queue[i : i + 1], 1, _CONSTRUCTION_GUIDE, parameters, rng)

@@ -2,61 +2,60 @@
 
 Two ways: a task with its nearest neighbours (Shaw 1998; adjacent removal), and strings of consecutive tasks from tours
 near a seed task (slack induction by string removals, Christiaens & Vanden Berghe 2020).
-Each removal writes the task and the node before it to `removed` and `behind`; restoring reads them backwards.
+Each removal writes down the task and the node before it; restoring reads them backwards.
 """
 
 from __future__ import annotations
 
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
+from typing import NamedTuple
 
-from formulations.routing.search.costs import Costs
-from formulations.routing.search.randomness import below, uniform
+from numba import njit
+
+from formulations.routing.search.costs import Costs, Nodes
+from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours, link, removal_change, unlink
+from instances.arrays import Bools
+
+
+class Removed(NamedTuple):
+    """tasks, behind (q,): tasks and the nodes they stood behind, room for q; ruined (m,): tours that lost a string."""
+
+    tasks: Nodes
+    behind: Nodes
+    ruined: Bools
 
 
 @njit(cache=True, nogil=True)
-def remove(
-    costs: Costs, tours: Tours, v: int, count: int, removed: NDArray[np.int32], behind: NDArray[np.int32]
-) -> int:
+def remove(costs: Costs, tours: Tours, v: int, count: int, removed: Removed) -> int:
     """Take task v out, book its cost and place, and return the new count of removed tasks."""
     tours.cost[tours.tour[v]] += removal_change(costs, tours, v)
-    removed[count] = v
-    behind[count] = tours.before[v]
+    removed.tasks[count] = v
+    removed.behind[count] = tours.before[v]
     unlink(costs, tours, v)
     return count + 1
 
 
 @njit(cache=True, nogil=True)
-def restore(costs: Costs, tours: Tours, count: int, removed: NDArray[np.int32], behind: NDArray[np.int32]) -> None:
+def restore(costs: Costs, tours: Tours, count: int, removed: Removed) -> None:
     """Undo `count` removals, last first; costs are the caller's business."""
     for i in range(count - 1, -1, -1):
-        link(costs, tours, removed[i], behind[i])
+        link(costs, tours, removed.tasks[i], removed.behind[i])
 
 
 @njit(cache=True, nogil=True)
-def remove_adjacent(
-    costs: Costs,
-    near: NDArray[np.int32],
-    tours: Tours,
-    rng: NDArray[np.uint64],
-    most: int,
-    removed: NDArray[np.int32],
-    behind: NDArray[np.int32],
-) -> int:
-    """Take out a random task and its nearest neighbours, 1 to `most` tasks together; return how many."""
+def remove_adjacent(costs: Costs, near: Nodes, tours: Tours, removed: Removed, rng: Rng) -> int:
+    """Remove a random task and its nearest neighbours, 1 to as many as there is room for; return how many."""
     n = near.shape[0]
-    wanted = 1 + below(rng, min(most, near.shape[1] + 1))
+    wanted = 1 + below(rng, min(removed.tasks.size, near.shape[1] + 1))
     v = below(rng, n)
-    count = remove(costs, tours, v, 0, removed, behind)
+    count = remove(costs, tours, v, 0, removed)
     for j in range(wanted - 1):
-        count = remove(costs, tours, near[v, j], count, removed, behind)
+        count = remove(costs, tours, near[v, j], count, removed)
     return count
 
 
 @njit(cache=True, nogil=True)
-def _string_around(tours: Tours, v: int, length: int, rng: NDArray[np.uint64], n_tasks: int) -> int:
+def _string_around(tours: Tours, v: int, length: int, rng: Rng, n_tasks: int) -> int:
     """Return the first node of a string of `length` tasks that contains v, at a random offset."""
     first = v
     for _ in range(below(rng, length)):
@@ -67,32 +66,23 @@ def _string_around(tours: Tours, v: int, length: int, rng: NDArray[np.uint64], n
 
 
 @njit(cache=True, nogil=True)
-def remove_strings(
-    costs: Costs,
-    near: NDArray[np.int32],
-    tours: Tours,
-    rng: NDArray[np.uint64],
-    most: int,
-    removed: NDArray[np.int32],
-    behind: NDArray[np.int32],
-    ruined: NDArray[np.uint8],
-) -> int:
-    """Take out strings from a few tours near a random task, at most `most` tasks together; return how many.
+def remove_strings(costs: Costs, near: Nodes, tours: Tours, removed: Removed, rng: Rng) -> int:
+    """Remove strings from tours near a random task, 1 to as many tasks as there is room for; return how many.
 
     Half of the strings keep a run of tasks in their middle (split strings).
     """
     n = near.shape[0]
     seed = below(rng, n)
-    wanted = 1 + below(rng, most)
+    wanted = 1 + below(rng, removed.tasks.size)
     longest = 1 + below(rng, wanted)
-    ruined[:] = 0
+    removed.ruined[:] = False
     count = 0
     for j in range(-1, near.shape[1]):
         v = seed if j < 0 else near[seed, j]
         k = tours.tour[v]
-        if k < 0 or ruined[k]:
+        if k < 0 or removed.ruined[k]:
             continue
-        ruined[k] = 1
+        removed.ruined[k] = True
         length = min(longest, wanted - count, tours.size[k])
         kept = 0
         if length > 1 and uniform(rng) < 0.5:
@@ -105,7 +95,7 @@ def remove_strings(
             if taken >= skip_from and skipped < kept:
                 skipped += 1
             else:
-                count = remove(costs, tours, u, count, removed, behind)
+                count = remove(costs, tours, u, count, removed)
                 taken += 1
             u = after
         if count >= wanted:

@@ -15,8 +15,8 @@ from formulations.limits import Limits
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.annealing import AnnealingParameters, anneal
 from formulations.routing.search.budget import Budget, BudgetParameters
-from formulations.routing.search.costs import both_ways
-from formulations.routing.search.granular import NeighbourhoodParameters, granular_neighbourhood
+from formulations.routing.search.granular import NeighbourhoodParameters
+from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule, ScheduleParameters
@@ -59,15 +59,14 @@ class RuinRecreate(Solver):
     ) -> Result:
         """Anneal until a limit; one step is one iteration."""
         recorder = Recorder(instance, limits, observe, start)
-        costs = both_ways(instance.cost)
-        near = granular_neighbourhood(costs, instance.n_tasks, _NEAREST)
+        data = problem_data(instance.cost, instance.n_tasks, _NEAREST)
         how = AnnealingParameters(removals=self.removals, moves=0.0)
         rng = seeded(seed)
         if start is not None:
-            tours = from_routes(costs, start)
+            tours = from_routes(data.costs, start)
         else:
             tours = empty_tours(instance.n_tasks, instance.n_depots)
-            construct(costs, near, tours, how.recreate, rng)
+            construct(data, tours, how.recreate, rng)
         best, fittest = duplicate(tours), duplicate(tours)
         recorder.incumbent(to_routes(best))
         parameters, measure = ScheduleParameters(), SEVERAL_DEPOTS.measure
@@ -77,7 +76,7 @@ class RuinRecreate(Solver):
             longest = float(best.cost.max())
             temperature, objective = schedule.at(budget.fraction, best, longest, parameters)
             steps = budget.next_steps()
-            anneal(costs, near, tours, best, fittest, rng, steps, temperature, objective, measure, how)
+            anneal(data, tours, best, fittest, rng, steps, temperature, objective, measure, how)
             budget.took(steps)
             if best.cost.max() < longest:
                 recorder.incumbent(to_routes(best))

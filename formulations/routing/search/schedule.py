@@ -12,11 +12,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from formulations.routing.search.energy import TINY, Objective, excess, p_norm
-from formulations.routing.search.randomness import below
+from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.tours import Tours
 
 
@@ -45,7 +42,7 @@ class ScheduleParameters:
     mean_weight: share ε of the mean tour in the energy at the temperature of a founder, and in the end.
     softness: p = max_k C_k / (softness · temperature), one of these drawn for each annealing.
     largest_p: a larger p tells lengths apart that differ by less than 0.2 %, which is left to the final phase.
-    final: the usual final phase. Its cap found packings of rat99_5 that a norm alone had not.
+    final: the usual final phase; without its cap, and those of fine annealings, mean gaps grow by at most 0.1 %.
     """
 
     founder: float = 0.7
@@ -57,7 +54,7 @@ class ScheduleParameters:
     largest_p: int = 499
     final: FinalPhase = FinalPhase(below=0.015, margin=1e-3, last=1e-4)
 
-    def draw_softness(self, rng: NDArray[np.uint64]) -> float:
+    def draw_softness(self, rng: Rng) -> float:
         """Return one of `softness`."""
         return self.softness[below(rng, len(self.softness))]
 

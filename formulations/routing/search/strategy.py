@@ -12,12 +12,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from formulations.routing.search.energy import Measure, MeasureKind, excess, p_norm
 from formulations.routing.search.granular import NeighbourhoodParameters
-from formulations.routing.search.randomness import uniform
+from formulations.routing.search.randomness import Rng, uniform
 from formulations.routing.search.recreate import RecreateParameters
 from formulations.routing.search.schedule import FinalPhase, Schedule, ScheduleParameters
 
@@ -63,17 +60,13 @@ class Strategy:
         """Return the measure of fitness while the longest of the best tours known is `incumbent` [s]."""
         return self.measure if self.measure.kind == MeasureKind.P_NORM else excess(incumbent)
 
-    def draw_reheating(
-        self, staleness: float, parameters: ScheduleParameters, rng: NDArray[np.uint64]
-    ) -> Schedule | None:
+    def draw_reheating(self, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule | None:
         """Return the schedule of a reheating, with probability staleness / 2 but reheating.share at most, else None."""
         if self.reheating is None or uniform(rng) >= min(self.reheating.share, 0.5 * staleness):
             return None
         return Schedule(self.reheating.first, parameters.draw_softness(rng), self.fine)
 
-    def draw_schedule(
-        self, first: float, staleness: float, parameters: ScheduleParameters, rng: NDArray[np.uint64]
-    ) -> Schedule:
+    def draw_schedule(self, first: float, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule:
         """Return a schedule from `first` mean legs on, fine with probability `staleness` but fine_share at most."""
         softness = parameters.draw_softness(rng)
         if uniform(rng) >= min(self.fine_share, staleness):

@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from formulations.routing.search.costs import Costs
+from formulations.routing.search.costs import Costs, Nodes
 from instances import Routes
 from instances.arrays import Floats
 
@@ -24,13 +23,13 @@ class Tours(NamedTuple):
     size (m,): tasks of each tour.
     """
 
-    after: NDArray[np.int32]
-    before: NDArray[np.int32]
+    after: Nodes
+    before: Nodes
     arc: Floats
     back: Floats
-    tour: NDArray[np.int32]
+    tour: Nodes
     cost: Floats
-    size: NDArray[np.int32]
+    size: Nodes
 
 
 @njit(cache=True, nogil=True)
@@ -126,7 +125,7 @@ def sum_costs(tours: Tours) -> None:
 
 
 @njit(cache=True, nogil=True)
-def clear(costs: Costs, tours: Tours, k: int, removed: NDArray[np.int32]) -> int:
+def clear(costs: Costs, tours: Tours, k: int, removed: Nodes) -> int:
     """Take all tasks out of tour k and write them, in their order, to `removed`; return how many."""
     n = tours.after.size - tours.cost.size
     count = 0
@@ -138,7 +137,7 @@ def clear(costs: Costs, tours: Tours, k: int, removed: NDArray[np.int32]) -> int
 
 
 @njit(cache=True, nogil=True)
-def fill(costs: Costs, tours: Tours, k: int, tasks: NDArray[np.int32]) -> None:
+def fill(costs: Costs, tours: Tours, k: int, tasks: Nodes) -> None:
     """Fill the empty tour k with `tasks`, in their order; its cost is the caller's business."""
     u = tours.after.size - tours.cost.size + k
     for v in tasks:

@@ -82,7 +82,7 @@ def test_a_child_visits_every_task_once_and_books_its_costs(positions, seed):
     m = len(positions)
     child = rings.from_routes(field.costs, random_routes(seed, m))
     donor = rings.from_routes(field.costs, random_routes(seed + 1, m))
-    mixing.crossover(field.costs, field.near, child, donor, field.site, RecreateParameters(), seeded(seed))
+    mixing.crossover(field, child, donor, RecreateParameters(), seeded(seed))
     routes = rings.to_routes(child)
     assert check_routes(instance, routes) == []
     assert child.cost == pytest.approx(tour_costs(instance, routes))

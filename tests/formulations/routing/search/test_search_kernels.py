@@ -24,6 +24,7 @@ from formulations.routing.search.energy import (
     p_norm,
 )
 from formulations.routing.search.granular import NeighbourhoodParameters, granular_neighbourhood
+from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import below, seeded, uniform
 from formulations.routing.search.recreate import GUIDES, RecreateParameters
 from formulations.routing.search.schedule import Schedule, ScheduleParameters
@@ -32,10 +33,15 @@ from instances import Instance, check_routes, makespan, tour_costs
 
 seeds = st.integers(0, 10**6)
 TIE = RecreateParameters().tie
+NEAR = NeighbourhoodParameters(8, 3)
 
 
 def neighbours(costs, n_tasks, tasks, depots):
     return granular_neighbourhood(costs, n_tasks, NeighbourhoodParameters(tasks, depots))
+
+
+def room_for(count):
+    return ruining.Removed(np.empty(count, np.int32), np.empty(count, np.int32), np.zeros(3, np.bool_))
 
 
 def random_instance(seed, n=14, m=3):
@@ -130,22 +136,19 @@ def test_ruin_books_its_costs_and_undoes_without_a_trace(way, seed):
     instance, routes = random_instance(seed), random_routes(seed)
     near = neighbours(both_ways(instance.cost), instance.n_tasks, 8, 3)
     tours = rings.from_routes(both_ways(instance.cost), routes)
-    removed, behind = np.empty(6, np.int32), np.empty(6, np.int32)
+    removed = room_for(6)
     if way == "adjacent":
-        count = ruining.remove_adjacent(both_ways(instance.cost), near.tasks, tours, seeded(seed), 6, removed, behind)
+        count = ruining.remove_adjacent(both_ways(instance.cost), near.tasks, tours, removed, seeded(seed))
     else:
-        ruined = np.zeros(3, np.uint8)
-        count = ruining.remove_strings(
-            both_ways(instance.cost), near.tasks, tours, seeded(seed), 6, removed, behind, ruined
-        )
+        count = ruining.remove_strings(both_ways(instance.cost), near.tasks, tours, removed, seeded(seed))
     assert 1 <= count <= 6
-    taken = set(removed[:count].tolist())
+    taken = set(removed.tasks[:count].tolist())
     left = tuple(tuple(v for v in route if v not in taken) for route in routes)
     assert len(taken) == count
     assert rings.to_routes(tours) == left
     assert tours.cost == pytest.approx(tour_costs(instance, left))
     assert all(tours.tour[v] == -1 for v in taken)
-    ruining.restore(both_ways(instance.cost), tours, count, removed, behind)
+    ruining.restore(both_ways(instance.cost), tours, count, removed)
     assert rings.to_routes(tours) == routes
 
 
@@ -201,9 +204,8 @@ def test_a_wider_recreation_sees_a_tour_that_passes_none_of_the_nearest_tasks():
 @settings(deadline=None, max_examples=20)
 def test_construction_and_recreation_book_what_they_build(seed):
     instance = random_instance(seed)
-    near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours = rings.empty_tours(14, 3)
-    rebuilding.construct(both_ways(instance.cost), near, tours, RecreateParameters(), seeded(seed))
+    rebuilding.construct(problem_data(instance.cost, 14, NEAR), tours, RecreateParameters(), seeded(seed))
     routes = rings.to_routes(tours)
     assert check_routes(instance, routes) == []
     assert tours.cost == pytest.approx(tour_costs(instance, routes))
@@ -213,8 +215,7 @@ def test_construction_where_all_costs_are_zero_or_huge():
     for scale in (0.0, 1e200):
         cost = Instance("flat", scale * (1.0 - np.eye(8)), 6, 2).cost
         tours = rings.empty_tours(6, 2)
-        near = neighbours(both_ways(cost), 6, 5, 2)
-        rebuilding.construct(both_ways(cost), near, tours, RecreateParameters(), seeded(0))
+        rebuilding.construct(problem_data(cost, 6, NEAR), tours, RecreateParameters(), seeded(0))
         assert sorted(sum(rings.to_routes(tours), ())) == list(range(6))
 
 
@@ -245,13 +246,20 @@ def test_undo_returns_to_the_tours_before_the_step():
     near = neighbours(both_ways(instance.cost), 14, 8, 3)
     tours = rings.from_routes(both_ways(instance.cost), routes)
     costs = tours.cost.copy()
-    removed, behind = np.empty(6, np.int32), np.empty(6, np.int32)
+    removed = room_for(6)
     rng = seeded(5)
-    count = ruining.remove_adjacent(both_ways(instance.cost), near.tasks, tours, rng, 6, removed, behind)
+    count = ruining.remove_adjacent(both_ways(instance.cost), near.tasks, tours, removed, rng)
     rebuilding.recreate(
-        both_ways(instance.cost), near, tours, removed[:count].copy(), count, p_norm(5), RecreateParameters(8), rng
+        both_ways(instance.cost),
+        near,
+        tours,
+        removed.tasks[:count].copy(),
+        count,
+        p_norm(5),
+        RecreateParameters(8),
+        rng,
     )
-    undo(both_ways(instance.cost), tours, count, removed, behind, costs)
+    undo(both_ways(instance.cost), tours, count, removed, costs)
     assert rings.to_routes(tours) == routes
     assert tours.cost.tolist() == costs.tolist()
 
@@ -260,11 +268,11 @@ def test_undo_returns_to_the_tours_before_the_step():
 @settings(deadline=None, max_examples=15)
 def test_annealing_keeps_its_best_and_its_books(seed):
     instance, routes = random_instance(seed), random_routes(seed)
-    near = neighbours(both_ways(instance.cost), 14, 8, 3)
+    data = problem_data(instance.cost, 14, NEAR)
     tours, best, fittest = (rings.from_routes(both_ways(instance.cost), routes) for _ in range(3))
     objective, measure = Objective(p_norm(9), 0.1), excess(0.9 * makespan(instance, routes))
     how = AnnealingParameters(removals=6, moves=0.3, guides=4)
-    anneal(both_ways(instance.cost), near, tours, best, fittest, seeded(seed), 300, 5.0, objective, measure, how)
+    anneal(data, tours, best, fittest, seeded(seed), 300, 5.0, objective, measure, how)
     for each in (tours, best, fittest):
         found = rings.to_routes(each)
         assert check_routes(instance, found) == []

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from formulations.routing.search import perturbation
 from formulations.routing.search import tours as rings
 from formulations.routing.search.costs import both_ways
-from formulations.routing.search.granular import NeighbourhoodParameters, granular_neighbourhood
+from formulations.routing.search.granular import NeighbourhoodParameters
+from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import RecreateParameters
 from instances import check_routes, tour_costs
@@ -73,9 +74,9 @@ def test_a_perturbation_keeps_every_task_and_its_books(random_case, seed):
     instance, routes = random_case(seed, N, M)
     costs = both_ways(instance.cost)
     tours = rings.from_routes(costs, routes)
-    near = granular_neighbourhood(costs, N, NeighbourhoodParameters(8, M))
+    data = problem_data(instance.cost, N, NeighbourhoodParameters(8, M))
     how = perturbation.PerturbationParameters()
-    perturbation.perturb(costs, near, tours, how, RecreateParameters(), seeded(seed))
+    perturbation.perturb(data, tours, how, RecreateParameters(), seeded(seed))
     found = rings.to_routes(tours)
     assert check_routes(instance, found) == []
     assert tours.cost == pytest.approx(tour_costs(instance, found))

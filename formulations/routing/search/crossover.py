@@ -61,13 +61,7 @@ def inherit(costs: Costs, child: Tours, donor: Tours, k: int, h: int, removed: N
 
 
 @njit(cache=True, nogil=True)
-def crossover(
-    data: ProblemData,
-    child: Tours,
-    donor: Tours,
-    parameters: RecreateParameters,
-    rng: Rng,
-) -> None:
+def crossover(data: ProblemData, child: Tours, donor: Tours, parameters: RecreateParameters, rng: Rng) -> None:
     """Turn `child`, a copy of the first parent, into its child with `donor`, who gives up to half of the tours."""
     n, m = data.near.tasks.shape[0], child.cost.size
     removed = np.empty(n, np.int32)

@@ -61,11 +61,7 @@ def relocate(costs: Costs, tours: Tours, h: int, v: int, limit: float) -> None:
 
 @njit(cache=True, nogil=True)
 def perturb(
-    data: ProblemData,
-    tours: Tours,
-    parameters: PerturbationParameters,
-    recreation: RecreateParameters,
-    rng: Rng,
+    data: ProblemData, tours: Tours, parameters: PerturbationParameters, recreation: RecreateParameters, rng: Rng
 ) -> None:
     """Let one UAV leave its tasks to the others and take over a segment, of random length, of a long tour."""
     costs = data.costs

@@ -8,11 +8,7 @@ import numpy as np
 from numba import njit
 
 from formulations.routing.search.costs import Costs, both_ways
-from formulations.routing.search.granular import (
-    GranularNeighbourhood,
-    NeighbourhoodParameters,
-    granular_neighbourhood,
-)
+from formulations.routing.search.granular import GranularNeighbourhood, NeighbourhoodParameters, granular_neighbourhood
 from instances.arrays import Floats, Ints
 
 

@@ -141,12 +141,7 @@ def shuffle(queue: Nodes, count: int, rng: Rng) -> None:
 
 
 @njit(cache=True, nogil=True)
-def construct(
-    data: ProblemData,
-    tours: Tours,
-    parameters: RecreateParameters,
-    rng: Rng,
-) -> None:
+def construct(data: ProblemData, tours: Tours, parameters: RecreateParameters, rng: Rng) -> None:
     """Fill empty tours with all tasks in random order, each where it least raises Σ_k C_k²."""
     n = data.near.tasks.shape[0]
     queue = np.arange(n).astype(np.int32)

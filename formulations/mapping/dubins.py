@@ -13,10 +13,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
 

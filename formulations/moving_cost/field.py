@@ -17,13 +17,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.fft import dctn, idctn
 
 from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.errors import InputError
+from instances.kernels import njit
 
 CELLS = 160
 """Cells along the region's longer side."""

@@ -17,7 +17,6 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from formulations.moving_cost.field import search_field
@@ -27,6 +26,7 @@ from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progr
 from formulations.moving_cost.tree import paths_of_trees, require_reached
 from instances.arrays import Floats, Ints
 from instances.errors import InputError
+from instances.kernels import njit
 from instances.moving_cost import moving_costs
 
 UNVISITED, OPEN, CLOSED = 0, 1, 2

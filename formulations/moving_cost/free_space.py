@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numba import njit
 
 from instances.arrays import Bools, Floats
 from instances.environment.region import Region
+from instances.kernels import njit
 
 CELLS = 96
 """Cells of the clearance grid along the longer side."""

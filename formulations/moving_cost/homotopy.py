@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 
 @njit(cache=True)

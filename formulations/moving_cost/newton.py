@@ -15,10 +15,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from formulations.moving_cost.field import Vorticity, vorticity_at
 from instances.arrays import Bools, Floats
+from instances.kernels import njit
 
 GAUSS_1, GAUSS_2 = 0.5 - 0.5 / math.sqrt(3.0), 0.5 + 0.5 / math.sqrt(3.0)
 

@@ -17,12 +17,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from formulations.moving_cost.field import Vorticity
 from formulations.moving_cost.free_space import FreeSpace, clearance_at, point_free, segment_free
 from formulations.moving_cost.newton import newton_step
 from instances.arrays import Bools, Floats, Ints
+from instances.kernels import njit
 
 STEPS = 60
 """Newton steps at most, and one more for every corner there is to wrap around; a path that has not settled by then

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from formulations.moving_cost.method import Query
 from instances.arrays import Floats, Ints
 from instances.errors import InputError
+from instances.kernels import njit
 from instances.paths import Paths
 
 

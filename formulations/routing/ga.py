@@ -24,7 +24,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numba import njit
 
 from formulations.limits import Limits
 from formulations.routing.ga_operators import (
@@ -37,6 +36,7 @@ from formulations.routing.recorder import Recorder
 from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes, as_routes
 from instances.arrays import Bools, Floats, Ints
+from instances.kernels import njit
 
 
 @dataclass(frozen=True)

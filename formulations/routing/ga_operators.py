@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from instances.arrays import Bools, Floats, Ints
+from instances.kernels import njit
 
 
 @njit(cache=True)

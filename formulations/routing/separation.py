@@ -16,9 +16,9 @@ stop as soon as y_vk is reached: microseconds a task, much faster than a call of
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from instances.arrays import Bools, Floats, Ints
+from instances.kernels import njit
 
 _ARC = 1e-9  # θ below this is no arc
 

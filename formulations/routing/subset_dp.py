@@ -21,7 +21,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-import numba
 import numpy as np
 
 from formulations.limits import Limits
@@ -29,6 +28,7 @@ from formulations.routing.recorder import Recorder
 from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import Instance, Routes
 from instances.arrays import Floats
+from instances.kernels import njit
 
 LARGEST = 22
 """Tasks beyond which the tables pass about a gigabyte and the partition a minute."""
@@ -103,7 +103,7 @@ def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> Flo
     return tour
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _extend_paths(
     low: int, high: int, to_task: Floats, between: Floats, home: Floats, path: Floats, tour: Floats
 ) -> None:
@@ -162,7 +162,7 @@ def _partition_tables(tours: list[Floats], recorder: Recorder) -> list[Floats] |
     return best
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _convolve(low: int, high: int, first: Blocks, second: Blocks, cutoff: float, out: Floats) -> None:
     """out(S) = min_{R ⊆ S} max(first(S∖R), second(R)) for the blocks low..high−1.
 
@@ -202,7 +202,7 @@ def _recover(instance: Instance, tours: list[Floats], best: list[Floats]) -> Rou
     )
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _best_part(rest: int, first: Floats, second: Floats) -> int:
     """Return the R ⊆ rest that minimises max(first(rest∖R), second(R))."""
     best, arg, part = np.inf, rest, rest

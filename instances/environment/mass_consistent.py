@@ -23,7 +23,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.fft import dstn
 
@@ -31,6 +30,7 @@ from instances.arrays import Floats
 from instances.environment.terrain import Terrain
 from instances.environment.wind_grid import Grid
 from instances.errors import InputError
+from instances.kernels import njit
 
 PROFILES = ("uniform", "log", "power")
 

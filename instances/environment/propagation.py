@@ -21,7 +21,6 @@ import math
 from typing import Literal
 
 import numpy as np
-from numba import njit
 
 from instances.arrays import Floats
 from instances.environment.itm.loss import attenuation_map
@@ -29,6 +28,7 @@ from instances.environment.radio import RadioMap, RadioSource
 from instances.environment.terrain import Terrain
 from instances.environment.terrain_profile import profile
 from instances.errors import InputError, suggestion
+from instances.kernels import njit
 
 EFFECTIVE_EARTH = 4.0 / 3.0 * 6_371_000.0
 """a_e [m] for the median refractivity gradient."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from instances.arrays import Floats
+from instances.kernels import njit
 
 
 @njit(cache=True)

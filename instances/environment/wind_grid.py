@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.wind import only_fields, points_of
 from instances.environment.wind_files import WindData, read_wind, write_netcdf
 from instances.errors import InputError
+from instances.kernels import njit
 
 GAUSS = 0.5 / math.sqrt(3.0)
 

@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.wind import number, only_fields, points_of
 from instances.errors import InputError
+from instances.kernels import njit
 
 FIELDS = ("rms", "length_scale", "seed", "modes")
 

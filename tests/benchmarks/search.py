@@ -31,12 +31,13 @@ from public_sets import add_option, public
 
 import formulations.routing.recorder
 import formulations.routing.search.budget
+from formulations.limits import Limits
 from formulations.moving_cost.families import generate
 from formulations.routing.registry import make_solver
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.strategy import Reheating
-from formulations.routing.solver import Limits, Solver
+from formulations.routing.solver import Solver
 from instances import Instance, Routes, check_routes, makespan
 from instances.files import write_routes
 

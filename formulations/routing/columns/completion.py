@@ -19,13 +19,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.legs import UavLegs
 from formulations.routing.columns.watching import Watch
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 _SLACK = 1e-9  # of a bin: far more than rounding errors, in the direction that forbids less
 
@@ -50,7 +50,7 @@ class Memory(NamedTuple):
         return cls(near, _memory_steps(near))
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _memory_steps(near: Ints) -> NDArray[np.int16]:
     n, g = near.shape
     states = 1 << g
@@ -100,13 +100,13 @@ class Bins(NamedTuple):
         return cls(width, most, between, whole(legs.home), *_successors(between, most))
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def bins_left(time: float, bins: Bins) -> np.int64:
     """Return the whole bins in the `time` left of the cap, rounded so that nothing that fits is forbidden."""
     return min(np.int64(bins.most), np.int64(np.floor(time / bins.width + 1e-9)))
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _successors(legs: Ints, most: int) -> tuple[Ints, Ints]:
     n = legs.shape[0]
     order = np.empty((n, n), np.int64)
@@ -120,7 +120,7 @@ def _successors(legs: Ints, most: int) -> tuple[Ints, Ints]:
     return order, degree
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def completion(uav: UavLegs, bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: float) -> Floats:
     """Return B, shape (n, most + 1, 2^q (2^g + 1)): for each state of the cuts watched (`watching.py`) one block.
 
@@ -165,7 +165,7 @@ def completion(uav: UavLegs, bins: Bins, memory: Memory, watch: Watch, price: Fl
     return best
 
 
-@numba.njit(cache=True, inline="always")
+@njit(cache=True, inline="always")
 def _relax(
     row: Floats,
     source: Floats,

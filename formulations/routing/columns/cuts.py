@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from instances.arrays import Bools, Floats, Ints
+from instances.kernels import njit
 
 Cut = tuple[int, int, int]
 
@@ -46,7 +46,7 @@ def separate(tours: Sequence[Sequence[int]], weight: Floats, n_tasks: int, known
     return chosen
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _violated(holds: Bools, weight: Floats, least: float) -> tuple[Ints, Floats]:
     """Return all triples whose left-hand side exceeds 1 by `least`, and by how much they do."""
     rows, n = holds.shape

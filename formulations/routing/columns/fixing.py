@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numba
 import numpy as np
 
 from formulations.routing.columns.completion import Bins, bins_left, completion
@@ -19,6 +18,7 @@ from formulations.routing.columns.labelling import Subproblem
 from formulations.routing.columns.legs import Legs, UavLegs
 from formulations.routing.columns.pricing import DualBound, Pricer
 from instances.arrays import Floats
+from instances.kernels import njit
 
 
 def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
@@ -35,7 +35,7 @@ def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
     return legs
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _fix(legs: UavLegs, problem: Subproblem, behind: Floats, allowed: float) -> None:
     """Forbid, in place, the legs of one UAV whose best reduced cost exceeds what is allowed.
 

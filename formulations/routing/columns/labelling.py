@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +23,7 @@ from formulations.routing.columns.cuts import TaskCuts
 from formulations.routing.columns.legs import UavLegs
 from formulations.routing.columns.watching import Watch
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _CHUNK = 50_000
@@ -166,13 +166,13 @@ def compile_beam() -> None:
     _keep_best(make_store(3, 8), 2, 0, 4)
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def has(words: NDArray[np.uint64], task: int) -> bool:
     """Say whether a set contains a task."""
     return (words[task >> 6] >> np.uint64(task & 63)) & np.uint64(1) != np.uint64(0)
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def least_of_all(problem: Subproblem) -> float:
     """Return a lower bound on the reduced cost [s] of all tours: the best first leg and its completion."""
     least = np.inf
@@ -181,7 +181,7 @@ def least_of_all(problem: Subproblem) -> float:
     return least
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _beginning_with(problem: Subproblem, task: int) -> float:
     """Return a lower bound on the reduced cost [s] of the tours whose first task is `task`, infinite past the cap."""
     spent = problem.legs.out[task]
@@ -193,7 +193,7 @@ def _beginning_with(problem: Subproblem, task: int) -> float:
     return problem.sigma * spent - problem.price[task] + problem.best[task, left, state]
 
 
-@numba.njit(cache=True, inline="always")
+@njit(cache=True, inline="always")
 def _state(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) -> int:
     """Return the state of the completion bounds at `task` after the tasks `seen`, which are other ones."""
     memory, bits = 0, 0
@@ -211,7 +211,7 @@ def _state(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) -> in
     return bits * ((1 << near.shape[1]) + 1) + memory
 
 
-@numba.njit(cache=True, inline="always")
+@njit(cache=True, inline="always")
 def _hash(words: NDArray[np.uint64], task: int, mask: int) -> np.int64:
     h = np.uint64(task + 1) * _GOLDEN
     for w in range(words.size):
@@ -220,7 +220,7 @@ def _hash(words: NDArray[np.uint64], task: int, mask: int) -> np.int64:
     return np.int64(h & np.uint64(mask))
 
 
-@numba.njit(cache=True, inline="always")
+@njit(cache=True, inline="always")
 def _same(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> bool:
     equal = True
     for w in range(a.size):
@@ -228,7 +228,7 @@ def _same(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> bool:
     return equal
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _depart(problem: Subproblem, store: Store, threshold: float) -> int:
     """Make the labels of one task and return how many there are."""
     free = 0
@@ -243,7 +243,7 @@ def _depart(problem: Subproblem, store: Store, threshold: float) -> int:
     return free
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _expand(
     problem: Subproblem, store: Store, threshold: float, low: int, high: int, free: int, room: int
 ) -> tuple[bool, int]:
@@ -291,7 +291,7 @@ def _expand(
     return False, free
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _clear(store: Store, begin: int, end: int) -> None:
     """Take the labels begin..end−1, which are all that is in it, out of the hash table."""
     slots = store.slots
@@ -306,7 +306,7 @@ def _clear(store: Store, begin: int, end: int) -> None:
             slot = (slot + 1) & mask
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _keep_best(store: Store, beam: int, begin: int, end: int) -> int:
     """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
     limit = np.partition(store.bound[begin:end], beam - 1)[beam - 1]
@@ -320,7 +320,7 @@ def _keep_best(store: Store, beam: int, begin: int, end: int) -> int:
     return free
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _tours(problem: Subproblem, store: Store, threshold: float, begin: int, end: int) -> tuple[Ints, Floats]:
     """Return the labels of a layer that can fly home for less than the threshold, and at what reduced cost."""
     ends, values, found = np.empty(end - begin, np.int64), np.empty(end - begin), 0
@@ -333,7 +333,7 @@ def _tours(problem: Subproblem, store: Store, threshold: float, begin: int, end:
     return ends[:found].copy(), values[:found].copy()
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _cheapest_of_each_set(labels: Ints, values: Floats, visited: NDArray[np.uint64]) -> Ints:
     """Return the positions in `labels` of the tour of least value of every set visited, in order of discovery."""
     size = 16

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +11,7 @@ from formulations.routing.columns.cuts import TaskCuts
 from formulations.routing.columns.labelling import Orders, has, path
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer
 from instances.arrays import Bools, Floats, Ints
+from instances.kernels import njit
 
 _DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
 """A word of 64 bits whose 64 windows of six all differ: a product with it tells which bit of a word is its lowest."""
@@ -109,7 +109,7 @@ class Pool:
         return slice(int(at[0]), int(at[-1]) + 1) if at.size else slice(0, 0)
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _values(
     visited: NDArray[np.uint64],
     cost: Floats,
@@ -134,7 +134,7 @@ def _values(
     return value, least
 
 
-@numba.njit(cache=True, inline="always")
+@njit(cache=True, inline="always")
 def _earned(words: NDArray[np.uint64], price: Floats) -> float:
     total = 0.0
     for w in range(words.size):
@@ -145,7 +145,7 @@ def _earned(words: NDArray[np.uint64], price: Floats) -> float:
     return total
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _paid(words: NDArray[np.uint64], cuts: TaskCuts) -> float:
     partners, rho = cuts.partners, cuts.rho
     total = 0.0
@@ -164,7 +164,7 @@ def _paid(words: NDArray[np.uint64], cuts: TaskCuts) -> float:
     return total
 
 
-@numba.njit(cache=True, inline="always")
+@njit(cache=True, inline="always")
 def _lowest(word: np.uint64) -> int:
     """Return the place of the lowest bit of a word that is not zero."""
     return _LOWEST[((word & (~word + np.uint64(1))) * _DE_BRUIJN) >> np.uint64(58)]

@@ -16,12 +16,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import Cut
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 _PASSING = 0.25
 """Weight of a cut, for each of its tasks that is near, at a task that is none of them."""
@@ -59,7 +59,7 @@ class Watch(NamedTuple):
         return cls(members, *_turns(watched, sets, rho[priced]))
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _turns(watched: Ints, sets: Ints, rho: Floats) -> tuple[NDArray[np.int16], Floats]:
     """Return `turn` and `charge` of a Watch from the cuts `watched` at each task, (n, q), their tasks and prices."""
     n, q = watched.shape
@@ -83,6 +83,6 @@ def _turns(watched: Ints, sets: Ints, rho: Floats) -> tuple[NDArray[np.int16], F
     return turn, charge
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _holds(sets: Ints, s: int, task: int) -> bool:
     return sets[s, 0] == task or sets[s, 1] == task or sets[s, 2] == task

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.energy import Measure, Objective, energy, fitness
@@ -17,6 +16,7 @@ from formulations.routing.search.recreate import GUIDES, RecreateParameters, rec
 from formulations.routing.search.ruin import Removed, remove_adjacent, remove_strings, restore
 from formulations.routing.search.tours import Tours, copy_tours, sum_costs, unlink
 from instances.arrays import Floats
+from instances.kernels import njit
 
 
 class AnnealingParameters(NamedTuple):

@@ -12,11 +12,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.tours import Tours, join
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 
 class Segments(NamedTuple):

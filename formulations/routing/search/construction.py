@@ -11,11 +11,11 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.tours import Tours, insertion_change, link
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 
 class Rule(IntEnum):

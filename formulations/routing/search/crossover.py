@@ -7,7 +7,6 @@ replaced tours that are then on no tour are inserted again (recreate.py).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.problem_data import ProblemData
@@ -15,6 +14,7 @@ from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.tours import Tours, link, sum_costs, unlink
 from instances.arrays import Ints
+from instances.kernels import njit
 
 
 @njit(cache=True, nogil=True)

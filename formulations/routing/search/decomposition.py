@@ -10,13 +10,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.granular import GranularNeighbourhood, NeighbourhoodParameters
 from formulations.routing.search.problem_data import ProblemData, problem_data
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours, clear, copy_tours, empty_tours, fill, sum_costs
+from instances.kernels import njit
 
 
 class DecompositionParameters(NamedTuple):

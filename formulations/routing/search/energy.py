@@ -13,10 +13,9 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import NamedTuple
 
-from numba import njit
-
 from formulations.routing.search.tours import Tours
 from instances.arrays import Floats
+from instances.kernels import njit
 
 TINY = 1e-300
 """Tours that cost nothing are scaled by this [s]."""

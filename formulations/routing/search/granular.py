@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs, Nodes
 from instances.arrays import Floats
+from instances.kernels import njit
 
 
 class NeighbourhoodParameters(NamedTuple):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.local_search import LocalSearchParameters, closed_tour, improve
 from formulations.routing.search.randomness import Rng
 from formulations.routing.search.tours import Tours, clear, fill, sum_costs
+from instances.kernels import njit
 
 
 @njit(cache=True, nogil=True)

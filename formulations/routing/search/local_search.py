@@ -13,7 +13,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search import concatenation
 from formulations.routing.search.concatenation import Segments
@@ -21,6 +20,7 @@ from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.granular import keep_nearest
 from formulations.routing.search.randomness import Rng, below
 from instances.arrays import Bools, Floats, Ints
+from instances.kernels import njit
 
 
 class LocalSearchParameters(NamedTuple):

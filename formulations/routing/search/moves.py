@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search import concatenation
 from formulations.routing.search.concatenation import Segments
@@ -19,6 +18,7 @@ from formulations.routing.search.energy import Objective, PartialEnergy, energy_
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours
 from instances.arrays import Ints
+from instances.kernels import njit
 
 
 class MoveParameters(NamedTuple):

@@ -9,13 +9,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink
+from instances.kernels import njit
 
 
 class PerturbationParameters(NamedTuple):

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs, both_ways
 from formulations.routing.search.granular import GranularNeighbourhood, NeighbourhoodParameters, granular_neighbourhood
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 
 class ProblemData(NamedTuple):

@@ -7,8 +7,9 @@ at once (numba's generators are shared by the functions of a thread).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from instances.kernels import njit
 
 _SHIFT_A, _SHIFT_B, _SHIFT_C, _SHIFT_U = np.uint64(12), np.uint64(25), np.uint64(27), np.uint64(11)
 _MULTIPLIER = np.uint64(2685821657736338717)

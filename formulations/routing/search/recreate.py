@@ -13,7 +13,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.energy import Measure, MeasureKind, excess, p_norm, power
@@ -21,6 +20,7 @@ from formulations.routing.search.granular import GranularNeighbourhood
 from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.tours import Tours, insertion_change, link
+from instances.kernels import njit
 
 GUIDES = (p_norm(1), p_norm(2), p_norm(5), p_norm(12), p_norm(30), excess(1.0))
 """Guides in their order, over lengths in those of the longest tour left; one is drawn for each recreation.

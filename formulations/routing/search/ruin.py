@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from numba import njit
-
 from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours, link, removal_change, unlink
 from instances.arrays import Bools
+from instances.kernels import njit
 
 
 class Removed(NamedTuple):

@@ -22,7 +22,7 @@ from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule, ScheduleParameters
 from formulations.routing.search.strategy import SEVERAL_DEPOTS
 from formulations.routing.search.tours import duplicate, empty_tours, from_routes, to_routes
-from formulations.routing.solver import Limits, Observer, Result, Solver, ignore
+from formulations.routing.solver import Observer, Result, Solver, ignore
 from instances import InputError, Instance, Routes
 
 _NEAREST = NeighbourhoodParameters()

@@ -8,11 +8,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from formulations.routing.search.costs import Costs, Nodes
 from instances import Routes
 from instances.arrays import Floats
+from instances.kernels import njit
 
 
 class Tours(NamedTuple):

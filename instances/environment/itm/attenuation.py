@@ -10,9 +10,8 @@ from __future__ import annotations
 import cmath
 import math
 
-from numba import njit
-
 from instances.environment.itm.profile import roughness
+from instances.kernels import njit
 
 Path = tuple[float, float, float, float, float, float, float]
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
@@ -22,6 +21,7 @@ from instances.environment.itm.variability import CLIMATES, quantile_loss
 from instances.environment.terrain import Terrain
 from instances.environment.terrain_profile import profile
 from instances.errors import InputError, suggestion
+from instances.kernels import njit
 
 MODES = ("single-message", "accidental", "mobile", "broadcast")
 

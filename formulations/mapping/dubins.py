@@ -116,12 +116,7 @@ def advance(x: float, y: float, h: float, turn: int, length: float, radius: floa
 
 @njit(cache=True)
 def poses_along(
-    starts: Floats,
-    turns: NDArray[np.int8],
-    segments: Floats,
-    travelled: Floats,
-    radius: float,
-    poses: Floats,
+    starts: Floats, turns: NDArray[np.int8], segments: Floats, travelled: Floats, radius: float, poses: Floats
 ) -> None:
     """Write into `poses` (k, 3) the pose after `travelled[i]` metres of path i.
 

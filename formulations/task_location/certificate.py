@@ -142,8 +142,7 @@ def information_gain_bound(criterion: Criterion, region: Region, n: int, *, upda
     highest = variance * theta.floor  # h ≤ ‖φ‖² ‖Θ‖, attained where k = 0
     if len(theta.rows):
         highest = min(
-            highest,
-            supremum(lambda points: theta.expansion(nodes, points, kernel), region, criterion.scales, highest),
+            highest, supremum(lambda points: theta.expansion(nodes, points, kernel), region, criterion.scales, highest)
         )
     bound = 0.5 * (n * math.log(highest + noise * theta.floor) - theta.log_smallest - n * math.log(noise))
     return Certificate(bound + ROUNDING * abs(bound), "information gain, continuous", done)

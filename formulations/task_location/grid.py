@@ -8,13 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from formulations.task_location.placement import (
-    PlacementMethod,
-    PlacementProblem,
-    PlacementStatus,
-    Progress,
-    lattice,
-)
+from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress, lattice
 from instances.arrays import Floats
 from instances.environment.region import Region
 

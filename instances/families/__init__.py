@@ -20,18 +20,12 @@ __all__ = ["FAMILIES", "Family", "Legs", "Parameter", "check_family", "make_scen
 FAMILIES: Registry[Family] = Registry(
     "family",
     {
-        "uniform": (
-            "instances.families.square:UNIFORM",
-            "tasks uniform in a square",
-        ),
+        "uniform": ("instances.families.square:UNIFORM", "tasks uniform in a square"),
         "clustered": (
             "instances.families.square:CLUSTERED",
             "tasks in normal clusters around random centres in a square",
         ),
-        "ring": (
-            "instances.families.square:RING",
-            "tasks on a ring about the centre of a square",
-        ),
+        "ring": ("instances.families.square:RING", "tasks on a ring about the centre of a square"),
         "corridor": (
             "instances.families.corridor:CORRIDOR",
             "tasks uniform in a winding corridor, a square crossed by walls that legs must fly around",

@@ -48,12 +48,7 @@ def ring_tasks(region: Region, count: int, rng: np.random.Generator, values: Val
     return centre + np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
 
 
-UNIFORM = Family(
-    "uniform",
-    (SIZE, *winds.PARAMETERS, *depots.PARAMETERS),
-    square,
-    uniform_tasks,
-)
+UNIFORM = Family("uniform", (SIZE, *winds.PARAMETERS, *depots.PARAMETERS), square, uniform_tasks)
 
 CLUSTERED = Family(
     "clustered",

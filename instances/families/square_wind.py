@@ -56,10 +56,4 @@ class SquareWind(Family):
         )
 
 
-SQUARE_WIND = SquareWind(
-    "square-wind",
-    (),
-    lambda values: Region.rectangle(SIZE, SIZE),
-    uniform_tasks,
-    Legs.STRAIGHT,
-)
+SQUARE_WIND = SquareWind("square-wind", (), lambda values: Region.rectangle(SIZE, SIZE), uniform_tasks, Legs.STRAIGHT)

@@ -119,13 +119,7 @@ def _mountains(region: Region, rng: np.random.Generator, values: Values) -> Wind
 
 WIND_UNIFORM = WindFamily(
     "wind-uniform",
-    (
-        SIZE,
-        *STEADY,
-        *TURBULENCE,
-        *ZONES,
-        *depots.PARAMETERS,
-    ),
+    (SIZE, *STEADY, *TURBULENCE, *ZONES, *depots.PARAMETERS),
     square,
     uniform_tasks,
     Legs.INSIDE,

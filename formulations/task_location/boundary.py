@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+from scipy.optimize import Bounds
 
 from instances.arrays import Floats
 from instances.environment.region import Region
@@ -14,6 +15,12 @@ def is_rectangle(region: Region) -> bool:
     x0, y0, x1, y1 = region.bounds
     box = (x1 - x0) * (y1 - y0)
     return abs(region.area - box) <= 1e-12 * box
+
+
+def box(region: Region, scales: Floats, n: int) -> Bounds:
+    """Return the bounding box of `region` as bounds on n points in units of `scales`, z = x / l, flat."""
+    x0, y0, x1, y1 = region.bounds
+    return Bounds(np.tile([x0, y0] / scales, n), np.tile([x1, y1] / scales, n))
 
 
 def distance_gradient(region: Region, points: Floats) -> Floats:

@@ -24,9 +24,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from scipy.linalg import cho_factor, cho_solve
-from scipy.optimize import Bounds, minimize
+from scipy.optimize import minimize
 
 from formulations.kernel import SquaredExponential
+from formulations.task_location.boundary import box
 from formulations.task_location.certificate import certificate
 from formulations.task_location.criterion import Criterion, log_det
 from formulations.task_location.placement import lattice
@@ -184,9 +185,6 @@ class _Spread:
 
     def lowered(self, begin: Floats) -> Floats:
         """Return `begin` moved to where J is lower, inside the region."""
-        x0, y0, x1, y1 = self.region.bounds
-        n = len(begin)
-        box = Bounds(np.tile([x0, y0] / self._scales, n), np.tile([x1, y1] / self._scales, n))
         points = begin
         for power in (8.0, 32.0):
             done = minimize(
@@ -195,7 +193,7 @@ class _Spread:
                 args=(power,),
                 jac=True,
                 method="L-BFGS-B",
-                bounds=box,
+                bounds=box(self.region, self._scales, len(begin)),
                 options={"maxiter": 80, "maxcor": 20},
             )
             points = self.region.snap(done.x.reshape(-1, 2) * self._scales)

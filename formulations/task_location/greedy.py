@@ -8,7 +8,6 @@ a step, O(N n) in all for N candidates, so no lazy queue is needed.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -21,14 +20,12 @@ from instances.arrays import Floats
 class Greedy(PlacementMethod):
     """Greedy over the candidate sites."""
 
-    status: ClassVar[PlacementStatus] = PlacementStatus.HEURISTIC
-
     def search(self, problem: PlacementProblem, progress: Progress, seed: int) -> PlacementStatus:
         """Offer the greedy choice; deterministic, so `seed` is not used."""
         chosen = greedy_choice(problem.criterion, problem.candidates, problem.n_tasks)
         points = problem.candidates[chosen]
         progress.offer(points, problem.criterion.value(points))
-        return self.status
+        return PlacementStatus.HEURISTIC
 
 
 def greedy_choice(criterion: Criterion, candidates: Floats, count: int) -> list[int]:

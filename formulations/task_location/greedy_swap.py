@@ -7,7 +7,6 @@ factor of S for either kernel and one triangular solve against all candidates gi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -26,7 +25,6 @@ class GreedySwap(PlacementMethod):
     """
 
     sweeps: int = 20
-    status: ClassVar[PlacementStatus] = PlacementStatus.HEURISTIC
 
     def search(self, problem: PlacementProblem, progress: Progress, seed: int) -> PlacementStatus:
         """Offer the greedy choice and each improved one; deterministic, so `seed` is not used."""
@@ -43,7 +41,7 @@ class GreedySwap(PlacementMethod):
                 break
             points = sites[exchange.chosen]
             progress.offer(points, criterion.value(points))
-        return self.status
+        return PlacementStatus.HEURISTIC
 
 
 class Exchange:

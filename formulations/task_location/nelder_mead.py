@@ -12,7 +12,6 @@ their nearest points of the region are worth. Two forms of the same number, unde
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from scipy.optimize import minimize
@@ -33,7 +32,6 @@ class NelderMead(PlacementMethod):
     """
 
     form: str = "reduced"
-    status: ClassVar[PlacementStatus] = PlacementStatus.HEURISTIC
 
     def __post_init__(self) -> None:
         if self.form not in FORMS:
@@ -54,7 +52,7 @@ class NelderMead(PlacementMethod):
 
         begin = region.sample(problem.n_tasks, np.random.default_rng(seed)) / scales
         minimize(negative, begin.ravel(), method="Nelder-Mead")
-        return self.status
+        return PlacementStatus.HEURISTIC
 
 
 class JointForm:

@@ -22,12 +22,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from formulations.task_location.boundary import distance_gradient, is_rectangle
+from formulations.task_location.boundary import box, distance_gradient, is_rectangle
 from formulations.task_location.criterion import Criterion
 from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
@@ -54,7 +54,6 @@ class Nlp(PlacementMethod):
     starts: int = 0
     iterations: int = 100
     tolerance: float = 1e-6
-    status: ClassVar[PlacementStatus] = PlacementStatus.LOCALLY_SOLVED
 
     def prepare(self, problem: PlacementProblem) -> None:
         """Load IPOPT, which casadi does on first use."""
@@ -91,9 +90,7 @@ class Model:
     def __init__(self, problem: PlacementProblem, iterations: int, tolerance: float) -> None:
         criterion, n = problem.criterion, problem.n_tasks
         self._scales = criterion.scales
-        x0, y0, x1, y1 = problem.region.bounds
-        self._low = np.tile(np.array([x0, y0]) / self._scales, n)
-        self._high = np.tile(np.array([x1, y1]) / self._scales, n)
+        self._box = box(problem.region, self._scales, n)
         z, p = ca.MX.sym("z", 2 * n), ca.MX.sym("p", 0)
         weight_f = ca.MX.sym("lam_f")
         # casadi does not keep Callbacks alive: they must stay referenced as long as the solver is used
@@ -130,8 +127,8 @@ class Model:
         rows = self._build["g"].shape[0]
         done = solver(
             x0=(begin / self._scales).ravel(),
-            lbx=self._low,
-            ubx=self._high,
+            lbx=self._box.lb,
+            ubx=self._box.ub,
             lbg=np.zeros(rows),
             ubg=np.full(rows, np.inf),
         )

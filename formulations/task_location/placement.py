@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, ClassVar, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -132,9 +132,6 @@ class PlacementMethod(Protocol):
 
     Subclass it explicitly to inherit `prepare`.
     """
-
-    status: ClassVar[PlacementStatus]
-    """What a finished run of this method may say."""
 
     def prepare(self, problem: PlacementProblem) -> None:
         """Do what is not part of the search: imports and the like. Not timed."""

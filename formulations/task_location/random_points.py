@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -14,10 +13,8 @@ from formulations.task_location.placement import PlacementMethod, PlacementProbl
 class Random(PlacementMethod):
     """Uniform random points."""
 
-    status: ClassVar[PlacementStatus] = PlacementStatus.HEURISTIC
-
     def search(self, problem: PlacementProblem, progress: Progress, seed: int) -> PlacementStatus:
         """Offer one draw."""
         points = problem.region.sample(problem.n_tasks, np.random.default_rng(seed))
         progress.offer(points, problem.criterion.value(points))
-        return self.status
+        return PlacementStatus.HEURISTIC

@@ -1,8 +1,4 @@
-"""The registry of placement methods.
-
-Third parties add methods through the entry-point group ``mmmdmtsp_workbench.placement_methods``, or name the target
-itself, ``"module:Class"``, wherever a method's name is asked for.
-"""
+"""The registry of placement methods (`instances.registry` says how third parties add to it)."""
 
 from __future__ import annotations
 
@@ -11,8 +7,8 @@ from instances.registry import MethodRegistry
 
 BUILT_IN = {
     "nlp": ("formulations.task_location.nlp:Nlp", "casadi and IPOPT, closed-form gradient and Hessian, multi-start"),
-    "l-bfgs-b": ("formulations.task_location.l_bfgs_b:LBfgsB", "bounded quasi-Newton, closed-form gradient"),
-    "slsqp": ("formulations.task_location.slsqp:Slsqp", "sequential quadratic programming, closed-form gradient"),
+    "l-bfgs-b": ("formulations.task_location.ascent:LBfgsB", "bounded quasi-Newton, closed-form gradient"),
+    "slsqp": ("formulations.task_location.ascent:Slsqp", "sequential quadratic programming, closed-form gradient"),
     "greedy-swap": ("formulations.task_location.greedy_swap:GreedySwap", "greedy, then best exchanges"),
     "greedy": ("formulations.task_location.greedy:Greedy", "largest gain first, over candidate sites"),
     "nelder-mead": ("formulations.task_location.nelder_mead:NelderMead", "the paper's fminsearch, in two forms"),

@@ -24,7 +24,7 @@ from formulations.task_location.placement import (
     lattice,
     place,
 )
-from formulations.task_location.registry import METHODS, make_method, method_class
+from formulations.task_location.registry import METHODS, make_method
 from instances.environment.region import Region
 from instances.errors import InputError
 
@@ -43,7 +43,7 @@ def problem(region: Region, n: int, cells: int = 10, **rest: Convention) -> Plac
 
 
 @pytest.mark.parametrize("region", [SQUARE, ANGLE_WITH_HOLE], ids=["square", "angle with hole"])
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", METHODS.targets())
 def test_every_method_keeps_the_contract(name, region):
     given = problem(region, 4, cells=6)
     first, again = (place(given, make_method(name), name, seed=5, certificate=14.0) for _ in range(2))
@@ -58,7 +58,7 @@ def test_every_method_keeps_the_contract(name, region):
     assert first.as_dict()["status"] in ("locally solved", "heuristic")
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", METHODS.targets())
 def test_one_task(name):
     placement = place(problem(SQUARE, 1, cells=4), make_method(name), name)
     assert 0 < placement.mutual_information <= 0.5 * math.log(901)
@@ -221,7 +221,7 @@ def test_numbers_of_tasks_that_do_not_fit_are_refused(n):
         ("npl", {}, "did you mean 'nlp'"),
         ("nlp", {"start": 3}, "did you mean 'starts'"),
         ("nlp", {"starts": "many"}, "whole number"),
-        ("nlp", {"starts": -1}, "negative"),
+        ("nlp", {"starts": -1}, "at least 0"),
         ("nelder-mead", {"form": "long"}, "reduced, literal"),
     ],
 )
@@ -231,7 +231,7 @@ def test_unusable_methods_are_refused(name, options, words):
 
 
 def test_every_registered_method_is_a_placement_method():
-    assert all(PlacementMethod in method_class(name).__mro__ for name in METHODS)
+    assert all(PlacementMethod in METHODS.load(name).__mro__ for name in METHODS.targets())
     with pytest.raises(InputError, match="seed"):
         place(problem(SQUARE, 1, cells=4), make_method("random"), "random", seed=-1)
 

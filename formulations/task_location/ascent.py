@@ -1,0 +1,81 @@
+"""`l-bfgs-b` and `slsqp`: ascent along the closed-form gradient by scipy, from several starts.
+
+* l-bfgs-b, the bound-constrained quasi-Newton method of Byrd, Lu, Nocedal & Zhu (1995), knows only the bounding box:
+  outside a non-rectangular region the points are snapped to it at the end of a start.
+* slsqp, sequential least-squares quadratic programming (Kraft 1988), keeps to the region,
+
+    max I(P)  s.t.  box of A,  s(p_i) ≥ 0
+
+  with the exact signed distance s to the border of A; its gradient is the unit vector from the nearest border point
+  (towards it, outside). Dense QPs make it slow beyond some forty tasks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import block_diag
+from scipy.optimize import minimize
+
+from formulations.task_location.boundary import box, distance_gradient, is_rectangle
+from formulations.task_location.derivatives import Expansion
+from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
+from formulations.task_location.starts import starts
+from instances.arrays import Floats
+
+
+@dataclass(frozen=True)
+class LBfgsB(PlacementMethod):
+    """L-BFGS-B with the closed-form gradient.
+
+    starts : number of starts, ≥ 1: the greedy choice after exchanges, then random ones.
+    iterations : at most so many a start.
+    """
+
+    starts: int = 8
+    iterations: int = 500
+
+    def search(self, problem: PlacementProblem, progress: Progress, seed: int) -> PlacementStatus:
+        """Offer the snapped end of every start."""
+        criterion, scales = problem.criterion, problem.criterion.scales
+        bounds, settings = box(problem.region, scales, problem.n_tasks), self.settings(problem)
+        status = PlacementStatus.HEURISTIC
+
+        def negative(z: Floats) -> tuple[float, Floats]:
+            progress.check()
+            here = Expansion(criterion, z.reshape(-1, 2) * scales)
+            return -here.value, -(here.gradient * scales).ravel()
+
+        for begin in starts(problem, self.starts, seed):
+            done = minimize(negative, (begin / scales).ravel(), jac=True, bounds=bounds, **settings)
+            points = done.x.reshape(-1, 2) * scales
+            snapped = problem.region.snap(points)
+            if progress.offer(snapped, criterion.value(snapped)):
+                solved = done.success and ("constraints" in settings or np.array_equal(points, snapped))
+                status = PlacementStatus.LOCALLY_SOLVED if solved else PlacementStatus.HEURISTIC
+        return status
+
+    def settings(self, problem: PlacementProblem) -> dict[str, Any]:
+        """Return what `scipy.optimize.minimize` is told besides objective, start and box."""
+        return {"method": "L-BFGS-B", "options": {"maxiter": self.iterations, "maxcor": 20}}
+
+
+@dataclass(frozen=True)
+class Slsqp(LBfgsB):
+    """SLSQP from several starts; options as there."""
+
+    starts: int = 4
+    iterations: int = 200
+
+    def settings(self, problem: PlacementProblem) -> dict[str, Any]:
+        """Return what `scipy.optimize.minimize` is told, with the border as a constraint where the box is not all."""
+        region, scales = problem.region, problem.criterion.scales
+        inside: dict[str, Any] = {
+            "type": "ineq",
+            "fun": lambda z: region.signed_distance(z.reshape(-1, 2) * scales) / scales.min(),
+            "jac": lambda z: block_diag(*distance_gradient(region, z.reshape(-1, 2) * scales) * scales) / scales.min(),
+        }
+        options = {"maxiter": self.iterations, "ftol": 1e-8}
+        return {"method": "SLSQP", "constraints": [] if is_rectangle(region) else [inside], "options": options}

@@ -6,14 +6,14 @@ Unlike a scenario file of its own, it can be written and read without the extra 
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-
-import numpy as np
 
 from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.environment.radio import RadioMap
+from instances.environment.raster import node_axes
 from instances.environment.terrain import Terrain
 from instances.environment.wind_grid import Grid
 from instances.formats.netcdf import Variable, read_grids, write_grids
@@ -27,7 +27,7 @@ def keep_scenario(scenario: Scenario, folder: Path) -> None:
     grid = scenario.wind if isinstance(scenario.wind, Grid) else None
     write_scenario(scenario if grid is None else replace(scenario, wind=None), path)
     if grid is not None:
-        x, y = _axes(grid.origin, grid.spacing, grid.u)
+        x, y = node_axes(grid.origin, grid.spacing, grid.u.shape)
         components = {
             name: Variable(("y", "x"), values, {"units": "m s-1", "standard_name": standard})
             for name, values, standard in (("u", grid.u, "x_wind"), ("v", grid.v, "y_wind"))
@@ -45,15 +45,13 @@ def kept_scenario(folder: Path) -> Scenario:
         return scenario_of(table, folder, path.stem)
     file = table.pop("wind")["file"]
     axes, values = read_grids(folder / file)
-    x, y = axes["x"], axes["y"]
-    spacing = (float(x[1] - x[0]), float(y[1] - y[0]))
-    grid = Grid((float(x[0]), float(y[0])), spacing, values["u"].values, values["v"].values, file)
+    grid = Grid(*_origin_spacing(axes), values["u"].values, values["v"].values, file)
     return replace(scenario_of(table, folder, path.stem), wind=grid)
 
 
 def keep_terrain(terrain: Terrain, folder: Path) -> None:
     """Write ``terrain.nc`` into `folder`."""
-    x, y = _axes(terrain.origin, terrain.spacing, terrain.height)
+    x, y = node_axes(terrain.origin, terrain.spacing, terrain.height.shape)
     height = Variable(("y", "x"), terrain.height, {"units": "m", "standard_name": "surface_altitude"})
     write_grids(folder / "terrain.nc", {"x": x, "y": y}, {"height": height})
 
@@ -63,10 +61,7 @@ def kept_terrain(folder: Path) -> Terrain | None:
     if not (folder / "terrain.nc").exists():
         return None
     axes, values = read_grids(folder / "terrain.nc")
-    x, y = axes["x"], axes["y"]
-    return Terrain(
-        (float(x[0]), float(y[0])), (float(x[1] - x[0]), float(y[1] - y[0])), values["height"].values, "terrain.nc"
-    )
+    return Terrain(*_origin_spacing(axes), values["height"].values, "terrain.nc")
 
 
 def keep_field(field: RadioMap, folder: Path) -> None:
@@ -81,7 +76,6 @@ def kept_field(folder: Path) -> RadioMap:
     return RadioMap(axes["x"], axes["y"], values["field"].values, values["field"].attributes["units"])
 
 
-def _axes(origin: tuple[float, float], spacing: tuple[float, float], values: Floats) -> tuple[Floats, Floats]:
-    rows, columns = values.shape
-    x = np.asarray(origin[0] + spacing[0] * np.arange(columns), dtype=np.float64)
-    return x, np.asarray(origin[1] + spacing[1] * np.arange(rows), dtype=np.float64)
+def _origin_spacing(axes: Mapping[str, Floats]) -> tuple[tuple[float, float], tuple[float, float]]:
+    x, y = axes["x"], axes["y"]
+    return (float(x[0]), float(y[0])), (float(x[1] - x[0]), float(y[1] - y[0]))

@@ -18,10 +18,8 @@ from numpy.typing import NDArray
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
-WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
-
 TURNS = np.array([[1, 0, 1], [-1, 0, -1], [1, 0, -1], [-1, 0, 1], [-1, 1, -1], [1, -1, 1]], dtype=np.int8)
-"""Signs of curvature of each word's three segments: 1 left, −1 right, 0 straight; shape (6, 3)."""
+"""Signs of curvature of the three segments of LSL, RSR, LSR, RSL, RLR, LRL: 1 left, −1 right, 0 straight."""
 
 _TURN = 2.0 * math.pi
 # Below this an angle is 0 up to rounding: without it, flying on straight would be priced as a full circle.
@@ -84,7 +82,7 @@ def _word_segments(word: int, d: float, a: float, b: float) -> tuple[float, floa
 def dubins_path(
     x0: float, y0: float, h0: float, x1: float, y1: float, h1: float, radius: float
 ) -> tuple[int, float, float, float]:
-    """Return the shortest path's word (index into WORDS) and its three segment lengths [m]."""
+    """Return the shortest path's word (row of TURNS) and its three segment lengths [m]."""
     dx, dy = x1 - x0, y1 - y0
     d = math.hypot(dx, dy) / radius
     line = math.atan2(dy, dx) if d > 0.0 else 0.0

@@ -32,7 +32,7 @@ class Flight:
     """A closed Dubins tour at constant speed.
 
     starts : pose (x [m], y [m], heading [rad]) at the start of each leg, shape (w, 3).
-    words : Dubins word of each leg (index into dubins.WORDS), shape (w,).
+    words : Dubins word of each leg (row of dubins.TURNS), shape (w,).
     segments : lengths of its three segments [m], shape (w, 3).
     radius : minimum turning radius r_min [m].
     speed : v [m/s].
@@ -126,13 +126,10 @@ def plan_flight(legs: list[Floats], *, speed: float = 100.0, radius: float = 50.
     _, choice = dubins.closed_programme(dubins.heading_costs(waypoints, headings, radius))
     chosen = headings[np.arange(len(waypoints)), choice]
     starts = np.column_stack([waypoints, chosen])
-    flown = [dubins.dubins_path(a[0], a[1], a[2], b[0], b[1], b[2], radius) for a, b in _legs(starts)]
+    ends = np.roll(starts, -1, axis=0)
+    flown = [dubins.dubins_path(a[0], a[1], a[2], b[0], b[1], b[2], radius) for a, b in zip(starts, ends, strict=True)]
     words = np.array([f[0] for f in flown], dtype=np.int64)
     return Flight(starts, words, np.array([f[1:] for f in flown]), radius, speed)
-
-
-def _legs(starts: Floats) -> list[tuple[Floats, Floats]]:
-    return list(zip(starts, np.roll(starts, -1, axis=0), strict=True))
 
 
 def reference_waypoints(legs: list[Floats], stray: float) -> tuple[Floats, Floats]:

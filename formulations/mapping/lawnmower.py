@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
 from formulations.mapping.flight import Flight, plan_flight
-from instances.arrays import Floats
+from instances.arrays import Floats, Ints
 from instances.environment.region import Region
 
 ROUNDS = 40
@@ -107,12 +107,12 @@ def lawnmower_tours(region: Region, depots: ArrayLike, count: int, along: int, i
     for _ in range(ROUNDS):
         cuts = np.concatenate([[0.0], np.cumsum(share)])
         stretches = [_stretch(track, travelled, a, b) for a, b in itertools.pairwise(cuts)]
-        tours = _assigned(stretches, homes)
+        tours, flies = _assigned(stretches, homes)
         lengths = np.array([length_of(tour) for tour in tours])
         if lengths.max() < best[0]:
             best = float(lengths.max()), tours
         # who is longer than the mean gives some of the stretch away
-        order = np.argsort([_place(tour, stretches) for tour in tours])
+        order = np.argsort(flies)
         share = np.maximum(share - 0.5 * (lengths[order] - lengths.mean()), 1.0)
         share *= travelled[-1] / share.sum()
     return best[1]
@@ -130,13 +130,9 @@ def _stretch(track: Floats, travelled: Floats, a: float, b: float) -> Floats:
     return np.concatenate([ends[:1], inner, ends[1:]])
 
 
-def _assigned(stretches: list[Floats], homes: Floats) -> list[Floats]:
-    """Return closed tours, one a home, each over one stretch, of least total length."""
+def _assigned(stretches: list[Floats], homes: Floats) -> tuple[list[Floats], Ints]:
+    """Return closed tours, one a home, each over one stretch, of least total length, and which stretch each flies."""
     reach = np.array([[np.hypot(*(s[0] - h)) + np.hypot(*(s[-1] - h)) for s in stretches] for h in homes])
     _, which = linear_sum_assignment(reach)
-    return [np.concatenate([h[None], stretches[k], h[None]]) for h, k in zip(homes, which, strict=True)]
-
-
-def _place(tour: Floats, stretches: list[Floats]) -> int:
-    """Return which stretch a tour flies."""
-    return next(k for k, s in enumerate(stretches) if len(s) == len(tour) - 2 and np.array_equal(s, tour[1:-1]))
+    tours = [np.concatenate([h[None], stretches[k], h[None]]) for h, k in zip(homes, which, strict=True)]
+    return tours, which

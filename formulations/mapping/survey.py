@@ -65,9 +65,8 @@ def score(posterior: Posterior, truth: ArrayLike, noise_sd: float) -> Score:
 class Tick:
     """The state of the map after one round of measurements.
 
-    time [s]; samples so far; information IG gathered so far and entropy H(y) of
-    the samples [nats]; score; the kernel in use; posterior, kept for the
-    ticks asked for, else None.
+    time [s]; samples so far; information IG gathered so far and entropy H(y) of the samples [nats]; score; the kernel
+    in use; posterior, kept for the ticks asked for, else None.
     """
 
     time: float
@@ -104,7 +103,6 @@ def fly_survey(
     refit_every: int = 10,
     seed: int = 0,
     keep: Callable[[int, int], bool] = lambda tick, last: True,
-    observe: Callable[[Tick], None] = lambda tick: None,
 ) -> Survey:
     """Fly `flights` together, measure `field` and map it at `points` [m], shape (p, 2).
 
@@ -129,7 +127,6 @@ def fly_survey(
         tick = Tick(
             time, len(process.samples[1]), process.information(), process.entropy(), judged, process.kernel, posterior
         )
-        observe(tick)
         ticks.append(tick if keep(number, len(schedule) - 1) else replace(tick, posterior=None))
     uav, position, value, when = (np.concatenate(parts) for parts in zip(*record, strict=True))
     return Survey(tuple(ticks), position, value, uav, when)

@@ -49,18 +49,15 @@ def solve_query(
 
 def all_pairs(query: Query, method: MovingCostMethod, progress: Progress = silent) -> MovingCosts:
     """Return costs and paths between all terminals; terminals may coincide (several UAVs at one depot)."""
-    places, of = np.unique(query.terminals, axis=0, return_inverse=True)
-    of = of.ravel()
+    _, first, of = np.unique(query.terminals, axis=0, return_index=True, return_inverse=True)
     # In order of first appearance, so that without coincidence nothing is renumbered.
-    rank = np.argsort(np.argsort([int(np.argmax(of == k)) for k in range(len(places))]))
-    of = rank[of]
-    first = np.array([int(np.argmax(of == k)) for k in range(len(places))])
-    if len(places) == 1:
+    of, first = np.argsort(np.argsort(first))[of.ravel()], np.sort(first)
+    if len(first) == 1:
         n = len(of)
         alone = Paths(1, np.empty((0, 2)), np.zeros(2, dtype=np.int64))
         return MovingCosts(np.zeros((n, n)), alone.repeated(of, query.terminals), {})
     found = method.solve(dataclasses.replace(query, terminals=query.terminals[first]), progress)
-    if len(places) == len(of):
+    if len(first) == len(of):
         return found
     return MovingCosts(found.cost[np.ix_(of, of)], found.paths.repeated(of, query.terminals), found.statistics)
 

@@ -15,9 +15,8 @@ from formulations.moving_cost.fmt_star import sample_points
 from formulations.moving_cost.free_space import free_space
 from formulations.moving_cost.graph import build_graph, near_pairs, standard_radius
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
-from formulations.moving_cost.tree import paths_of_trees, require_reached, shortest_path_trees
+from formulations.moving_cost.tree import costs_of_trees, shortest_path_trees
 from instances.errors import InputError
-from instances.moving_cost import moving_costs
 
 
 @dataclass(frozen=True)
@@ -34,16 +33,12 @@ class Dijkstra(MovingCostMethod):
 
     def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
         """Return costs and paths between all terminals."""
-        n = len(query.terminals)
         field, space = search_field(query.wind, query.region, query.v0), free_space(query.region)
         points = sample_points(query, self.samples, self.seed)
         pairs = near_pairs(points, self.radius_factor * standard_radius(query.region.area, len(points)))
         graph = build_graph(points, pairs, query.wind, field, query.v0, space)
         progress(0.5, "edges")
-        terminals = np.arange(n)
-        _, predecessor = shortest_path_trees(graph.free_matrix, terminals)
-        paths = paths_of_trees(points, predecessor, terminals)
-        require_reached(query, paths)
+        _, predecessor = shortest_path_trees(graph.free_matrix, np.arange(len(query.terminals)))
         progress(1.0, "trees")
-        cost = moving_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
-        return MovingCosts(cost, paths, {"nodes": len(points), "edges": len(graph.cost), "collision_tests": len(pairs)})
+        figures = {"nodes": len(points), "edges": len(graph.cost), "collision_tests": len(pairs)}
+        return costs_of_trees(query, points, predecessor, figures)

@@ -62,7 +62,6 @@ class SearchField:
     phi: Floats
     vorticity: Vorticity
     max_speed: float
-    max_residual_speed: float
     rms_vorticity: float
 
     def potential(self, points: Floats) -> Floats:
@@ -105,15 +104,8 @@ def search_field(wind: WindField, region: Region, v0: float) -> SearchField:
         )
     cell_inside = inside[:-1, :-1] & inside[1:, 1:] & inside[:-1, 1:] & inside[1:, :-1]
     rms = math.sqrt(float((omega[cell_inside] ** 2).mean())) if cell_inside.any() else 0.0
-    return SearchField(
-        (x0, y0),
-        (dx, dy),
-        phi,
-        Vorticity(x0 + dx / 2, y0 + dy / 2, dx, dy, omega),
-        float(speed.max()),
-        float(left.max()),
-        rms,
-    )
+    vorticity = Vorticity(x0 + dx / 2, y0 + dy / 2, dx, dy, omega)
+    return SearchField((x0, y0), (dx, dy), phi, vorticity, float(speed.max()), rms)
 
 
 def _potential(along_x: Floats, along_y: Floats, dx: float, dy: float) -> Floats:

@@ -23,7 +23,7 @@ from formulations.moving_cost.field import search_field
 from formulations.moving_cost.free_space import FreeSpace, free_space, segment_free
 from formulations.moving_cost.graph import BLOCKED, FREE, UNKNOWN, Graph, build_graph, near_pairs, standard_radius
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
-from formulations.moving_cost.tree import paths_of_trees, require_reached
+from formulations.moving_cost.tree import costs_of_trees
 from instances.arrays import Floats, Ints
 from instances.errors import InputError
 from instances.kernels import njit
@@ -58,8 +58,7 @@ class FmtStar(MovingCostMethod):
         n = len(query.terminals)
         field, space = search_field(query.wind, query.region, query.v0), free_space(query.region)
         points = sample_points(query, self.samples, self.seed)
-        radius = self.radius_factor * standard_radius(query.region.area, len(points))
-        pairs = near_pairs(points, radius)
+        pairs = near_pairs(points, self.radius_factor * standard_radius(query.region.area, len(points)))
         predecessor = np.empty((n, len(points)), dtype=np.int64)
         graph: Graph | None = None
         tests = 0
@@ -72,11 +71,8 @@ class FmtStar(MovingCostMethod):
             tests += tested
             progress((i + 1) / n, f"tree {i + 1} of {n}")
         planned = time.process_time() - began
-        paths = paths_of_trees(points, predecessor, np.arange(n))
-        require_reached(query, paths)
-        cost = moving_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
         figures = {"nodes": len(points), "edges": 2 * len(pairs), "collision_tests": tests, "planning_cpu": planned}
-        return MovingCosts(cost, paths, figures)
+        return costs_of_trees(query, points, predecessor, figures)
 
 
 def sample_points(query: Query, samples: int, seed: int) -> Floats:

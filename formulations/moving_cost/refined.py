@@ -23,7 +23,7 @@ from formulations.moving_cost.homotopy import swept_angles, via_candidates, via_
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from formulations.moving_cost.polish import polish_all
 from formulations.moving_cost.pool import Pool
-from formulations.moving_cost.tree import shortest_path_trees
+from formulations.moving_cost.tree import require_reached, shortest_path_trees
 from instances.arrays import Floats
 from instances.errors import InputError
 from instances.moving_cost import moving_costs
@@ -62,15 +62,15 @@ class Refined(MovingCostMethod):
         found, spacing, edges = _lattice_candidates(query, field, space, self)
         progress(0.3, f"{len(found)} candidates found")
         polish = _Polish(query, field, space, spacing)
-        pool = polish.best(polish.coarse(found))
-        pool = polish.best(pool.plus(polish.coarse(pool.reversed())))
+        pool = polish.best(polish.polished(found))
+        pool = polish.best(pool.plus(polish.polished(pool.reversed())))
         for _ in range(ROUNDS):
             shorter = polish.shortcuts(pool)
             if len(shorter) == 0:
                 break
-            pool = polish.best(pool.plus(shorter).plus(polish.coarse(shorter)))
+            pool = polish.best(pool.plus(shorter).plus(polish.polished(shorter)))
         progress(0.6, "coarse polish done")
-        pool = polish.best(pool.plus(polish.fine(pool, self.precision)))
+        pool = polish.best(pool.plus(polish.polished(pool, self.precision)))
         progress(1.0, "fine polish done")
         n = len(query.terminals)
         full = np.zeros(n * n, dtype=np.int64)
@@ -97,26 +97,10 @@ class _Polish:
         """Return the cheapest candidate of each pair."""
         return pool.take(pool.best(self.costs(pool)))
 
-    def coarse(self, pool: Pool) -> Pool:
-        """Return the candidates relaxed with pieces of the lattice's spacing."""
-        return self._polished(pool, 0.0)
-
-    def fine(self, pool: Pool, precision: float) -> Pool:
-        """Return the candidates relaxed and refined to `precision`."""
-        return self._polished(pool, precision)
-
-    def _polished(self, pool: Pool, precision: float) -> Pool:
-        points, corner, offsets = polish_all(
-            pool.points,
-            pool.corner,
-            pool.offsets,
-            self.spacing,
-            precision,
-            self.space,
-            self.field.vorticity,
-            self.query.v0,
-        )
-        return Pool(pool.start, pool.target, points, corner, offsets)
+    def polished(self, pool: Pool, precision: float = 0.0) -> Pool:
+        """Return the candidates relaxed with pieces of the lattice's spacing, then refined to `precision` if not 0."""
+        given, wind = (pool.points, pool.corner, pool.offsets), (self.field.vorticity, self.query.v0)
+        return Pool(pool.start, pool.target, *polish_all(*given, self.spacing, precision, self.space, *wind))
 
     def shortcuts(self, pool: Pool) -> Pool:
         """Return paths through a third terminal where these are cheaper than the candidate of their pair."""
@@ -164,19 +148,7 @@ def _lattice_candidates(
         options.slack,
         options.candidates,
     )
-    _require_reached(query, away)
+    require_reached(query, np.isfinite(away[:, :n]))
     nodes, offsets = via_paths(parent, child, start, target, through)
     corner = np.where((nodes >= n) & (nodes < seen), nodes - n, -1)
     return Pool(start, target, points[nodes], corner, offsets), spacing, len(graph.cost)
-
-
-def _require_reached(query: Query, away: Floats) -> None:
-    """Raise InputError naming a terminal that the lattice does not reach, and from where."""
-    n = len(query.terminals)
-    missing = np.argwhere(~np.isfinite(away[:, :n]))
-    if len(missing):
-        i, j = missing[0]
-        raise InputError(
-            f"node {j} at {query.terminals[j].tolist()} m was not reached from node {i} at "
-            f"{query.terminals[i].tolist()} m: a narrow passage needs more samples"
-        )

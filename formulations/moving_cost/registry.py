@@ -1,8 +1,4 @@
-"""The registry of moving-cost methods.
-
-Third parties add methods through the entry-point group ``mmmdmtsp_workbench.moving_cost_methods``, or name the target
-itself, ``"module:Class"``, wherever a method's name is asked for.
-"""
+"""The registry of moving-cost methods (`instances.registry` says how third parties add to it)."""
 
 from __future__ import annotations
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from formulations.moving_cost.method import Query
-from instances.arrays import Floats, Ints
+from formulations.moving_cost.method import MovingCosts, Query
+from instances.arrays import Bools, Floats, Ints
 from instances.errors import InputError
+from instances.moving_cost import moving_costs
 from instances.kernels import njit
 from instances.paths import Paths
 
@@ -45,18 +48,21 @@ def tree_paths(predecessor: Ints, starts: Ints, targets: Ints) -> tuple[Ints, In
     return nodes, offsets
 
 
-def paths_of_trees(points: Floats, predecessor: Ints, terminals: Ints) -> Paths:
-    """Return the paths between all `terminals` (node numbers), tree k starting at ``terminals[k]``."""
-    nodes, offsets = tree_paths(predecessor, terminals, terminals)
-    return Paths(len(terminals), points[nodes], offsets)
+def costs_of_trees(query: Query, points: Floats, predecessor: Ints, figures: dict[str, Any]) -> MovingCosts:
+    """Return costs and paths between all terminals, tree k of `predecessor` (n, N) starting at terminal k = node k."""
+    n = len(predecessor)
+    nodes, offsets = tree_paths(predecessor, np.arange(n), np.arange(n))
+    require_reached(query, (np.diff(offsets) > 0).reshape(n, n))
+    cost = moving_costs(points[nodes], offsets, query.wind, query.v0).reshape(n, n)
+    return MovingCosts(cost, Paths(n, points[nodes], offsets), figures)
 
 
-def require_reached(query: Query, paths: Paths) -> None:
-    """Raise InputError naming the first terminal that was not reached, and from where."""
+def require_reached(query: Query, reached: Bools) -> None:
+    """Raise InputError naming the first terminal that was not `reached` (N, N), and from where."""
     n = len(query.terminals)
-    missing = np.flatnonzero((np.diff(paths.offsets) == 0) & ~np.eye(n, dtype=bool).ravel())
+    missing = np.argwhere(~reached & ~np.eye(n, dtype=bool))
     if len(missing):
-        i, j = divmod(int(missing[0]), n)
+        i, j = missing[0]
         (ax, ay), (bx, by) = query.terminals[i], query.terminals[j]
         raise InputError(
             f"node {j} at ({bx:g}, {by:g}) m was not reached from node {i} at ({ax:g}, {ay:g}) m "

@@ -31,6 +31,9 @@ from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
 
+MOST_UNCOVERED = 0.01
+"""Share of the region that may stay over the sd limit after the tour."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trial:
@@ -158,16 +161,16 @@ def planning_noise(criterion: Criterion, points: Floats, target: float) -> float
     return math.exp(float(brentq(gap, low, high)))
 
 
-def recommend(done: list[Trial], *, most_uncovered: float = 0.01) -> Recommendation:
+def recommend(done: list[Trial]) -> Recommendation:
     """Return the n to take.
 
-    Underfitted: below the first n from which on every number tried leaves at most `most_uncovered` of the region over
+    Underfitted: below the first n from which on every number tried leaves at most MOST_UNCOVERED of the region over
     the sd limit after its tour. That n is taken, as every task more lengthens the tour. Overfitted: from the first n
     on at which a kilometre of tour tells less than a third of what it tells at the smallest n.
     """
     if not done:
         raise InputError("study: there is no trial to recommend from")
-    bare = [trial for trial in done if trial.uncovered > most_uncovered]
+    bare = [trial for trial in done if trial.uncovered > MOST_UNCOVERED]
     covered = [trial for trial in done if not bare or trial.n > bare[-1].n]
     if not covered:
         last = done[-1]
@@ -179,7 +182,7 @@ def recommend(done: list[Trial], *, most_uncovered: float = 0.01) -> Recommendat
     best = covered[0]
     first, here = _slope(done, done[0]), _slope(done, best)
     flat = [t for t in covered if first and (slope := _slope(done, t)) is not None and slope < first / 3]
-    reason = f"the fewest tasks whose tour leaves at most {most_uncovered:.0%} of the region over the sd limit"
+    reason = f"the fewest tasks whose tour leaves at most {MOST_UNCOVERED:.0%} of the region over the sd limit"
     reason += f" ({best.uncovered:.1%}" + (f"; {bare[-1].n} leave {bare[-1].uncovered:.1%})" if bare else ")")
     if first is not None and here is not None:
         reason += f"; a kilometre of tour more tells {here:.2f} nats here, {first:.2f} at n = {done[0].n}"

@@ -16,7 +16,7 @@ SOLVER = "ruin-recreate"
 ITERATIONS = 20_000
 
 
-def closed_tour(points: Floats, *, seed: int = 0, solver: str = SOLVER) -> list[int]:
+def closed_tour(points: Floats, *, seed: int = 0) -> list[int]:
     """Return the order in which a short closed tour visits `points` (n, 2) [m], from point 0."""
     n = len(points)
     if n < 4:
@@ -25,7 +25,7 @@ def closed_tour(points: Floats, *, seed: int = 0, solver: str = SOLVER) -> list[
     places = points[order]
     distance = np.linalg.norm(places[:, None] - places[None], axis=2)
     instance = Instance("tour", distance, n - 1, 1, places)
-    method = make_solver(solver)
+    method = make_solver(SOLVER)
     method.prepare(instance)
     result = method.solve(instance, limits=Limits(time=20.0, iterations=ITERATIONS), seed=seed)
     assert result.routes is not None

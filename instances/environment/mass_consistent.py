@@ -19,7 +19,6 @@ in x and y and a tridiagonal solve in s invert.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +31,8 @@ from instances.environment.wind_grid import Grid
 from instances.errors import InputError
 from instances.kernels import njit
 
+TOLERANCE = 1e-5
+"""Of the residual of conjugate gradients, relative to the right-hand side's."""
 PROFILES = ("uniform", "log", "power")
 
 
@@ -94,19 +95,10 @@ class Flow:
         return Grid(self.terrain.origin, self.terrain.spacing, u, v, source, self.terrain.crs)
 
 
-def solve_flow(
-    terrain: Terrain,
-    inflow: Inflow,
-    *,
-    layers: int = 30,
-    top: float | None = None,
-    tolerance: float = 1e-5,
-    progress: Callable[[float, str], None] = lambda fraction, words: None,
-) -> Flow:
+def solve_flow(terrain: Terrain, inflow: Inflow, *, layers: int = 30, top: float | None = None) -> Flow:
     """Return the mass-consistent flow over `terrain`, on its own grid with `layers` layers of cells.
 
     top : lid [m]; by default three times the relief above the highest ground, at least 3000 m above it.
-    tolerance : of the residual of conjugate gradients, relative to the right-hand side's.
     """
     h = terrain.height
     lid = float(h.max() + max(3000.0, 3 * np.ptp(h))) if top is None else float(top)
@@ -118,16 +110,11 @@ def solve_flow(
     dx, dy = terrain.spacing
     plane = _plane_stencils(h, lid, dx, dy)
     vertical = _vertical_matrices(s)
-    b = _right_hand_side(h, lid, dx, dy, s, *_profile_table(inflow, lid - float(h.min())), *inflow.velocity)
+    table = np.linspace(0.0, (lid - float(h.min())) * (1 + 1e-9), 20_001)  # heights above ground
+    b = _right_hand_side(h, lid, dx, dy, s, inflow.factor(table), float(table[1]), *inflow.velocity)
     solve_flat = _FlatSolver(h.shape, dx, dy, lid - float(h.mean()), vertical)
-    lam, iterations = _conjugate_gradients(plane, vertical, b, solve_flat, tolerance, progress)
+    lam, iterations = _conjugate_gradients(plane, vertical, b, solve_flat)
     return Flow(terrain, inflow, lid, s, lam, iterations)
-
-
-def _profile_table(inflow: Inflow, depth: float) -> tuple[Floats, float]:
-    """Return the profile's factor on a fine regular table of heights above ground, and its step [m]."""
-    z = np.linspace(0.0, depth * (1 + 1e-9), 20_001)
-    return inflow.factor(z), float(z[1])
 
 
 def _vertical_matrices(s: Floats) -> Floats:
@@ -336,28 +323,14 @@ def _renew(p: Floats, beta: float, z: Floats) -> None:
         p[k] = z[k] + beta * p[k]
 
 
-def _conjugate_gradients(
-    plane: Floats,
-    vertical: Floats,
-    r: Floats,
-    solve_flat: _FlatSolver,
-    tolerance: float,
-    progress: Callable[[float, str], None],
-) -> tuple[Floats, int]:
+def _conjugate_gradients(plane: Floats, vertical: Floats, r: Floats, solve_flat: _FlatSolver) -> tuple[Floats, int]:
     """Return the solution with the lid's zero level added, and the iterations; `r`, the right-hand side, is used up."""
     x, ax = np.zeros_like(r), np.zeros_like(r)
     flat = r.reshape(-1)
     start = math.sqrt(_dot(flat, flat))
     # Rounding of the right-hand side over flat ground, which is zero in exact arithmetic, is no flow.
     iterations, p, rz = 0, np.zeros_like(r), 1.0
-    floor = tolerance * start
-    while start > 0 and iterations < 200:
-        size = math.sqrt(_dot(flat, flat))
-        progress(
-            min(1.0, max(0.0, math.log(start / max(size, floor)) / -math.log(tolerance))), f"flow, step {iterations}"
-        )
-        if size <= floor:
-            break
+    while start > 0 and iterations < 200 and math.sqrt(_dot(flat, flat)) > TOLERANCE * start:
         z = solve_flat(r)
         rz, before = _dot(flat, z.reshape(-1)), rz
         _renew(p.reshape(-1), rz / before if iterations else 0.0, z.reshape(-1))

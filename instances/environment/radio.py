@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
+from instances.environment.raster import bilinear, refuse_missing
 from instances.errors import InputError, suggestion
 
 SPEED_OF_LIGHT = 299_792_458.0
@@ -91,24 +92,14 @@ class RadioMap:
             step = np.diff(axis)
             if not (step > 0).all() or not np.allclose(step, step[0], rtol=1e-3):
                 raise InputError(f"field: {name} must be ascending and equally spaced [m]")
-        bad = np.argwhere(~np.isfinite(self.values))
-        if len(bad):
-            j, i = bad[0]
-            raise InputError(
-                f"field: {len(bad)} of {self.values.size} values are missing (NaN or no data), first at "
-                f"({self.x[i]:g}, {self.y[j]:g}) m"
-            )
+        steps = (self.x[1] - self.x[0], self.y[1] - self.y[0])
+        refuse_missing("field", np.isfinite(self.values), (self.x[0], self.y[0]), steps)
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the value at `points` (k, 2) [m], shape (k,)."""
         p = np.asarray(points, dtype=float).reshape(-1, 2)
-        fx = np.clip((p[:, 0] - self.x[0]) / (self.x[1] - self.x[0]), 0, len(self.x) - 1)
-        fy = np.clip((p[:, 1] - self.y[0]) / (self.y[1] - self.y[0]), 0, len(self.y) - 1)
-        i, j = np.minimum(fx.astype(int), len(self.x) - 2), np.minimum(fy.astype(int), len(self.y) - 2)
-        s, t, v = fx - i, fy - j, self.values
-        south = (1 - s) * v[j, i] + s * v[j, i + 1]
-        north = (1 - s) * v[j + 1, i] + s * v[j + 1, i + 1]
-        return np.asarray((1 - t) * south + t * north)
+        fx, fy = (p[:, 0] - self.x[0]) / (self.x[1] - self.x[0]), (p[:, 1] - self.y[0]) / (self.y[1] - self.y[0])
+        return bilinear(self.values, fx, fy)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:

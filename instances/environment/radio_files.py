@@ -12,7 +12,7 @@ import numpy as np
 
 from instances.disk import read_text, write_aside
 from instances.environment.radio import RadioMap
-from instances.environment.raster import coordinate, open_netcdf, read_geotiff
+from instances.environment.raster import node_axes, nodes_and_values, open_netcdf, read_geotiff, write_netcdf
 from instances.errors import InputError
 
 
@@ -34,7 +34,8 @@ def write_field(field: RadioMap, path: Path | str) -> None:
     if path.suffix.lower() == ".csv":
         write_aside(path, _csv(field))
     elif path.suffix.lower() == ".nc":
-        _write_netcdf(field, path)
+        signal = {"field": (field.values, {"long_name": "field", "units": field.unit})}
+        write_netcdf(path, field.x, field.y, signal, {})
     else:
         raise InputError(f"{path}: a field is written as CSV (.csv) or NetCDF (.nc)")
 
@@ -69,10 +70,7 @@ def _read_csv(path: Path) -> RadioMap:
 
 def _read_geotiff(path: Path) -> RadioMap:
     raster = read_geotiff(path)
-    rows, columns = raster.values.shape
-    x = raster.origin[0] + raster.spacing[0] * np.arange(columns, dtype=np.float64)
-    y = raster.origin[1] + raster.spacing[1] * np.arange(rows, dtype=np.float64)
-    return RadioMap(x, y, raster.values)
+    return RadioMap(*node_axes(raster.origin, raster.spacing, raster.values.shape), raster.values)
 
 
 def _read_netcdf(path: Path) -> RadioMap:
@@ -82,24 +80,4 @@ def _read_netcdf(path: Path) -> RadioMap:
             have = ", ".join(f"'{name}'" for name in data.data_vars) or "none"
             raise InputError(f"{path}: must hold one variable of two dimensions, it has {have}")
         v = flat[0].squeeze(drop=True)
-        x, y = coordinate(v, "x", path), coordinate(v, "y", path)
-        v = v.sortby([x.name, y.name]).transpose(y.dims[0], x.dims[0])
-        xs, ys = np.sort(x.values.astype(float)), np.sort(y.values.astype(float))
-        return RadioMap(xs, ys, v.values, str(v.attrs.get("units", "")))
-
-
-def _write_netcdf(field: RadioMap, path: Path) -> None:
-    try:
-        import xarray
-    except ImportError:
-        raise InputError(
-            f"{path}: writing NetCDF needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')"
-        ) from None
-    axes = {
-        name: (name, values, {"standard_name": f"projection_{name}_coordinate", "units": "m"})
-        for name, values in (("x", field.x), ("y", field.y))
-    }
-    signal = (("y", "x"), field.values, {"long_name": "field", "units": field.unit})
-    aside = path.with_name(path.name + ".part")
-    xarray.Dataset({"field": signal}, coords=axes, attrs={"Conventions": "CF-1.8"}).to_netcdf(aside, engine="netcdf4")
-    aside.replace(path)
+        return RadioMap(*nodes_and_values(v, path), str(v.attrs.get("units", "")))

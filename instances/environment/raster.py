@@ -1,4 +1,4 @@
-"""Rasters in files, what wind and terrain share: ESRI ASCII grids, NetCDF coordinates, map projections.
+"""Rasters, what wind, terrain and fields share: their nodes, ESRI ASCII grids, GeoTIFF, NetCDF, map projections.
 
 Everything downstream works in metres of one map projection, so a raster in degrees, or in another projection
 than its neighbours, is refused rather than guessed at.
@@ -6,13 +6,15 @@ than its neighbours, is refused rather than guessed at.
 
 from __future__ import annotations
 
+import importlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from instances.arrays import Floats
+from instances.arrays import Bools, Floats
 from instances.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,16 +25,66 @@ DEGREES = ("degrees_east", "degrees_north", "degree", "degrees", "degree_east", 
 
 
 @dataclass(frozen=True, eq=False)
-class AsciiGrid:
-    """An ESRI ASCII grid: `values` (rows, columns), rows going north, NaN for no data; `origin` is its first node."""
+class Raster:
+    """Values on an equally spaced grid in metres of a map projection.
+
+    origin : node (0, 0) [m]; spacing (dx, dy) [m]; values (rows, columns), rows going north, NaN for no data.
+    """
 
     origin: tuple[float, float]
-    spacing: float
+    spacing: tuple[float, float]
     values: Floats
     crs: str
 
 
-def read_ascii_grid(path: Path) -> AsciiGrid:
+def node_axes(
+    origin: tuple[float, float], spacing: tuple[float, float], shape: tuple[int, ...]
+) -> tuple[Floats, Floats]:
+    """Return x (columns,) and y (rows,) [m] of the nodes of a grid of `shape` (rows, columns)."""
+    rows, columns = shape
+    x: Floats = origin[0] + spacing[0] * np.arange(columns, dtype=np.float64)
+    return x, np.asarray(origin[1] + spacing[1] * np.arange(rows, dtype=np.float64))
+
+
+def node_bounds(
+    origin: tuple[float, float], spacing: tuple[float, float], shape: tuple[int, ...]
+) -> tuple[float, float, float, float]:
+    """Return x_min, y_min, x_max, y_max [m] of the nodes of a grid of `shape` (rows, columns)."""
+    (x, y), (dx, dy), (rows, columns) = origin, spacing, shape
+    return x, y, x + (columns - 1) * dx, y + (rows - 1) * dy
+
+
+def bilinear(values: Floats, fx: Floats, fy: Floats) -> Floats:
+    """Return the values at columns `fx` and rows `fy` of a grid, constant outside, shape (k,)."""
+    rows, columns = values.shape
+    fx, fy = np.clip(fx, 0, columns - 1), np.clip(fy, 0, rows - 1)
+    i, j = np.minimum(fx.astype(int), columns - 2), np.minimum(fy.astype(int), rows - 2)
+    s, t = fx - i, fy - j
+    south = (1 - s) * values[j, i] + s * values[j, i + 1]
+    north = (1 - s) * values[j + 1, i] + s * values[j + 1, i + 1]
+    return np.asarray((1 - t) * south + t * north)
+
+
+def refuse_missing(what: str, finite: Bools, origin: tuple[float, float], spacing: tuple[float, float]) -> None:
+    """Raise InputError that says how many values of a grid are not `finite` (rows, columns), and where the first is."""
+    if not finite.all():
+        j, i = np.argwhere(~finite)[0]
+        x, y = origin[0] + i * spacing[0], origin[1] + j * spacing[1]
+        raise InputError(
+            f"{what}: {int((~finite).sum())} of {finite.size} values are missing (NaN or no data), first at "
+            f"({x:g}, {y:g}) m; fill the holes first"
+        )
+
+
+def geo(module: str, path: Path, doing: str) -> Any:
+    """Import a module of the extra ``geo``; where that is not installed, InputError says that `path` needs it."""
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise InputError(f"{path}: {doing} needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')") from None
+
+
+def read_ascii_grid(path: Path) -> Raster:
     """Read an ESRI ASCII grid, and the projection from the ``.prj`` beside it; InputError names what is wrong."""
     try:
         lines = path.read_text(encoding="ascii").splitlines()
@@ -66,17 +118,12 @@ def read_ascii_grid(path: Path) -> AsciiGrid:
     crs = prj.read_text(encoding="utf-8").strip() if prj.exists() else ""
     if crs.startswith("GEOGCS"):
         raise InputError(f"{path}: the grid is in degrees ({prj.name}); project it to metres first")
-    return AsciiGrid((x, y), cell, values, crs)
+    return Raster((x, y), (cell, cell), values, crs)
 
 
 def open_netcdf(path: Path) -> xarray.Dataset:
     """Open a NetCDF file; InputError where it cannot be read or the extra ``geo`` is not installed."""
-    try:
-        import xarray
-    except ImportError:
-        raise InputError(
-            f"{path}: reading NetCDF needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')"
-        ) from None
+    xarray = geo("xarray", path, "reading NetCDF")
     try:
         return xarray.open_dataset(path, engine="netcdf4")
     except (OSError, ValueError, KeyError) as error:
@@ -112,6 +159,28 @@ def coordinate(field: xarray.DataArray, axis: str, path: Path) -> xarray.DataArr
     )
 
 
+def nodes_and_values(field: xarray.DataArray, path: Path) -> tuple[Floats, Floats, Floats]:
+    """Return x and y [m] of the nodes of a two-dimensional `field`, both rising, and its values (rows, columns)."""
+    x, y = coordinate(field, "x", path), coordinate(field, "y", path)
+    field = field.sortby([x.name, y.name]).transpose(y.dims[0], x.dims[0])
+    return np.sort(x.values.astype(float)), np.sort(y.values.astype(float)), field.values
+
+
+def write_netcdf(
+    path: Path, x: Floats, y: Floats, fields: Mapping[str, tuple[Floats, dict[str, str]]], about: Mapping[str, str]
+) -> None:
+    """Write values (rows, columns) and attributes by name over the nodes x, y [m] as CF NetCDF, aside and renamed."""
+    xarray = geo("xarray", path, "writing NetCDF")
+    axes = {
+        name: (name, values, {"standard_name": f"projection_{name}_coordinate", "units": "m"})
+        for name, values in (("x", x), ("y", y))
+    }
+    variables = {name: (("y", "x"), *field) for name, field in fields.items()}
+    aside = path.with_name(path.name + ".part")
+    xarray.Dataset(variables, coords=axes, attrs={"Conventions": "CF-1.8", **about}).to_netcdf(aside, engine="netcdf4")
+    aside.replace(path)
+
+
 def projection(data: xarray.Dataset, field: xarray.DataArray) -> str:
     """Return the projection the file states for `field` (CF grid mapping, or a global ``crs``), or ``""``."""
     mapping = field.attrs.get("grid_mapping", field.encoding.get("grid_mapping"))
@@ -129,27 +198,9 @@ def same_projection(one: str, other: str, what: str) -> None:
         raise InputError(f"{what}: different map projections, '{one[:60]}' and '{other[:60]}'")
 
 
-@dataclass(frozen=True, eq=False)
-class Raster:
-    """Values on an equally spaced grid in metres of a map projection.
-
-    origin : node (0, 0) [m]; spacing (dx, dy) [m]; values (rows, columns), rows going north, NaN for no data.
-    """
-
-    origin: tuple[float, float]
-    spacing: tuple[float, float]
-    values: Floats
-    crs: str
-
-
 def read_geotiff(path: Path) -> Raster:
     """Read the first band of a north-up GeoTIFF in metres; InputError names what is wrong."""
-    try:
-        import rasterio
-    except ImportError:
-        raise InputError(
-            f"{path}: reading GeoTIFF needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')"
-        ) from None
+    rasterio = geo("rasterio", path, "reading GeoTIFF")
     try:
         with rasterio.open(path) as data:
             band = data.read(1, masked=True).astype(np.float64).filled(np.nan)

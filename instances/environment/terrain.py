@@ -13,7 +13,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.raster import METRES, coordinate, open_netcdf, projection, read_ascii_grid, read_geotiff
+from instances.environment.raster import (
+    METRES,
+    bilinear,
+    node_bounds,
+    nodes_and_values,
+    open_netcdf,
+    projection,
+    read_ascii_grid,
+    read_geotiff,
+    refuse_missing,
+)
 from instances.errors import InputError
 
 ELEVATIONS = (
@@ -52,31 +62,17 @@ class Terrain:
             raise InputError(f"{where}: elevations must fill a grid of at least 2 × 2, got shape {h.shape}")
         if not (self.spacing[0] > 0 and self.spacing[1] > 0):
             raise InputError(f"{where}: spacing must be positive [m], got {self.spacing}")
-        bad = ~np.isfinite(h)
-        if bad.any():
-            j, i = np.argwhere(bad)[0]
-            x, y = self.origin[0] + i * self.spacing[0], self.origin[1] + j * self.spacing[1]
-            raise InputError(
-                f"{where}: {int(bad.sum())} of {bad.size} elevations are missing (NaN or no data), first at "
-                f"({x:g}, {y:g}) m; fill the holes first"
-            )
+        refuse_missing(where, np.isfinite(h), self.origin, self.spacing)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """x_min, y_min, x_max, y_max [m] of the nodes."""
-        rows, columns = self.height.shape
-        (x, y), (dx, dy) = self.origin, self.spacing
-        return x, y, x + (columns - 1) * dx, y + (rows - 1) * dy
+        return node_bounds(self.origin, self.spacing, self.height.shape)
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the elevation [m] at `points` (k, 2) [m], bilinear, constant outside, shape (k,)."""
         p = (np.asarray(points, dtype=float).reshape(-1, 2) - np.array(self.origin)) / np.array(self.spacing)
-        rows, columns = self.height.shape
-        fx, fy = np.clip(p[:, 0], 0, columns - 1), np.clip(p[:, 1], 0, rows - 1)
-        i, j = np.minimum(fx.astype(int), columns - 2), np.minimum(fy.astype(int), rows - 2)
-        s, t = fx - i, fy - j
-        h = self.height
-        return (1 - t) * ((1 - s) * h[j, i] + s * h[j, i + 1]) + t * ((1 - s) * h[j + 1, i] + s * h[j + 1, i + 1])
+        return bilinear(self.height, p[:, 0], p[:, 1])
 
     def resampled(self, cells: int) -> Terrain:
         """Return the same ground on about square cells, `cells` of them along the longer side, bilinear."""
@@ -114,18 +110,11 @@ def mountains(
 def read_terrain(path: Path | str) -> Terrain:
     """Read a digital elevation model by the ending of its name; InputError names the file and what is wrong."""
     path = Path(path)
-    if path.suffix.lower() in (".tif", ".tiff"):
-        return _read_geotiff(path)
     if path.suffix in (".nc", ".nc4", ".cdf"):
         return _read_netcdf(path)
-    if path.suffix == ".asc":
-        grid = read_ascii_grid(path)
-        return Terrain(grid.origin, (grid.spacing, grid.spacing), grid.values, str(path), grid.crs)
-    raise InputError(f"{path}: a terrain file must be GeoTIFF (.tif), NetCDF (.nc) or an ASCII grid (.asc)")
-
-
-def _read_geotiff(path: Path) -> Terrain:
-    raster = read_geotiff(path)
+    if path.suffix != ".asc" and path.suffix.lower() not in (".tif", ".tiff"):
+        raise InputError(f"{path}: a terrain file must be GeoTIFF (.tif), NetCDF (.nc) or an ASCII grid (.asc)")
+    raster = read_ascii_grid(path) if path.suffix == ".asc" else read_geotiff(path)
     return Terrain(raster.origin, raster.spacing, raster.values, str(path), raster.crs)
 
 
@@ -143,8 +132,6 @@ def _read_netcdf(path: Path) -> Terrain:
         unit = str(z.attrs.get("units", "m"))
         if unit not in METRES:
             raise InputError(f"{path}: variable '{z.name}' must be in metres, its units are '{unit}'")
-        x, y = coordinate(z, "x", path), coordinate(z, "y", path)
-        z = z.sortby([x.name, y.name]).transpose(y.dims[0], x.dims[0])
-        xs, ys = np.sort(x.values.astype(float)), np.sort(y.values.astype(float))
+        xs, ys, height = nodes_and_values(z, path)
         spacing = (float(np.diff(xs).mean()), float(np.diff(ys).mean()))
-        return Terrain((float(xs[0]), float(ys[0])), spacing, z.values, str(path), projection(data, z))
+        return Terrain((float(xs[0]), float(ys[0])), spacing, height, str(path), projection(data, z))

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.errors import InputError, suggestion
+from instances.errors import InputError
+from instances.registry import refuse_unknown
 
 
 @runtime_checkable
@@ -42,15 +43,6 @@ class WindField(Protocol):
         ...
 
 
-def only_fields(table: Mapping[str, Any], kind: str, known: tuple[str, ...]) -> None:
-    """Raise InputError where `table` has a field that a wind of this kind does not have."""
-    for key in table:
-        if key not in known:
-            raise InputError(
-                f"wind: kind '{kind}' has no field '{key}'{suggestion(key, known)} (it has: {', '.join(known)})"
-            )
-
-
 def number(value: Any, what: str) -> float:
     """Return `value` as a finite float, else raise InputError naming `what`."""
     real = not isinstance(value, bool) and isinstance(value, (int, float, np.number))
@@ -71,7 +63,29 @@ def points_of(points: ArrayLike) -> Floats:
     return np.asarray(points, dtype=np.float64).reshape(-1, 2)
 
 
-class _Linear:
+@dataclass(frozen=True)
+class TableWind:
+    """A wind described by its fields alone, which stand in the ``[wind]`` table under their names."""
+
+    kind: ClassVar[str]
+
+    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
+        """Return the ``[wind]`` table."""
+        return {"kind": self.kind, **{f.name: _lists(getattr(self, f.name)) for f in fields(self)}}
+
+    @classmethod
+    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Self:
+        """Return the field of a ``[wind]`` table; InputError for what it lacks."""
+        refuse_unknown(f"wind: kind '{cls.kind}'", "field", table, [f.name for f in fields(cls)])
+        lacking = {f.name: None for f in fields(cls) if f.default is MISSING}  # each class refuses None
+        return cls(**{**lacking, **table})
+
+
+def _lists(value: Any) -> Any:
+    return [_lists(part) for part in value] if isinstance(value, tuple) else value
+
+
+class _Linear(TableWind):
     """What winds linear in position share: the midpoint rule is exact along straight segments."""
 
     def __call__(self, points: ArrayLike) -> Floats:
@@ -87,6 +101,7 @@ class _Linear:
 class Uniform(_Linear):
     """The same wind everywhere: velocity (u, v) [m/s]."""
 
+    kind = "uniform"
     velocity: tuple[float, float]
 
     def __post_init__(self) -> None:
@@ -96,20 +111,10 @@ class Uniform(_Linear):
         """Return the velocity [m/s] at `points` (k, 2) [m]."""
         return np.tile(np.array(self.velocity), (len(points_of(points)), 1))
 
-    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
-        """Return the ``[wind]`` table."""
-        return {"kind": "uniform", "velocity": list(self.velocity)}
-
-    @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Uniform:
-        """Return the field of a ``[wind]`` table."""
-        only_fields(table, "uniform", ("velocity",))
-        return cls(table.get("velocity"))  # type: ignore[arg-type]
-
 
 @dataclass(frozen=True)
-class Shear(_Linear):
-    """Linear shear w = (rate·(y − y0), 0): rate [1/s], centre (x0, y0) [m]; curl −rate."""
+class _Centred(_Linear):
+    """A wind linear about a point: rate [1/s], centre (x0, y0) [m]."""
 
     rate: float
     centre: tuple[float, float] = (0.0, 0.0)
@@ -117,45 +122,25 @@ class Shear(_Linear):
     def __post_init__(self) -> None:
         object.__setattr__(self, "rate", number(self.rate, "rate [1/s]"))
         object.__setattr__(self, "centre", pair(self.centre, "centre [m]"))
+
+
+class Shear(_Centred):
+    """Linear shear w = (rate·(y − y0), 0): rate [1/s], centre (x0, y0) [m]; curl −rate."""
+
+    kind = "shear"
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m]."""
         p = points_of(points)
         return np.column_stack([self.rate * (p[:, 1] - self.centre[1]), np.zeros(len(p))])
 
-    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
-        """Return the ``[wind]`` table."""
-        return {"kind": "shear", "rate": self.rate, "centre": list(self.centre)}
 
-    @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Shear:
-        """Return the field of a ``[wind]`` table."""
-        only_fields(table, "shear", ("rate", "centre"))
-        return cls(table.get("rate"), table.get("centre", (0.0, 0.0)))  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True)
-class Rotation(_Linear):
+class Rotation(_Centred):
     """Rigid rotation w = rate·(−(y − y0), x − x0): rate [1/s] anticlockwise, centre (x0, y0) [m]; curl 2·rate."""
 
-    rate: float
-    centre: tuple[float, float] = (0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "rate", number(self.rate, "rate [1/s]"))
-        object.__setattr__(self, "centre", pair(self.centre, "centre [m]"))
+    kind = "rotation"
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m]."""
         d = points_of(points) - np.array(self.centre)
         return self.rate * np.column_stack([-d[:, 1], d[:, 0]])
-
-    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
-        """Return the ``[wind]`` table."""
-        return {"kind": "rotation", "rate": self.rate, "centre": list(self.centre)}
-
-    @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Rotation:
-        """Return the field of a ``[wind]`` table."""
-        only_fields(table, "rotation", ("rate", "centre"))
-        return cls(table.get("rate"), table.get("centre", (0.0, 0.0)))  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Wind grids in files: CF NetCDF in and out (extra ``geo``), WindNinja's ASCII grids in.
+"""Wind grids from files: CF NetCDF (extra ``geo``) and WindNinja's ASCII grids.
 
 NetCDF follows the CF conventions: wind components are found by ``standard_name`` (eastward_wind, x_wind, …) or by
 their usual names (ERA5, WRF, …), in m/s, on one-dimensional x and y in metres of a map projection.
@@ -9,12 +9,12 @@ direction the wind blows *from*, degrees clockwise from north.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from instances.arrays import Floats
-from instances.environment.raster import METRES, coordinate, open_netcdf, projection, read_ascii_grid
+from instances.environment.raster import nodes_and_values, open_netcdf, projection, read_ascii_grid
 from instances.errors import InputError, suggestion
 
 if TYPE_CHECKING:
@@ -67,9 +67,9 @@ def read_netcdf(path: Path) -> WindData:
         for w, unit in zip((u, v), units, strict=True):
             if unit not in METRES_PER_SECOND:
                 raise InputError(f"{path}: variable '{w.name}' must be in m/s, its units are '{unit or 'not stated'}'")
-        x, y = coordinate(u, "x", path), coordinate(u, "y", path)
-        u, v = (w.transpose(y.dims[0], x.dims[0]) for w in (u, v))
-        return _oriented(x.values, y.values, u.values, v.values, str(path), projection(data, u))
+        (x, y, east), (_, _, north) = (nodes_and_values(w, path) for w in (u, v))
+        spacing = (float((x[-1] - x[0]) / (len(x) - 1)), float((y[-1] - y[0]) / (len(y) - 1)))
+        return WindData((float(x[0]), float(y[0])), spacing, east, north, str(path), projection(data, u))
 
 
 def _component(data: xarray.Dataset, path: Path, standard: tuple[str, ...], usual: tuple[str, ...]) -> xarray.DataArray:
@@ -86,47 +86,6 @@ def _component(data: xarray.Dataset, path: Path, standard: tuple[str, ...], usua
     return w
 
 
-def _oriented(x: Any, y: Any, u: Any, v: Any, source: str, crs: str) -> WindData:
-    """Return the grid with x and y rising."""
-    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-    if x[-1] < x[0]:
-        x, u, v = x[::-1], u[:, ::-1], v[:, ::-1]
-    if y[-1] < y[0]:
-        y, u, v = y[::-1], u[::-1], v[::-1]
-    spacing = (float((x[-1] - x[0]) / (len(x) - 1)), float((y[-1] - y[0]) / (len(y) - 1)))
-    return WindData((float(x[0]), float(y[0])), spacing, u, v, source, crs)
-
-
-def write_netcdf(grid: WindData, path: Path) -> None:
-    """Write `grid` as CF NetCDF, aside and renamed."""
-    try:
-        import xarray
-    except ImportError:
-        raise InputError(
-            f"{path}: writing NetCDF needs the extra 'geo' (pip install 'mmmdmtsp-workbench[geo]')"
-        ) from None
-    rows, columns = grid.u.shape
-    axis = {
-        name: (
-            name,
-            start + step * np.arange(count),
-            {"standard_name": f"projection_{name}_coordinate", "units": METRES[0]},
-        )
-        for name, start, step, count in (
-            ("x", grid.origin[0], grid.spacing[0], columns),
-            ("y", grid.origin[1], grid.spacing[1], rows),
-        )
-    }
-    fields = {
-        name: (("y", "x"), values, {"standard_name": f"{axis_name}_wind", "units": "m s-1"})
-        for name, values, axis_name in (("u", grid.u, "x"), ("v", grid.v, "y"))
-    }
-    data = xarray.Dataset(fields, coords=axis, attrs={"Conventions": "CF-1.8", "source": grid.source, "crs": grid.crs})
-    aside = path.with_name(path.name + ".part")
-    data.to_netcdf(aside, engine="netcdf4")
-    aside.replace(path)
-
-
 def read_windninja(path: Path, units: str) -> WindData:
     """Read WindNinja's ``*_vel.asc`` together with the ``*_ang.asc`` beside it."""
     if units not in SPEED:
@@ -135,13 +94,9 @@ def read_windninja(path: Path, units: str) -> WindData:
     if stem == path.name:
         raise InputError(f"{path}: a WindNinja grid must be named *_vel.asc, with *_ang.asc beside it")
     speed, direction = (read_ascii_grid(path.with_name(f"{stem}{end}")) for end in ("_vel.asc", "_ang.asc"))
-    if (speed.origin, speed.spacing, speed.values.shape) != (
-        direction.origin,
-        direction.spacing,
-        direction.values.shape,
-    ):
+    here, there = ((grid.origin, grid.spacing, grid.values.shape) for grid in (speed, direction))
+    if here != there:
         raise InputError(f"{path}: speed and direction lie on different grids")
     towards = np.radians(direction.values) + np.pi
     s = speed.values * SPEED[units]
-    cell = (speed.spacing, speed.spacing)
-    return WindData(speed.origin, cell, s * np.sin(towards), s * np.cos(towards), str(path), speed.crs)
+    return WindData(speed.origin, speed.spacing, s * np.sin(towards), s * np.cos(towards), str(path), speed.crs)

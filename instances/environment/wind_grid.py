@@ -17,9 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.wind import only_fields, points_of
-from instances.environment.wind_files import WindData, read_wind, write_netcdf
+from instances.environment.raster import node_axes, node_bounds, refuse_missing, write_netcdf
+from instances.environment.wind import points_of
+from instances.environment.wind_files import read_wind
 from instances.errors import InputError
+from instances.registry import refuse_unknown
 from instances.kernels import njit
 
 GAUSS = 0.5 / math.sqrt(3.0)
@@ -108,20 +110,12 @@ class Grid:
             )
         if not (self.spacing[0] > 0 and self.spacing[1] > 0):
             raise InputError(f"{where}: spacing must be positive [m], got {self.spacing}")
-        bad = ~(np.isfinite(self.u) & np.isfinite(self.v))
-        if bad.any():
-            j, i = np.argwhere(bad)[0]
-            x, y = self.origin[0] + i * self.spacing[0], self.origin[1] + j * self.spacing[1]
-            raise InputError(
-                f"{where}: {int(bad.sum())} of {bad.size} values are missing or not finite, first at ({x:g}, {y:g}) m"
-            )
+        refuse_missing(where, np.isfinite(self.u) & np.isfinite(self.v), self.origin, self.spacing)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """x_min, y_min, x_max, y_max [m] of the nodes."""
-        rows, columns = self.u.shape
-        (x, y), (dx, dy) = self.origin, self.spacing
-        return x, y, x + (columns - 1) * dx, y + (rows - 1) * dy
+        return node_bounds(self.origin, self.spacing, self.u.shape)
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m]."""
@@ -136,8 +130,12 @@ class Grid:
         if folder is None:
             raise InputError("wind: a grid is data and needs a folder to write its file into")
         name = "wind.nc"
-        data = WindData(self.origin, self.spacing, self.u, self.v, self.source, self.crs)
-        write_netcdf(data, Path(folder) / name)
+        fields = {
+            component: (values, {"standard_name": f"{axis}_wind", "units": "m s-1"})
+            for component, values, axis in (("u", self.u, "x"), ("v", self.v, "y"))
+        }
+        axes = node_axes(self.origin, self.spacing, self.u.shape)
+        write_netcdf(Path(folder) / name, *axes, fields, {"source": self.source, "crs": self.crs})
         return {"kind": "grid", "file": name}
 
     @classmethod
@@ -146,7 +144,7 @@ class Grid:
 
         `units` says what a WindNinja file holds ("m/s", "mph", "kph" or "knots"; "m/s" where it is not given).
         """
-        only_fields(table, "grid", ("file", "units"))
+        refuse_unknown("wind: kind 'grid'", "field", table, ("file", "units"))
         if not isinstance(table.get("file"), str):
             raise InputError(f"wind: kind 'grid' needs the name of a file, got {table.get('file')!r}")
         return cls(*read_wind(folder / table["file"], units=table.get("units")))

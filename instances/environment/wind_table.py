@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.wind import WindField, only_fields, points_of
+from instances.environment.wind import WindField, points_of
 from instances.errors import InputError, suggestion
+from instances.registry import refuse_unknown
 
 KINDS = {
     "uniform": "instances.environment.wind:Uniform",
@@ -71,7 +72,7 @@ class Sum:
     @classmethod
     def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Sum:
         """Return the field of a ``[wind]`` table."""
-        only_fields(table, "sum", ("parts",))
+        refuse_unknown("wind: kind 'sum'", "field", table, ("parts",))
         parts = table.get("parts")
         if not isinstance(parts, list) or not all(isinstance(part, Mapping) for part in parts):
             raise InputError("wind: the parts of a sum must be tables, each with its kind")

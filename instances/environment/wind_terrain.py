@@ -25,9 +25,10 @@ from numpy.typing import ArrayLike
 from instances.arrays import Floats
 from instances.environment.mass_consistent import Inflow, solve_flow
 from instances.environment.terrain import Terrain, mountains, read_terrain
-from instances.environment.wind import number, only_fields, pair
+from instances.environment.wind import number, pair
 from instances.environment.wind_grid import Grid
 from instances.errors import InputError, suggestion
+from instances.registry import refuse_unknown
 
 INFLOW = tuple(f.name for f in fields(Inflow))
 MOUNTAINS = tuple(signature(mountains).parameters)
@@ -87,7 +88,7 @@ class TerrainWind:
     @classmethod
     def from_toml(cls, table: Mapping[str, Any], folder: Path) -> TerrainWind:
         """Return the wind of a ``[wind]`` table."""
-        only_fields(table, "terrain", FIELDS)
+        refuse_unknown("wind: kind 'terrain'", "field", table, FIELDS)
         if ("dem" in table) == ("mountains" in table):
             raise InputError("wind: kind 'terrain' needs either 'dem', a file, or 'mountains', a table")
         made = table.get("mountains", {})

@@ -8,21 +8,16 @@ over the scales from L to L/4; energy falls as |k|^(−5/3). After R. H. Kraichn
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.wind import number, only_fields, points_of
+from instances.environment.wind import TableWind, number, points_of
 from instances.errors import InputError
 from instances.kernels import njit
-
-FIELDS = ("rms", "length_scale", "seed", "modes")
 
 
 @njit(cache=True)
@@ -40,9 +35,10 @@ def _line_integrals(a: Floats, b: Floats, k: Floats, amplitude: Floats, phase: F
 
 
 @dataclass(frozen=True)
-class Turbulence:
+class Turbulence(TableWind):
     """Random wind of `rms` speed [m/s] and largest eddy size `length_scale` L [m], from `seed`, with `modes` waves."""
 
+    kind = "turbulence"
     rms: float
     length_scale: float
     seed: int = 0
@@ -78,15 +74,3 @@ class Turbulence:
     def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
         """Return ∫ w·dσ [m²/s] along the segments `a` → `b`."""
         return _line_integrals(points_of(a), points_of(b), *self._waves)
-
-    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
-        """Return the ``[wind]`` table."""
-        return {"kind": "turbulence", **{name: getattr(self, name) for name in FIELDS}}
-
-    @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Turbulence:
-        """Return the field of a ``[wind]`` table."""
-        only_fields(table, "turbulence", FIELDS)
-        for name in ("rms", "length_scale"):
-            number(table.get(name), name)
-        return cls(**table)

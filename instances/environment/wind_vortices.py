@@ -12,20 +12,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.wind import number, only_fields, pair, points_of
+from instances.environment.wind import TableWind, number, pair, points_of
 from instances.errors import InputError
 
 
 @dataclass(frozen=True)
-class Vortices:
+class Vortices(TableWind):
     """Vortices at `centres` [m], each with its `circulation` Γ [m²/s] (anticlockwise positive) and `core` c [m]."""
 
+    kind = "vortices"
     centres: tuple[tuple[float, float], ...]
     circulation: tuple[float, ...]
     core: tuple[float, ...]
@@ -74,19 +75,9 @@ class Vortices:
             total += g / (2 * np.pi) * np.divide(h, rho, out=np.zeros_like(h), where=rho > 0) * swept
         return total
 
-    def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
-        """Return the ``[wind]`` table."""
-        return {
-            "kind": "vortices",
-            "centres": [list(c) for c in self.centres],
-            "circulation": list(self.circulation),
-            "core": list(self.core),
-        }
-
     @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Vortices:
+    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Self:
         """Return the field of a ``[wind]`` table; without `core` they are point vortices."""
-        only_fields(table, "vortices", ("centres", "circulation", "core"))
         circulation = table.get("circulation", ())
-        core = table.get("core", [0.0] * len(circulation) if hasattr(circulation, "__len__") else ())
-        return cls(table.get("centres", ()), circulation, core)
+        core = [0.0] * len(circulation) if hasattr(circulation, "__len__") else ()
+        return super().from_toml({"core": core, **table}, folder)

@@ -48,10 +48,10 @@ def test_geotiff_is_read_north_up_at_pixel_centres(tmp_path: Path) -> None:
 def test_holes_in_the_elevation_model_are_located(tmp_path: Path) -> None:
     values = np.ones((3, 4))
     values[0, 1] = -9999
-    with pytest.raises(InputError, match=r"1 of 12 elevations are missing .* first at \(500045, 3.99998e\+06\) m"):
+    with pytest.raises(InputError, match=r"1 of 12 values are missing .* first at \(500045, 3.99998e\+06\) m"):
         read_terrain(geotiff(tmp_path / "dem.tif", values, "EPSG:32652", nodata=-9999))
     values[0, 1] = np.nan
-    with pytest.raises(InputError, match="1 of 12 elevations are missing"):
+    with pytest.raises(InputError, match="1 of 12 values are missing"):
         read_terrain(geotiff(tmp_path / "nan.tif", values, "EPSG:32652"))
 
 

@@ -70,7 +70,7 @@ GOOD = HEADER + "1 1 1\n1 1 1\n"
         (GOOD, GOOD.replace("cellsize 100", "cellsize 90"), "m/s", "different grids"),
         (GOOD.replace("nrows 2\n", ""), GOOD, "m/s", "no nrows"),
         (HEADER + "1 1 1\n1 1\n", GOOD, "m/s", "5 found"),
-        (HEADER + "1 1 1\n1 -9999 1\n", GOOD, "m/s", "missing or not finite, first at \\(100, 1000\\) m"),
+        (HEADER + "1 1 1\n1 -9999 1\n", GOOD, "m/s", "missing .NaN or no data., first at \\(100, 1000\\) m"),
         (HEADER + "1 1 x\n1 1 1\n", GOOD, "m/s", "could not convert"),
     ],
 )

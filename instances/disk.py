@@ -46,10 +46,7 @@ def as_text(content: bytes, path: Path | str) -> str:
 def write_aside(path: Path | str, content: bytes | str) -> None:
     """Write `content` beside `path`, then rename it: a reader sees the old file or the whole new one.
 
-    Raises
-    ------
-    InputError
-        where the folder is missing or not writable, or the disk is full; `path` is then as it was.
+    Raises InputError where the folder is missing or not writable, or the disk is full; `path` is then as it was.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:

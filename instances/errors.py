@@ -22,8 +22,8 @@ def suggestion(wrong: str, known: Iterable[str]) -> str:
 
 @contextmanager
 def naming(path: object) -> Iterator[None]:
-    """Put the file's name in front of an InputError raised inside."""
+    """Put the file's name in front of an InputError raised inside that does not begin with it."""
     try:
         yield
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise InputError(str(error) if str(error).startswith(f"{path}: ") else f"{path}: {error}") from None

@@ -1,4 +1,4 @@
-"""From the local plane to latitude and longitude, and back: the tangent plane of WGS 84 at an origin.
+"""From the local plane to latitude and longitude: the tangent plane of WGS 84 at an origin.
 
 A point (x east, y north) [m] of the plane that touches the ellipsoid at the origin (φ₀, λ₀) is, Earth-centred,
 
@@ -6,8 +6,7 @@ A point (x east, y north) [m] of the plane that touches the ellipsoid at the ori
     e = (−sin λ₀, cos λ₀, 0),    n = (−sin φ₀ cos λ₀, −sin φ₀ sin λ₀, cos φ₀)
 
 and its latitude follows from P by Bowring's formula (B. R. Bowring, Survey Review 23, 1976), its longitude by atan2.
-Back, a point of the ellipsoid is moved up its own vertical into the plane. Distances in the plane are true to 1e-5
-within 20 km of the origin; altitudes are stated apart.
+Distances in the plane are true to 1e-5 within 20 km of the origin; altitudes are stated apart.
 """
 
 from __future__ import annotations
@@ -45,36 +44,19 @@ class TangentPlane:
     def geographic(self, points: ArrayLike) -> Floats:
         """Return latitude and longitude [degrees] of `points` (k, 2) [m], shape (k, 2)."""
         p = np.asarray(points, dtype=float).reshape(-1, 2)
-        centre, east, north, _ = self._frame
+        centre, east, north = self._frame
         X, Y, Z = (centre[:, None] + east[:, None] * p[:, 0] + north[:, None] * p[:, 1]).astype(float)
         across = np.hypot(X, Y)
         reduced = np.arctan2(Z * A, across * B)
         latitude = np.arctan2(Z + E2 / (1 - E2) * B * np.sin(reduced) ** 3, across - E2 * A * np.cos(reduced) ** 3)
         return np.degrees(np.column_stack([latitude, np.arctan2(Y, X)]))
 
-    def local(self, positions: ArrayLike) -> Floats:
-        """Return (x, y) [m] of `positions` (k, 2), latitude and longitude [degrees], shape (k, 2)."""
-        latitude, longitude = np.radians(np.asarray(positions, dtype=float).reshape(-1, 2)).T
-        centre, east, north, up = self._frame
-        foot = _on_ellipsoid(latitude, longitude) - centre[:, None]
-        normal = np.array(
-            [np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude)]
-        )
-        foot = foot - normal * (up @ foot) / (up @ normal)  # up the point's own vertical, into the plane
-        return np.column_stack([east @ foot, north @ foot])
-
     @property
-    def _frame(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """P₀ [m], and the unit vectors east, north and up."""
+    def _frame(self) -> tuple[Floats, Floats, Floats]:
+        """P₀ [m], and the unit vectors east and north."""
         f, g = math.radians(self.latitude), math.radians(self.longitude)
         east = np.array([-math.sin(g), math.cos(g), 0.0])
         north = np.array([-math.sin(f) * math.cos(g), -math.sin(f) * math.sin(g), math.cos(f)])
-        centre = _on_ellipsoid(np.array([f]), np.array([g]))[:, 0]
-        return centre, east, north, np.cross(east, north)
-
-
-def _on_ellipsoid(latitude: Floats, longitude: Floats) -> Floats:
-    """Return Earth-centred coordinates [m] of points on the ellipsoid, angles in radians, shape (3, k)."""
-    N = A / np.sqrt(1 - E2 * np.sin(latitude) ** 2)
-    flat = N * np.cos(latitude)
-    return np.array([flat * np.cos(longitude), flat * np.sin(longitude), (1 - E2) * N * np.sin(latitude)])
+        N = A / np.sqrt(1 - E2 * np.sin(f) ** 2)
+        flat = N * np.cos(f)
+        return np.array([flat * np.cos(g), flat * np.sin(g), (1 - E2) * N * np.sin(f)]), east, north

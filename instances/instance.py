@@ -25,8 +25,6 @@ class Instance:
     Nodes are numbered as in the paper, from 0: tasks ``0..n-1``, then depots ``n..n+m-1``. Several UAVs at
     one place are several depots at that place.
 
-    Parameters
-    ----------
     name : short name, used in file and report names.
     cost : ``cost[i, j]`` [s] of flying from node i to node j, shape (n+m, n+m), finite, non-negative, zero
         diagonal, in general asymmetric (paper: c_ij differs from c_ji because of the wind). Entries between
@@ -36,10 +34,7 @@ class Instance:
     coordinates : positions [m], shape (n+m, 2), or None where only costs are known.
     provenance : where the numbers come from: family, parameters, seed, source file.
 
-    Raises
-    ------
-    InputError
-        with one sentence that names the offending entry.
+    Raises InputError with one sentence that names the offending entry.
     """
 
     name: str

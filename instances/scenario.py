@@ -45,8 +45,6 @@ KEYS = ("name", "airspeed", "size", "region", "no_fly", "depots", "tasks", "terr
 class Scenario:
     """A mission: where it is flown, from where, how fast, and to which tasks.
 
-    Parameters
-    ----------
     name : short name.
     region : the area A.
     depots : (m, 2) [m], m ≥ 1, each in the region and outside the no-fly zones.
@@ -59,10 +57,7 @@ class Scenario:
     radio : the table that describes the radio source, or None.
     provenance : where it comes from.
 
-    Raises
-    ------
-    InputError
-        with one sentence that names the field and the value.
+    Raises InputError with one sentence that names the field and the value.
     """
 
     name: str

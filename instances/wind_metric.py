@@ -69,10 +69,7 @@ def pair_costs(a: ArrayLike, b: ArrayLike, airspeed: float, wind: WindField | No
 def cost_matrix(points: ArrayLike, airspeed: float, wind: WindField | None) -> Floats:
     """Return ``cost[i, j]`` [s], shape (k, k), of the cheapest paths between `points` (k, 2) [m] over open country.
 
-    Raises
-    ------
-    InputError
-        where the wind reaches the airspeed on an arc or among the points, or where an arc does not exist.
+    Raises InputError where the wind reaches the airspeed on an arc or among the points, or where an arc does not exist.
     """
     p = np.asarray(points, dtype=float).reshape(-1, 2)
     check_wind(p, airspeed, wind)

@@ -39,8 +39,6 @@ class Posterior:
 class GaussianProcess:
     """A Gaussian process over fixed map points, extended by blocks of samples.
 
-    Parameters
-    ----------
     kernel : covariance (eq. cov).
     noise_sd : σ_n > 0, the sensor's, in the field's unit.
     points : map points [m], shape (p, 2).

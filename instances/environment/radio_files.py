@@ -13,7 +13,7 @@ import numpy as np
 from instances.disk import read_text, write_aside
 from instances.environment.radio import RadioMap
 from instances.environment.raster import node_axes, nodes_and_values, open_netcdf, read_geotiff, write_netcdf
-from instances.errors import InputError
+from instances.errors import InputError, naming
 
 
 def read_field(path: Path | str) -> RadioMap:
@@ -22,10 +22,8 @@ def read_field(path: Path | str) -> RadioMap:
     readers = {".csv": _read_csv, ".nc": _read_netcdf, ".tif": _read_geotiff, ".tiff": _read_geotiff}
     if path.suffix.lower() not in readers:
         raise InputError(f"{path}: a field file must be CSV (.csv), NetCDF (.nc) or GeoTIFF (.tif)")
-    try:
+    with naming(path):
         return readers[path.suffix.lower()](path)
-    except InputError as error:
-        raise InputError(str(error) if str(error).startswith(str(path)) else f"{path}: {error}") from None
 
 
 def write_field(field: RadioMap, path: Path | str) -> None:

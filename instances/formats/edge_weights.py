@@ -23,14 +23,12 @@ METRIC_OF: dict[str, dict[str, Any]] = {
 
 FORMATS = (
     "FULL_MATRIX",
-    "UPPER_ROW",
-    "LOWER_ROW",
-    "UPPER_DIAG_ROW",
-    "LOWER_DIAG_ROW",
-    "UPPER_COL",
-    "LOWER_COL",
-    "UPPER_DIAG_COL",
-    "LOWER_DIAG_COL",
+    *(
+        f"{half}_{diagonal}{order}"
+        for order in ("ROW", "COL")
+        for diagonal in ("", "DIAG_")
+        for half in ("UPPER", "LOWER")
+    ),
 )
 """EDGE_WEIGHT_FORMAT of explicit weights."""
 

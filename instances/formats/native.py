@@ -41,13 +41,13 @@ def read_native(path: Path) -> Instance:
             content = gzip.decompress(content)
         except (OSError, EOFError, zlib.error) as error:
             raise InputError(f"{path}: cannot be decompressed ({error})") from None
-    try:
-        document = json.loads(as_text(content, path), object_pairs_hook=_without_duplicates)
-    except InputError as error:
-        raise InputError(str(error) if str(error).startswith(str(path)) else f"{path}: {error}") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: is not valid JSON ({error})") from None
     with naming(path):
+        try:
+            document = json.loads(as_text(content, path), object_pairs_hook=_without_duplicates)
+        except InputError:
+            raise
+        except (ValueError, RecursionError) as error:
+            raise InputError(f"is not valid JSON ({error})") from None
         return instance_of(document)
 
 

@@ -25,25 +25,16 @@ _COST = re.compile(r"cost\s*:?\s*(\S+)", re.IGNORECASE)
 def read_solution(path: Path, instance: Instance) -> tuple[Routes, float | None]:
     """Return the routes for `instance` in the file, and the cost [s] it claims (None where it claims none).
 
-    Raises
-    ------
-    InputError
-        where the file is not a ``.sol``, or its routes do not visit every task of `instance` exactly once.
+    Raises InputError where it is not a ``.sol``, or its routes do not visit every task of `instance` exactly once.
     """
-    routes, claimed = read_claim(path, instance)
+    text = read_text(path)
     with naming(path):
+        routes, claimed = _parse(text, instance)
         faults = check_routes(instance, routes)
         if faults:
             more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
             raise InputError(faults[0].rstrip(".") + more)
         return routes, claimed
-
-
-def read_claim(path: Path, instance: Instance) -> tuple[Routes, float | None]:
-    """Return what the file claims: routes, feasible or not, and their cost [s]; InputError where it is no ``.sol``."""
-    text = read_text(path)
-    with naming(path):
-        return _parse(text, instance)
 
 
 def write_solution(routes: Sequence[Sequence[int]], instance: Instance, path: Path) -> None:

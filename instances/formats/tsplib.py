@@ -7,7 +7,7 @@ What these files say of UAVs and depots, and how it is read:
 * VEHICLES (or SALESMEN) is m. With one depot and no count, all m start there; with as many depots as vehicles, one
   each; where counts are given, their sum must be m. Without it there is one UAV per depot listed.
 * Every other node is a task, in the order of the file. ``provenance["nodes"]`` maps our node numbers to the file's
-  (1-based), so that tours in the file's numbering can be evaluated (`instance_routes`).
+  (1-based), so that tours in the file's numbering can be evaluated.
 * Weights are taken as seconds; the diagonal, which TSPLIB leaves open, becomes 0. Capacity, demand and the like have
   no place in the min-max problem and are left out; ``provenance["ignored"]`` lists them.
 
@@ -18,7 +18,7 @@ and so are TSPLIB's roundings; these are read here.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,6 @@ from instances.formats.edge_weights import explicit_weights, metric_of
 from instances.formats.format import Format
 from instances.instance import Instance, check_size
 from instances.metrics import metric_cost
-from instances.routes import Routes, as_routes
 
 KEYWORDS = frozenset({"NAME", "TYPE", "COMMENT", "DIMENSION", "VEHICLES", "SALESMEN", "DEPOT", "EDGE_WEIGHT_TYPE"}) | {
     "EDGE_WEIGHT_FORMAT",
@@ -74,22 +73,6 @@ def read_tsplib(path: Path) -> Instance:
         cost = _cost(specs, sections, size, place, coordinates, provenance)
         name = specs.get("NAME", "") or path.name.split(".")[0]
         return Instance(name, cost, len(nodes) - n_depots, n_depots, coordinates, provenance)
-
-
-def instance_routes(instance: Instance, file_routes: Iterable[Iterable[int]]) -> Routes:
-    """Return routes given in the 1-based node numbers of the file `instance` was read from in our numbering.
-
-    Depots in the routes are dropped. InputError where the instance does not come from such a file.
-    """
-    nodes = instance.provenance.get("nodes")
-    if not isinstance(nodes, list):
-        raise InputError(f"instance {instance.name}: its provenance holds no node numbers of a file")
-    depots = set(nodes[instance.n_tasks :])
-    ours = {node: i for i, node in enumerate(nodes[: instance.n_tasks])}
-    try:
-        return as_routes([ours[node] for node in route if node not in depots] for route in file_routes)
-    except KeyError as error:
-        raise InputError(f"instance {instance.name}: node {error} is not a node of its file") from None
 
 
 def _split(text: str) -> tuple[dict[str, str], dict[str, list[str]]]:

@@ -58,4 +58,4 @@ def test_plan_takes_off_flies_the_waypoints_and_returns(tmp_path: Path) -> None:
         assert (item["params"][6], item["frame"], item["AltitudeMode"]) == (3000.0, 0, 2)
     (zone,) = plan["geoFence"]["polygons"]
     assert zone["inclusion"] is False
-    np.testing.assert_allclose(PLANE.local(zone["polygon"]).min(axis=0), [100, 100], atol=0.01)
+    np.testing.assert_allclose(np.min(zone["polygon"], axis=0), PLANE.geographic([[100.0, 100.0]])[0], atol=1e-7)

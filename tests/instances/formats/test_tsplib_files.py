@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from instances import InputError, Instance
 from instances.files import read_instance, write_instance
 from instances.formats.atsp import weight_scale
-from instances.formats.tsplib import instance_routes
 
 COORDINATES = "NODE_COORD_SECTION\n1 0 0\n2 3 4\n3 0 1.5\n4 6 8\n"
 
@@ -72,15 +71,6 @@ def test_where_the_uavs_start(tmp_path, extra, depots, nodes, m):
     assert instance.n_depots == m
     assert instance.coordinates is not None
     assert instance.coordinates.tolist() == [[[0, 0], [3, 4], [0, 1.5], [6, 8]][node - 1] for node in nodes]
-
-
-def test_tours_in_the_files_numbers(tmp_path):
-    instance = read(tmp_path, euclidean(extra="VEHICLES: 2\n", depots="DEPOT_SECTION\n4\n2\n-1\n"))
-    assert instance_routes(instance, [[4, 3, 1, 4], []]) == ((1, 0), ())
-    with pytest.raises(InputError, match="node 9 is not a node of its file"):
-        instance_routes(instance, [[9], []])
-    with pytest.raises(InputError, match="no node numbers"):
-        instance_routes(Instance("x", np.zeros((2, 2)), 1, 1), [[1]])
 
 
 MATRIX = np.array([[0, 1, 2, 3], [1, 0, 4, 5], [2, 4, 0, 6], [3, 5, 6, 0]])

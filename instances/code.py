@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import subprocess
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -23,9 +22,10 @@ KERNEL_PACKAGES = ("formulations", "instances")
 def code_digest(packages: tuple[str, ...] = PACKAGES) -> str:
     """Return the first 12 hexadecimal digits of the SHA-256 of the Python sources of `packages`, names included."""
     found = hashlib.sha256()
-    for path in _sources(packages):
-        content = path.read_bytes()
-        found.update(f"{path.relative_to(ROOT).as_posix()} {len(content)}\n".encode() + content)
+    for package in packages:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            content = path.read_bytes()
+            found.update(f"{path.relative_to(ROOT).as_posix()} {len(content)}\n".encode() + content)
     return found.hexdigest()[:12]
 
 
@@ -39,8 +39,3 @@ def revision() -> str:
         return subprocess.run(asked, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
     except (OSError, subprocess.SubprocessError):
         return ""
-
-
-def _sources(packages: tuple[str, ...]) -> Iterator[Path]:
-    for package in packages:
-        yield from sorted((ROOT / package).rglob("*.py"))

@@ -138,9 +138,3 @@ class GaussianProcess:
         again = GaussianProcess(kernel, self.noise_sd, self.points, self.level)
         again.extend(*self.samples)
         return again
-
-
-def entropy(covariance: ArrayLike) -> float:
-    """Return ½ log det(2πe K) [nats] of a Gaussian with covariance K (paper, §Entropy and Mutual Information)."""
-    L = np.linalg.cholesky(np.asarray(covariance, dtype=float))
-    return float(np.log(np.diagonal(L)).sum() + 0.5 * len(L) * np.log(2 * np.pi * np.e))

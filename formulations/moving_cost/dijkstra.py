@@ -38,7 +38,7 @@ class Dijkstra(MovingCostMethod):
         pairs = near_pairs(points, self.radius_factor * standard_radius(query.region.area, len(points)))
         graph = build_graph(points, pairs, query.wind, field, query.v0, space)
         progress(0.5, "edges")
-        _, predecessor = shortest_path_trees(graph.free_matrix, np.arange(len(query.terminals)))
+        _, predecessor = shortest_path_trees(graph.free_matrix(), np.arange(len(query.terminals)))
         progress(1.0, "trees")
         figures = {"nodes": len(points), "edges": len(graph.cost), "collision_tests": len(pairs)}
         return costs_of_trees(query, points, predecessor, figures)

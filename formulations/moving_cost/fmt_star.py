@@ -65,9 +65,7 @@ class FmtStar(MovingCostMethod):
         for i in range(n):
             if graph is None or not self.share:
                 graph = build_graph(points, pairs, query.wind, field, query.v0, None)
-            predecessor[i], tested = grow_tree(
-                graph.points, graph.start, graph.neighbour, graph.back, graph.pair, graph.state, space, i
-            )
+            predecessor[i], tested = grow_tree(graph, space, i)
             tests += tested
             progress((i + 1) / n, f"tree {i + 1} of {n}")
         planned = time.process_time() - began
@@ -109,33 +107,20 @@ def _pop(keys: Floats, items: Ints, size: int) -> int:
 
 
 @njit(cache=True)
-def _best_open_neighbour(
-    x: int, start: Ints, neighbour: Ints, back: Floats, status: NDArray[np.int8], value: Floats
-) -> tuple[float, int]:
+def _best_open_neighbour(x: int, graph: Graph, status: NDArray[np.int8], value: Floats) -> tuple[float, int]:
     """Return the least cost of reaching `x` from an open node, and the edge out of `x` to that node."""
     best, via = np.inf, -1
-    for e in range(start[x], start[x + 1]):
-        y = neighbour[e]
-        if status[y] == OPEN and value[y] + back[e] < best:
-            best, via = value[y] + back[e], e
+    for e in range(graph.start[x], graph.start[x + 1]):
+        y = graph.neighbour[e]
+        if status[y] == OPEN and value[y] + graph.back[e] < best:
+            best, via = value[y] + graph.back[e], e
     return best, via
 
 
 @njit(cache=True)
-def grow_tree(
-    points: Floats,
-    start: Ints,
-    neighbour: Ints,
-    back: Floats,
-    pair: Ints,
-    state: NDArray[np.int8],
-    space: FreeSpace,
-    root: int,
-) -> tuple[Ints, int]:
-    """Grow one FMT* tree from `root`: predecessors (N,), −1 for the root and what was not reached; tests made.
-
-    The arrays are those of `Graph`.
-    """
+def grow_tree(graph: Graph, space: FreeSpace, root: int) -> tuple[Ints, int]:
+    """Grow one FMT* tree from `root`: predecessors (N,), −1 for the root and what was not reached; tests made."""
+    points, start, neighbour, state = graph.points, graph.start, graph.neighbour, graph.state
     n = len(points)
     status = np.zeros(n, dtype=np.int8)
     value = np.full(n, np.inf)
@@ -153,8 +138,8 @@ def grow_tree(
             x = neighbour[e]
             if status[x] != UNVISITED:
                 continue
-            best, via = _best_open_neighbour(x, start, neighbour, back, status, value)
-            k = pair[via]
+            best, via = _best_open_neighbour(x, graph, status, value)
+            k = graph.pair[via]
             if state[k] == UNKNOWN:
                 tests += 1
                 y = neighbour[via]

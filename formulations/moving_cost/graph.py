@@ -7,8 +7,7 @@ those of its pair of nodes: the wind integral flips its sign with the direction,
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +25,8 @@ from instances.moving_cost import moving_cost
 UNKNOWN, FREE, BLOCKED = 0, 1, 2
 
 
-@dataclass(frozen=True, eq=False)
-class Graph:
-    """A directed graph in compressed rows: the edges out of node i are ``start[i]:start[i+1]``.
+class Graph(NamedTuple):
+    """A directed graph in compressed rows, for numba kernels: the edges out of node i are ``start[i]:start[i+1]``.
 
     points (N, 2) [m]. `neighbour` (M,) is the end node of each edge, `cost` (M,) [s] its reduced cost
     c_ij + (φ_j − φ_i)/v0² > 0, `back` (M,) [s] that of the same edge flown backwards, `pair` (M,) the number of its
@@ -43,9 +41,8 @@ class Graph:
     pair: Ints
     state: NDArray[np.int8]
 
-    @cached_property
     def free_matrix(self) -> csr_array:
-        """The edges known to be free as a sparse matrix of reduced costs."""
+        """Return the edges known to be free as a sparse matrix of reduced costs."""
         free = self.state[self.pair] == FREE
         rows = np.repeat(np.arange(len(self.points)), np.diff(self.start))[free]
         size = len(self.points)

@@ -133,8 +133,9 @@ def _lattice_candidates(
         near = near[(points[near[:, 0]] != points[near[:, 1]]).any(axis=1)]
     graph = build_graph(points, near, query.wind, field, query.v0, space)
     terminals = np.arange(n)
-    away, parent = shortest_path_trees(graph.free_matrix, terminals)
-    into, child = shortest_path_trees(graph.free_matrix.T.tocsr(), terminals)
+    legs = graph.free_matrix()
+    away, parent = shortest_path_trees(legs, terminals)
+    into, child = shortest_path_trees(legs.T.tocsr(), terminals)
     inside = [Polygon(hole).representative_point() for hole in query.region.polygon.interiors]
     centres = np.array([[p.x, p.y] for p in inside]).reshape(-1, 2)
     # Every corner, and a sparse half of a percent of the lattice for detours that no obstacle explains.

@@ -137,13 +137,15 @@ class Criterion:
         """
         if self._eigenpairs is not None:
             return self._eigenpairs
-        assert self.weights is not None
-        root = np.sqrt(self.weights)
-        values, vectors = scipy.linalg.eigh(
-            root[:, None] * self.kernel(self.tests, self.tests) * root, driver="evd", check_finite=False
-        )
+        values, vectors = scipy.linalg.eigh(self._weighted(), driver="evd", check_finite=False)
         kept = values > 1e-13 * values[-1]
         return values[kept], np.ascontiguousarray(vectors[:, kept])
+
+    def _weighted(self) -> Floats:
+        """Return W^½ K_o W^½, shape (m, m)."""
+        assert self.weights is not None
+        root = np.sqrt(self.weights)
+        return np.asarray(root[:, None] * self.kernel(self.tests, self.tests) * root)
 
     @cached_property
     def whitening(self) -> Floats:
@@ -176,9 +178,7 @@ class Criterion:
         """Return a bound on I [nats] that no number of tasks passes: what noisy tests hold; inf under (a) and IG."""
         if self.convention is not Convention.BOTH_NOISY:
             return math.inf
-        assert self.weights is not None
-        root = np.sqrt(self.weights)
-        prior = root[:, None] * self.kernel(self.tests, self.tests) * root
+        prior = self._weighted()
         return 0.5 * log_det(np.eye(len(prior)) + prior / self.test_noise)
 
 

@@ -84,10 +84,7 @@ def fewest_tasks(
 def _descended(spread: _Spread, limit: float, rng: np.random.Generator, tries: int) -> Floats:
     """Return few tasks within `limit` at the watch points: greedy, then one fewer as long as that succeeds."""
     points = _greedy(spread.kernel, spread.noise_sd, spread.watch, limit)
-    while len(points) > 1:
-        fewer = _one_fewer(spread, points, limit, rng, tries)
-        if fewer is None:
-            break
+    while len(points) > 1 and (fewer := _one_fewer(spread, points, limit, rng, tries)) is not None:
         points = fewer
     return points
 

@@ -148,13 +148,3 @@ class Grid:
         if not isinstance(table.get("file"), str):
             raise InputError(f"wind: kind 'grid' needs the name of a file, got {table.get('file')!r}")
         return cls(*read_wind(folder / table["file"], units=table.get("units")))
-
-    @classmethod
-    def sampled(
-        cls, wind: Any, bounds: tuple[float, float, float, float], columns: int, rows: int, source: str = ""
-    ) -> Grid:
-        """Return `wind` sampled on columns × rows nodes over `bounds` (x_min, y_min, x_max, y_max) [m]."""
-        xs, ys = np.linspace(bounds[0], bounds[2], columns), np.linspace(bounds[1], bounds[3], rows)
-        w = wind(np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)).reshape(rows, columns, 2)
-        spacing = (float(xs[1] - xs[0]), float(ys[1] - ys[0]))
-        return cls((bounds[0], bounds[1]), spacing, w[..., 0], w[..., 1], source)

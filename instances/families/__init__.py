@@ -17,38 +17,34 @@ from instances.scenario import Scenario
 
 __all__ = ["FAMILIES", "Family", "Legs", "Parameter", "check_family", "make_scenario"]
 
+BUILT_IN = {
+    "uniform": ("instances.families.square:UNIFORM", "tasks uniform in a square"),
+    "clustered": ("instances.families.square:CLUSTERED", "tasks in normal clusters around random centres in a square"),
+    "ring": ("instances.families.square:RING", "tasks on a ring about the centre of a square"),
+    "corridor": (
+        "instances.families.corridor:CORRIDOR",
+        "tasks uniform in a winding corridor, a square crossed by walls that legs must fly around",
+    ),
+    "square-wind": (
+        "instances.families.square_wind:SQUARE_WIND",
+        "uniform in a 20 km square, straight legs in one wind with rotation: instances with published optima",
+    ),
+    "wind-uniform": (
+        "instances.families.wind_missions:WIND_UNIFORM",
+        "a steady wind with turbulence (stream function) and no-fly zones; turbulence=0 changes no tour",
+    ),
+    "wind-vortices": (
+        "instances.families.wind_missions:WIND_VORTICES",
+        "a steady wind from the north-east with vortices, no-fly zones",
+    ),
+    "wind-mountains": (
+        "instances.families.wind_missions:WIND_MOUNTAINS",
+        "mass-consistent flow over synthetic mountains at an altitude, with turbulence in their lee, no-fly zones",
+    ),
+}
+
 FAMILIES: Registry[Family] = Registry(
-    "family",
-    {
-        "uniform": ("instances.families.square:UNIFORM", "tasks uniform in a square"),
-        "clustered": (
-            "instances.families.square:CLUSTERED",
-            "tasks in normal clusters around random centres in a square",
-        ),
-        "ring": ("instances.families.square:RING", "tasks on a ring about the centre of a square"),
-        "corridor": (
-            "instances.families.corridor:CORRIDOR",
-            "tasks uniform in a winding corridor, a square crossed by walls that legs must fly around",
-        ),
-        "square-wind": (
-            "instances.families.square_wind:SQUARE_WIND",
-            "uniform in a 20 km square, straight legs in one wind with rotation: instances with published optima",
-        ),
-        "wind-uniform": (
-            "instances.families.wind_missions:WIND_UNIFORM",
-            "a steady wind with turbulence (stream function) and no-fly zones; turbulence=0 changes no tour",
-        ),
-        "wind-vortices": (
-            "instances.families.wind_missions:WIND_VORTICES",
-            "a steady wind from the north-east with vortices, no-fly zones",
-        ),
-        "wind-mountains": (
-            "instances.families.wind_missions:WIND_MOUNTAINS",
-            "mass-consistent flow over synthetic mountains at an altitude, with turbulence in their lee, no-fly zones",
-        ),
-    },
-    group="mmmdmtsp_workbench.families",
-    listing="workbench families",
+    "family", BUILT_IN, group="mmmdmtsp_workbench.families", listing="workbench families"
 )
 """Name → family; its `parameters` (name, default, unit, meaning, choices) are there to be listed."""
 

@@ -83,10 +83,6 @@ def _with_turbulence(wind: WindField, rng: np.random.Generator, values: Values) 
     return Sum((wind, Turbulence(values["turbulence"], values["eddy_size"], int(rng.integers(2**31)))))
 
 
-def _gusty(region: Region, rng: np.random.Generator, values: Values) -> WindField:
-    return _with_turbulence(_steady(values), rng, values)
-
-
 def _vortices(region: Region, rng: np.random.Generator, values: Values) -> WindField:
     count, core = values["vortices"], values["core"]
     candidates = region.sample(64 * count, rng)
@@ -123,7 +119,7 @@ WIND_UNIFORM = WindFamily(
     square,
     uniform_tasks,
     Legs.INSIDE,
-    wind=_gusty,
+    wind=lambda region, rng, values: _with_turbulence(_steady(values), rng, values),
 )
 
 WIND_VORTICES = WindFamily(

@@ -27,7 +27,6 @@ from formulations.moving_cost.tree import costs_of_trees
 from instances.arrays import Floats, Ints
 from instances.errors import InputError
 from instances.kernels import njit
-from instances.moving_cost import moving_costs
 
 UNVISITED, OPEN, CLOSED = 0, 1, 2
 """What a node is while a tree grows; open nodes are in the heap."""

@@ -11,8 +11,8 @@ from scipy.sparse.csgraph import dijkstra
 from formulations.moving_cost.method import MovingCosts, Query
 from instances.arrays import Bools, Floats, Ints
 from instances.errors import InputError
-from instances.moving_cost import moving_costs
 from instances.kernels import njit
+from instances.moving_cost import moving_costs
 from instances.paths import Paths
 
 

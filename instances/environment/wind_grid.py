@@ -21,8 +21,8 @@ from instances.environment.raster import node_axes, node_bounds, refuse_missing,
 from instances.environment.wind import points_of
 from instances.environment.wind_files import read_wind
 from instances.errors import InputError
-from instances.registry import refuse_unknown
 from instances.kernels import njit
+from instances.registry import refuse_unknown
 
 GAUSS = 0.5 / math.sqrt(3.0)
 

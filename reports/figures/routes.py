@@ -31,12 +31,7 @@ def save_routes(instance: Instance, routes: Routes, path: Path | str, paths: Pat
     save_figure(draw_routes(instance, routes, paths), path)
 
 
-def draw_routes(
-    instance: Instance,
-    routes: Routes,
-    paths: Paths | None = None,
-    title: str | None = None,
-) -> Figure:
+def draw_routes(instance: Instance, routes: Routes, paths: Paths | None = None, title: str | None = None) -> Figure:
     """Return the tours on the map and, beside it, bars of their costs C_k [s].
 
     Below the tours lie the region and the wind the instance was made in, if it states them. paths : behind the costs of

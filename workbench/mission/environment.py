@@ -32,12 +32,7 @@ def settings(mission: Mission) -> dict[str, Any]:
     if "scenario" in table:  # a file that names files of its own
         scenario = mission.folder / table["scenario"]
         files |= referenced_files(tomllib.loads(read_text(scenario)), scenario.parent)
-    return {
-        "table": table,
-        "files": files,
-        "field": asdict(mission.field),
-        "altitude": mission.flight.altitude,
-    }
+    return {"table": table, "files": files, "field": asdict(mission.field), "altitude": mission.flight.altitude}
 
 
 LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "origin")

@@ -10,10 +10,7 @@ from workbench.jobs.problem import Problem
 PROBLEMS: Registry[Problem[Any]] = Registry(
     "problem",
     {
-        "routing": (
-            "workbench.problems.routing:ROUTING",
-            "routes: the min-max multi-depot multiple TSP",
-        ),
+        "routing": ("workbench.problems.routing:ROUTING", "routes: the min-max multi-depot multiple TSP"),
         "placement": ("workbench.problems.placement:PLACEMENT", "task locations of most information in a region"),
         "moving-cost": (
             "workbench.problems.moving_cost:MOVING_COST",

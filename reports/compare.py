@@ -71,8 +71,11 @@ def compare_stores(new: pd.DataFrame, baseline: pd.DataFrame) -> Comparison:
     methods = _judged(pd.DataFrame(rows, columns=METHOD_COLUMNS[:-2]))
     instances = pd.DataFrame(each, columns=INSTANCE_COLUMNS)
     lies = len(contradictions(new)) - len(contradictions(baseline))
-    remarks = [_pairing(len(mine), len(new), len(baseline)), *_proofs(mine, theirs)]
-    return Comparison(methods, instances, _regressions(methods, lies), remarks)
+    pairing = (
+        f"{len(mine):,} runs have a partner in the baseline (same instance, method, limit and seed); "
+        f"{len(new) - len(mine):,} are only in the new store and {len(baseline) - len(mine):,} only in the baseline."
+    )
+    return Comparison(methods, instances, _regressions(methods, lies), [pairing, *_proofs(mine, theirs)])
 
 
 def _medians(runs: pd.DataFrame, values: pd.Series) -> pd.Series:
@@ -126,13 +129,6 @@ def _regressions(methods: pd.DataFrame, lies: int) -> list[str]:
         if row.verdict == "worse"
     ]
     return said + ([f"The new store holds {lies} contradictions more than the baseline."] if lies > 0 else [])
-
-
-def _pairing(paired: int, new: int, baseline: int) -> str:
-    return (
-        f"{paired:,} runs have a partner in the baseline (same instance, method, limit and seed); {new - paired:,} "
-        f"are only in the new store and {baseline - paired:,} only in the baseline."
-    )
 
 
 def _proofs(mine: pd.DataFrame, theirs: pd.DataFrame) -> list[str]:

@@ -17,6 +17,7 @@ FRAME = [
     "p95", "largest", "elapsed", "cpu_seconds", "peak_memory", "stopped_by", "message",
     "threads", "created", "environment", "code", "revision",
 ]  # fmt: skip
+_EXCESS = {name: (name, "first") for name in ("mean", "p95", "largest")}
 
 
 def moving_cost_frame(runs: Mapping[Path, Run]) -> pd.DataFrame:
@@ -36,10 +37,7 @@ def moving_cost_frame(runs: Mapping[Path, Run]) -> pd.DataFrame:
 def methods_table(frame: pd.DataFrame) -> pd.DataFrame:
     """Return a row a method of one scenario: method, options, cpu [s] (the least), mean, p95, largest excess."""
     rows = frame.dropna(subset=["mean_cost"]).groupby(["solver", "method"], sort=False)
-    table = rows.agg(
-        options=("options", "first"), cpu=("cpu_seconds", "min"), mean=("mean", "first"), p95=("p95", "first"),
-        largest=("largest", "first"),
-    ).reset_index()  # fmt: skip
+    table = rows.agg(options=("options", "first"), cpu=("cpu_seconds", "min"), **_EXCESS).reset_index()
     return table.assign(method=table["solver"])[["method", "options", "cpu", "mean", "p95", "largest"]]
 
 
@@ -55,36 +53,25 @@ def scaling_table(frame: pd.DataFrame) -> pd.DataFrame:
         return pd.DataFrame()
     n = least.index.to_numpy()
     pair = least[alone[0]].iloc[0] / n[0]
-    table = pd.DataFrame(
-        {
-            "starts": n,
-            "one query a pair": pair * n * (n - 1),
-            "one tree a start": least[alone[0]].to_numpy(),
-            "shared edges": least[shared[0]].to_numpy(),
-            "refined": least["refined"].to_numpy(),
-        }
-    )
+    table = pd.DataFrame({"starts": n, "one query a pair": pair * n * (n - 1)})
+    for stage, method in (("one tree a start", alone[0]), ("shared edges", shared[0]), ("refined", "refined")):
+        table[stage] = least[method].to_numpy()
     return table[1:] if len(table) > 1 else table
 
 
 def moving_cost_summary(frame: pd.DataFrame) -> pd.DataFrame:
     """Return a row a scenario and method: runs, mean_cost [s], mean, p95, largest excess, cpu_seconds (the least)."""
     groups = frame.groupby(["instance", "method"], sort=False)
-    first = {name: (name, "first") for name in ("mean_cost", "mean", "p95", "largest")}
+    first = {"mean_cost": ("mean_cost", "first"), **_EXCESS}
     return groups.agg(runs=("seed", "size"), **first, cpu_seconds=("cpu_seconds", "min")).reset_index()
 
 
 def _row(run: Run, best: Mapping[str, Floats]) -> dict[str, Any]:
     cost, digest = _cost(run), run.instance["digest"]
     options = run.label.removeprefix(run.solver).strip(" ()") or "default"
-    row: dict[str, Any] = {
-        "instance": run.instance["name"],
-        "digest": digest,
-        "starts": run.instance["n_tasks"],
-        "method": run.label,
-        "options": options,
-        "mean_cost": np.nan if cost is None or run.status == "ERROR" else run.objective,
-    }
+    row: dict[str, Any] = {"instance": run.instance["name"], "digest": digest, "starts": run.instance["n_tasks"]}
+    mean_cost = np.nan if cost is None or run.status == "ERROR" else run.objective
+    row |= {"method": run.label, "options": options, "mean_cost": mean_cost}
     if cost is not None:
         tau = (best[digest] + best[digest].T) / 2
         counted = tau > 0

@@ -24,19 +24,14 @@ def read_placements(*folders: Path | str) -> tuple[list[dict[str, Any]], list[st
 def placement_contradictions(runs: Sequence[dict[str, Any]]) -> list[tuple[str, str]]:
     """Return (path, sentence) for each run worth more than a certificate that any run states for the same problem."""
     lowest: dict[str, dict[str, Any]] = {}
-    for run in runs:
-        least = lowest.setdefault(run["instance"]["digest"], run)
-        if run["certificate"] < least["certificate"]:
-            lowest[run["instance"]["digest"]] = run
+    for run in sorted(runs, key=lambda run: float(run["certificate"])):
+        lowest.setdefault(run["instance"]["digest"], run)
     found = []
     for run in runs:
         value, least = run["mutual_information"], lowest[run["instance"]["digest"]]
         if value is not None and value > least["certificate"] + ROUNDING * abs(least["certificate"]):
-            whose = (
-                "its own certificate"
-                if run["certificate"] == least["certificate"]
-                else f"the certificate stated by {least['label']}"
-            )
+            own = run["certificate"] == least["certificate"]
+            whose = "its own certificate" if own else f"the certificate stated by {least['label']}"
             sentence = (
                 f"{run['label']} seed {run['seed']} on {run['instance']['name']} is worth {value!r} nats, above "
                 f"{whose}, {least['certificate']!r}: one of the two is wrong"

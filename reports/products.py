@@ -19,6 +19,7 @@ from instances.formats.netcdf import read_grids
 from instances.instance import Instance
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
+from reports.figures.field import Extent, extent_of
 
 FOLDERS = ("environment", "place", "costs", "routes", "flight", "map", "compare")
 """The stages that have products."""
@@ -36,11 +37,9 @@ class Maps:
     truth: Floats
 
     @property
-    def extent(self) -> tuple[float, float, float, float]:
-        """West, east, south and north border of the cells [km]."""
-        dx, dy = (self.x[1] - self.x[0]) / 2, (self.y[1] - self.y[0]) / 2
-        west, east, south, north = self.x[0] - dx, self.x[-1] + dx, self.y[0] - dy, self.y[-1] + dy
-        return float(west) / 1e3, float(east) / 1e3, float(south) / 1e3, float(north) / 1e3
+    def extent(self) -> Extent:
+        """Borders of the cells."""
+        return extent_of(self.x, self.y)
 
 
 @dataclass(frozen=True, eq=False)

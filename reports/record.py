@@ -5,13 +5,15 @@ names, units and meanings from here. A run of any problem (routing, placement, m
 beside them its problem's own ones, OWN. Files of older versions lack some; what is missing is None, empty or "".
 """
 
+# ruff: noqa: RUF009 - _kept makes dataclass fields
+
 from __future__ import annotations
 
 import contextlib
 import json
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -35,39 +37,6 @@ class Column(NamedTuple):
     def __str__(self) -> str:
         return f"{self.name} [{self.unit}]: {self.meaning}" if self.unit else f"{self.name}: {self.meaning}"
 
-
-RUN = (
-    Column("problem", "text", "", "routing, placement or moving-cost"),
-    Column("instance", "item", "", "what was solved: name, digest, n_tasks, n_depots, and more by problem", True),
-    Column("solver", "text", "", "registered name of the method, or module:Class", True),
-    Column("options", "table", "", "options that differ from the default"),
-    Column("label", "text", "", "solver and its options where not default"),
-    Column("seed", "whole", "", "seed of the random numbers", True),
-    Column("time_limit", "number", "s", "wall clock the solve was allowed", True),
-    Column("threads", "number", "", "threads the solve was allowed"),
-    Column("iterations", "number", "", "limit on the method's own iterations, or none"),
-    Column("proves", "flag", "", "whether the method can end with a proof of optimality"),
-    Column("status", "text", "", "what is known at the end", True),
-    Column("objective", "number", "s", "re-computed by the workbench: C_max [s]; of a placement −I [nats]", True),
-    Column("bound", "number", "s", "lower bound on the objective, in its unit", True),
-    Column("elapsed", "number", "s", "wall clock of the solve alone"),
-    Column("stopped_by", "text", "", "what ended the run: proof, time, iterations, memory, finished, killed, error"),
-    Column("message", "text", "", "one sentence"),
-    Column("tolerance", "number", "s", "OPTIMAL means objective − bound ≤ tolerance"),
-    Column("claimed_objective", "number", "s", "what the method claimed"),
-    Column("prepare_elapsed", "number", "s", "start of the process, imports and compilation"),
-    Column("wall_elapsed", "number", "s", "wall clock of the whole process"),
-    Column("cpu_seconds", "number", "s", "processor time of the solve, all threads"),
-    Column("peak_memory", "number", "bytes", "most memory of the whole process"),
-    Column("environment", "text", "", "digest of machine and versions, stated in environments/<digest>.json"),
-    Column("code", "text", "", "digest of the workbench's sources that made it; other than today's is stale"),
-    Column("revision", "text", "", "revision of the checkout, where it was made in one"),
-    Column("created", "text", "", "ISO time, UTC"),
-    Column("trace", "trace", "", "elapsed [s], objective, bound of each improvement"),
-    Column("statistics", "table", "", "the method's own figures"),
-    Column("log", "text", "", "the end of what the process printed"),
-)
-"""What is stored of every run, in the order in which it is written."""
 
 OWN: dict[str, tuple[Column, ...]] = {
     "routing": (
@@ -130,39 +99,50 @@ STATUSES = {"routing": ("OPTIMAL", "FEASIBLE", "INFEASIBLE", "NO_SOLUTION", "KIL
 """Statuses a stored run may have, where a problem closes the list."""
 
 
+def _kept(kind: str, unit: str, meaning: str, required: bool = False, **default: Any) -> Any:
+    """Return a dataclass field that is stored as a column."""
+    return field(**default, metadata={"kind": kind, "unit": unit, "meaning": meaning, "required": required})
+
+
 @dataclass(frozen=True)
 class Run:
-    """One run, every number checked by the workbench: a field for each of RUN, and its problem's columns, `own`."""
+    """One run, every number checked by the workbench: what is stored of all, in order, and its problem's columns."""
 
-    problem: str
-    instance: dict[str, Any]
-    solver: str
-    options: dict[str, Any]
-    label: str
-    seed: int
-    time_limit: float
-    threads: int
-    iterations: int | None
-    proves: bool
-    status: str
-    objective: float | None
-    bound: float | None
-    elapsed: float
-    stopped_by: str
-    message: str
-    tolerance: float | None
-    claimed_objective: float | None
-    prepare_elapsed: float | None
-    wall_elapsed: float | None
-    cpu_seconds: float | None
-    peak_memory: int | None
-    environment: str
-    code: str
-    revision: str
-    created: str
-    trace: list[tuple[float, float | None, float | None]] = field(default_factory=list)
-    statistics: dict[str, Any] = field(default_factory=dict)
-    log: str = ""
+    problem: str = _kept("text", "", "routing, placement or moving-cost")
+    instance: dict[str, Any] = _kept(
+        "item", "", "what was solved: name, digest, n_tasks, n_depots, and more by problem", required=True
+    )
+    solver: str = _kept("text", "", "registered name of the method, or module:Class", required=True)
+    options: dict[str, Any] = _kept("table", "", "options that differ from the default")
+    label: str = _kept("text", "", "solver and its options where not default")
+    seed: int = _kept("whole", "", "seed of the random numbers", required=True)
+    time_limit: float = _kept("number", "s", "wall clock the solve was allowed", required=True)
+    threads: int = _kept("number", "", "threads the solve was allowed")
+    iterations: int | None = _kept("number", "", "limit on the method's own iterations, or none")
+    proves: bool = _kept("flag", "", "whether the method can end with a proof of optimality")
+    status: str = _kept("text", "", "what is known at the end", required=True)
+    objective: float | None = _kept(
+        "number", "s", "re-computed by the workbench: C_max [s]; of a placement −I [nats]", required=True
+    )
+    bound: float | None = _kept("number", "s", "lower bound on the objective, in its unit", required=True)
+    elapsed: float = _kept("number", "s", "wall clock of the solve alone")
+    stopped_by: str = _kept("text", "", "what ended the run: proof, time, iterations, memory, finished, killed, error")
+    message: str = _kept("text", "", "one sentence")
+    tolerance: float | None = _kept("number", "s", "OPTIMAL means objective − bound ≤ tolerance")
+    claimed_objective: float | None = _kept("number", "s", "what the method claimed")
+    prepare_elapsed: float | None = _kept("number", "s", "start of the process, imports and compilation")
+    wall_elapsed: float | None = _kept("number", "s", "wall clock of the whole process")
+    cpu_seconds: float | None = _kept("number", "s", "processor time of the solve, all threads")
+    peak_memory: int | None = _kept("number", "bytes", "most memory of the whole process")
+    environment: str = _kept("text", "", "digest of machine and versions, stated in environments/<digest>.json")
+    code: str = _kept("text", "", "digest of the workbench's sources that made it; other than today's is stale")
+    revision: str = _kept("text", "", "revision of the checkout, where it was made in one")
+    created: str = _kept("text", "", "ISO time, UTC")
+    trace: list[tuple[float, float | None, float | None]] = _kept(
+        "trace", "", "elapsed [s], objective, bound of each improvement", default_factory=list
+    )
+    statistics: dict[str, Any] = _kept("table", "", "the method's own figures", default_factory=dict)
+    log: str = _kept("text", "", "the end of what the process printed", default="")
     own: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -180,6 +160,10 @@ class Run:
     def to_json(self) -> str:
         """Return the run as one JSON object."""
         return json.dumps(self.flat(), allow_nan=False, ensure_ascii=False)
+
+
+RUN = tuple(Column(each.name, **each.metadata) for each in fields(Run) if each.metadata)
+"""What is stored of every run, in the order in which it is written."""
 
 
 def read_json(path: Path) -> Any:

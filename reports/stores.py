@@ -230,9 +230,8 @@ def _frame(rows: list[dict[str, Any]], warnings: list[str]) -> pd.DataFrame:
     frame["proved"] = holds(frame)
     digests = frame.groupby("instance")["digest"].transform("nunique")
     frame["instance"] = frame["instance"].where(digests == 1, frame["instance"] + "-" + frame["digest"].str[:4])
-    limits = (
-        frame.groupby(["digest", "label"])["time_limit"].transform("nunique").groupby(frame["label"]).transform("max")
-    )
+    several = frame.groupby(["digest", "label"])["time_limit"].transform("nunique")
+    limits = several.groupby(frame["label"]).transform("max")
     name = frame["label"].map(short_labels(frame["label"].unique()))
     frame["method"] = name.where(limits <= 1, name + " @ " + frame["time_limit"].map("{:g} s".format))
     return frame

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -58,31 +58,22 @@ def write_latex(runs: pd.DataFrame, path: Path | str) -> None:
     write_aside(path, "\n\n".join(parts) + "\n")
 
 
-def _both(runs: pd.DataFrame) -> list[tuple[str, list[str], list[list[str]]]]:
-    parts = []
+def _both(runs: pd.DataFrame) -> Iterator[tuple[str, list[str], list[list[str]]]]:
     for title, columns, table in (
         ("Summary", SUMMARY, summary(runs).reset_index()),
         ("Instances", INSTANCES, instance_table(runs)),
     ):
         kept = shown(columns, table)
-        parts.append((title, [c.heading for c in kept], texts(kept, table)))
-    return parts
+        yield title, [c.heading for c in kept], texts(kept, table)
 
 
 def _pipes(row: Sequence[str]) -> str:
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |"
 
 
-_TEX = {
-    "\\": r"\textbackslash{}",
-    "–": "--",
-    "−": "$-$",
-    "∞": r"$\infty$",
-    "<": "$<$",
-    ">": "$>$",
-    "~": r"\textasciitilde{}",
-}
-_TEX |= {"\u00a0": "~"} | {character: f"\\{character}" for character in "&%$#_{}"} | {"^": r"\textasciicircum{}"}
+_TEX = {"\\": r"\textbackslash{}", "–": "--", "−": "$-$", "∞": r"$\infty$", "<": "$<$", ">": "$>$"}
+_TEX |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u00a0": "~"}
+_TEX |= {character: f"\\{character}" for character in "&%$#_{}"}
 
 
 def _tex(text: str) -> str:

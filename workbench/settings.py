@@ -17,16 +17,11 @@ def key_values(given: Iterable[str], flag: str) -> dict[str, Any]:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
             raise InputError(f"{flag}: must be key=value, got '{text}'")
-        settings[key.strip()] = literal(value.strip())
+        try:
+            settings[key.strip()] = json.loads(value)
+        except ValueError:
+            settings[key.strip()] = value.strip()
     return settings
-
-
-def literal(text: str) -> Any:
-    """Return what `text` says: a JSON value where it reads as one, else itself."""
-    try:
-        return json.loads(text)
-    except ValueError:
-        return text
 
 
 def names(text: str, flag: str) -> list[str]:
@@ -43,6 +38,15 @@ def shard(text: str) -> tuple[int, int]:
     if not (number.isdigit() and count.isdigit() and 1 <= int(number) <= int(count)):
         raise InputError(f"--shard: must be i/n with 1 ≤ i ≤ n, got '{text}'")
     return int(number), int(count)
+
+
+def make_folder(folder: Path, what: str = "a folder") -> Path:
+    """Make `folder`, where there is none yet, and return it; InputError where it cannot be `what`."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made {what} ({error.strerror or error})") from None
+    return folder
 
 
 def check_target(path: Path | None, endings: tuple[str, ...]) -> None:

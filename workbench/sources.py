@@ -5,7 +5,7 @@ from __future__ import annotations
 import glob
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from formulations.moving_cost.families import generate
 from instances import InputError, Instance
@@ -13,14 +13,6 @@ from instances.files import read_instance
 
 ENDINGS = (".json", ".json.gz", ".mdm", ".mtsp", ".tsp", ".atsp", ".vrp")
 """Endings by which instance files are found in a folder."""
-
-
-class Source(Protocol):
-    """Something that can make an Instance."""
-
-    def load(self) -> Instance:
-        """Read or generate the instance; InputError says why it cannot be."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,9 @@ import pandas as pd
 from reports.figures.ablation import ablated_solvers, ablation
 from reports.figures.convergence import convergence, convergence_panels
 from reports.figures.profiles import proof_profile, quality_profile, time_profile
-from reports.figures.scaling import gap_against_n
 from reports.figures.svg import Drawn
 from reports.figures.targets import runtime_distribution, time_to_target_plot
-from reports.figures.tradeoff import tradeoff
+from reports.figures.tradeoff import gap_against_n, tradeoff
 
 __all__ = ["Drawn", "study_figures"]
 

@@ -71,11 +71,9 @@ def ablation(runs: pd.DataFrame, solver: str) -> Drawn:
     style = styles(runs["method"])
     figure = new_figure(height=1.15 + 0.3 * len(rows))
     left, right = figure.subplots(1, 2, sharey=True)
-    for axes, picked in (
-        (left, [r.ratio for r in rows]),
-        (right, [(100 * r.gap[0], 100 * r.gap[1], 100 * r.gap[2]) for r in rows]),
-    ):
-        _dots(axes, picked, [style[r.method].colour for r in rows])
+    colours = [style[r.method].colour for r in rows]
+    _dots(left, [r.ratio for r in rows], colours)
+    _dots(right, [(100 * r.gap[0], 100 * r.gap[1], 100 * r.gap[2]) for r in rows], colours)
     left.set_xscale("log")
     low, high = left.get_xlim()
     left.set_xlim(min(low, 0.45), max(high, 2.2))

@@ -7,24 +7,19 @@ import pandas as pd
 from matplotlib import rc_context
 
 from instances.arrays import Floats
-from reports.figures.style import FAINT, RC, gap_scale, legend_below, new_figure, plain, styles
+from reports.figures.style import FAINT, RC, SOONEST, gap_scale, legend_below, new_figure, plain, styles
 from reports.figures.svg import Drawn
 from reports.metrics.integrals import finished_traces
 
 POINTS = 160
 """Points of time at which the runs are compared."""
-SOONEST = 1e-3
-"""Times below this [s] are not resolved."""
 PANELS = 9
 """Methods with a panel of their own at most: those with the least gap in the end."""
 
 
 @rc_context(RC)
 def convergence(runs: pd.DataFrame) -> Drawn:
-    """Draw the median gap to the best known or found over time, a line a method.
-
-    runs : with gaps (`metrics.with_gaps`).
-    """
+    """Draw the median gap to the best known or found over time, a line a method. runs : with gaps."""
     times = _times(runs)
     style = styles(runs["method"])
     figure = new_figure()

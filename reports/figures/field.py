@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import PowerNorm
 
 from instances.arrays import Floats
 from instances.environment.radio import RadioMap
@@ -16,6 +17,8 @@ from reports.figures.style import INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
 
+Extent = tuple[float, float, float, float]
+"""West, east, south and north border [km]."""
 SIGNAL = "viridis"
 """Colours of the field and its estimates: equal steps look equal, also in grey."""
 UNCERTAINTY = "Greys"
@@ -29,15 +32,13 @@ def draw_field(field: RadioMap, region: Region, terrain: Terrain | None, source:
     """Return the field over `region`, and beside it the ground it comes from where there is one."""
     figure = new_figure(7.2 if terrain else 4.6, 3.5)
     plots = figure.subplots(1, 2 if terrain else 1, sharey=True, squeeze=False)[0]
-    x0, x1, y0, y1 = _extent(field.x, field.y)
-    inside = region.contains(np.stack(np.meshgrid(field.x, field.y), axis=-1).reshape(-1, 2)).reshape(
-        field.values.shape
-    )
-    image = show(plots[0], np.where(inside, field.values, np.nan), (x0, x1, y0, y1))
+    cells = np.stack(np.meshgrid(field.x, field.y), axis=-1).reshape(-1, 2)
+    inside = region.contains(cells).reshape(field.values.shape)
+    image = show(plots[0], np.where(inside, field.values, np.nan), extent_of(field.x, field.y))
     figure.colorbar(image, ax=plots[0], label=f"field [{field.unit}]", shrink=0.85)
     plots[0].set_title("what is measured")
     if terrain is not None:
-        image = show(plots[1], terrain.height, _extent(*_nodes(terrain)), "bone")
+        image = show(plots[1], terrain.height, extent_of(*_nodes(terrain)), "bone")
         figure.colorbar(image, ax=plots[1], label="ground [m]", shrink=0.85)
         plots[1].set_title("the ground below")
     for axes in plots:
@@ -51,36 +52,18 @@ def draw_field(field: RadioMap, region: Region, terrain: Terrain | None, source:
     return Drawn("field", "The field", f"The field the UAVs measure, at flight altitude.{where}{ground}", figure)
 
 
-def show(
-    axes: Axes,
-    values: Floats,
-    extent: tuple[float, float, float, float],
-    colours: str = SIGNAL,
-    low: float | None = None,
-    high: float | None = None,
-    power: float = 1.0,
-) -> ScalarMappable:
-    """Draw a raster (rows going north) on `axes`; extent is west, east, south, north [km].
-
-    power : of the scale of colours; below 1 it tells small values apart.
-    """
-    return axes.imshow(
-        np.ma.masked_invalid(values),
-        origin="lower",
-        extent=extent,
-        cmap=colours,
-        norm=PowerNorm(power, low, high),
-        interpolation="nearest",
-        zorder=0,
-    )
+def show(axes: Axes, values: Floats, extent: Extent, colours: str = SIGNAL, norm: Any = None) -> ScalarMappable:
+    """Draw a raster (rows going north) on `axes`; norm : of the scale of colours, as `imshow` takes it."""
+    style: dict[str, Any] = {"origin": "lower", "interpolation": "nearest", "zorder": 0}
+    return axes.imshow(np.ma.masked_invalid(values), extent=extent, cmap=colours, norm=norm, **style)
 
 
 def _nodes(terrain: Terrain) -> tuple[Floats, Floats]:
-    rows, columns = terrain.height.shape
-    x = np.asarray(terrain.origin[0] + terrain.spacing[0] * np.arange(columns), dtype=np.float64)
-    return x, np.asarray(terrain.origin[1] + terrain.spacing[1] * np.arange(rows), dtype=np.float64)
+    y, x = (np.arange(count, dtype=np.float64) for count in terrain.height.shape)
+    return terrain.origin[0] + terrain.spacing[0] * x, terrain.origin[1] + terrain.spacing[1] * y
 
 
-def _extent(x: Floats, y: Floats) -> tuple[float, float, float, float]:
+def extent_of(x: Floats, y: Floats) -> Extent:
+    """Return the borders of the cells whose centres are at x and y [m]."""
     dx, dy = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     return float(x[0] - dx) / KM, float(x[-1] + dx) / KM, float(y[0] - dy) / KM, float(y[-1] + dy) / KM

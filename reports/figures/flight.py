@@ -26,7 +26,8 @@ def draw_flight(scenario: Scenario, tasks: Floats, reference: pd.DataFrame, flow
     whole, detail = figure.subplots(1, 2, width_ratios=[1.35, 1.0])
     for axes in (whole, detail):
         map_axes(axes, scenario.free)
-        _zones(axes, scenario)
+        for zone in scenario.no_fly:
+            axes.plot(*(np.asarray(zone.exterior.coords)[:, :2].T / KM), color=INK, linewidth=0.8, zorder=2)
         if scenario.wind is not None:
             wind_arrows(axes, scenario.wind, scenario.free, colour=f"{FAINT}66")
         for k, track in flown.groupby("uav"):
@@ -40,14 +41,12 @@ def draw_flight(scenario: Scenario, tasks: Floats, reference: pd.DataFrame, flow
     detail.set_ylim(centre[1] - half, centre[1] + half)
     detail.set_title("a turn, enlarged")
     detail.set_ylabel("")
-    return Drawn(
-        "flight",
-        "Reference paths and flown paths",
+    caption = (
         "Depots (stars), tasks (dots), the reference paths of the moving costs (thin, dark) and what is flown along "
         "them at the minimum turning radius (one colour a UAV), over the wind (arrows). Right: where the two differ "
-        "most.",
-        figure,
+        "most."
     )
+    return Drawn("flight", "Reference paths and flown paths", caption, figure)
 
 
 @rc_context(RC)
@@ -69,13 +68,11 @@ def draw_plans(region: Region, depots: Floats, tracks: pd.DataFrame, table: pd.D
         axes.set_title(f"{row['name']}\n{row['length'] / KM:.0f} km, RMSE {row['rmse']:.2f} {unit}", fontsize=8.5)
     for axes in plots[:, 1:].ravel():
         axes.set_ylabel("")
-    return Drawn(
-        "plans",
-        "The ways to fly that are compared",
+    caption = (
         "Every plan starts and ends at the same depots (stars), one colour a UAV. Lawnmower and random tours are at "
-        "least as long as the mission's.",
-        figure,
+        "least as long as the mission's."
     )
+    return Drawn("plans", "The ways to fly that are compared", caption, figure)
 
 
 def stars(axes: Axes, depots: Floats, size: float = 110) -> None:
@@ -87,11 +84,6 @@ def stars(axes: Axes, depots: Floats, size: float = 110) -> None:
 def colour_of(uav: int) -> str:
     """Return the colour of a UAV."""
     return COLOURS[1:][uav % (len(COLOURS) - 1)]
-
-
-def _zones(axes: Axes, scenario: Scenario) -> None:
-    for zone in scenario.no_fly:
-        axes.plot(*(np.asarray(zone.exterior.coords)[:, :2].T / KM), color=INK, linewidth=0.8, zorder=2)
 
 
 def _turn(reference: pd.DataFrame, flown: pd.DataFrame) -> Floats:

@@ -29,14 +29,12 @@ def draw_progress(ticks: pd.DataFrame, unit: str) -> Drawn:
     covered.set_title("truth inside the 95 % interval")
     information.plot(t, ticks["information"], color=COLOURS[4])
     information.set(ylabel="IG [nats]", xlabel="time [s]", ylim=(0, None), title="information gathered")
-    return Drawn(
-        "progress",
-        "Error and uncertainty against time",
+    caption = (
         "Judged at every map cell after each round of measurements. The 95 % interval is honest where it covers about "
         "95 % of the truth (band: 90 to 98 %). Steps are where the hyperparameters are fitted anew; information is "
-        "½ log det(I + K/σ_n²) under the hyperparameters of the moment, so it may step down.",
-        figure,
+        "½ log det(I + K/σ_n²) under the hyperparameters of the moment, so it may step down."
     )
+    return Drawn("progress", "Error and uncertainty against time", caption, figure)
 
 
 @rc_context(RC)
@@ -58,10 +56,8 @@ def draw_comparison(ticks: pd.DataFrame, table: pd.DataFrame, unit: str) -> Draw
     error.set(ylabel=f"RMSE [{unit}]", xlabel="flown by all UAVs [km]", ylim=(0, None))
     density.set(ylabel="NLPD [nats]", xlabel="flown by all UAVs [km]")
     error.legend(loc="upper right")
-    return Drawn(
-        "comparison",
-        "Against what a person would fly otherwise",
+    caption = (
         "Same field, UAVs, sensor and mapping; only the tours differ. Lower is better; the mark is where each plan "
-        "ends.",
-        figure,
+        "ends."
     )
+    return Drawn("comparison", "Against what a person would fly otherwise", caption, figure)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,23 +12,17 @@ from matplotlib.ticker import LogLocator
 from instances.paths import Paths
 from instances.scenario import Scenario
 from reports.figures.style import COLOURS, DASHES, INK, MARKERS, PAPER, RC, new_figure, plain
-from reports.figures.svg import Drawn, save_figure
+from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes, wind_arrows
 
 LEAST = 1e-7
 """Excess under which paths count as equal in a figure."""
 
 
-def save_paths(scenario: Scenario, paths: Paths, path: Path | str, start: int | None = None) -> None:
-    """Draw `paths` from node `start` (the first depot where left out) and write the picture to `path`."""
-    save_figure(draw_paths(scenario, paths, start).figure, path)
-
-
-def draw_paths(scenario: Scenario, paths: Paths, start: int | None = None) -> Drawn:
-    """Return the paper's figure: wind arrows, region, tasks, and the paths from one node and back to it."""
-    node = paths.n_nodes - scenario.n_depots if start is None else start
+def draw_paths(scenario: Scenario, paths: Paths) -> Drawn:
+    """Return the paper's figure: wind arrows, region, tasks, and the paths from the first depot and back to it."""
     points = scenario.points
-    n = len(points) - scenario.n_depots
+    node = n = len(points) - scenario.n_depots
     with rc_context(RC):
         figure = new_figure(7.2, 3.9)
         for axes, outward in zip(figure.subplots(1, 2, sharey=True), (True, False), strict=True):
@@ -45,14 +39,12 @@ def draw_paths(scenario: Scenario, paths: Paths, start: int | None = None) -> Dr
             axes.set_title(f"{'from' if outward else 'back to'} node {node}, airspeed {scenario.airspeed:g} m/s")
             if not outward:
                 axes.set_ylabel("")
-    return Drawn(
-        "paths",
-        "Paths of the moving cost",
+    caption = (
         "The cheapest paths from one node (star) to every task (dots) and depot (squares), and back, among the "
         "no-fly zones (grey) in the wind (arrows). The two differ: with the wind a detour pays, against it the "
-        "straight way.",
-        figure,
+        "straight way."
     )
+    return Drawn("paths", "Paths of the moving cost", caption, figure)
 
 
 def draw_methods(methods: pd.DataFrame) -> Drawn:
@@ -69,13 +61,8 @@ def draw_methods(methods: pd.DataFrame) -> Drawn:
                 shown = np.maximum([row["mean"], row["p95"], row["largest"]], LEAST)
                 axes.plot([row["cpu"]] * 2, shown[[0, 2]], color=colour, linewidth=1.0, alpha=0.7)
                 axes.scatter(row["cpu"], shown[1], s=26, marker="_", color=colour)
-                axes.annotate(
-                    str(row["options"]),
-                    (row["cpu"], shown[0]),
-                    xytext=(5, -3),
-                    textcoords="offset points",
-                    fontsize=7.5,
-                )
+                at = (row["cpu"], shown[0])
+                axes.annotate(str(row["options"]), at, xytext=(5, -3), textcoords="offset points", fontsize=7.5)
             marks = np.maximum(rows["mean"], LEAST)
             axes.scatter(rows["cpu"], marks, s=34, marker=MARKERS[k], color=colour, label=str(name), zorder=3)
         axes.set(xscale="log", yscale="log", xlabel="CPU time, all pairs [s]", ylabel="excess over the best known path")
@@ -85,14 +72,12 @@ def draw_methods(methods: pd.DataFrame) -> Drawn:
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         plain(axes.xaxis)
         axes.legend(loc="upper right")
-    return Drawn(
-        "methods",
-        "Methods compared",
+    caption = (
         "Relative excess of each method's paths over the best known ones, against the CPU time for all pairs: mean "
         f"(mark), 95 % quantile (dash) and largest (end of the line); below {LEAST:g} shown as {LEAST:g}. Lower left "
-        "is better.",
-        figure,
+        "is better."
     )
+    return Drawn("methods", "Methods compared", caption, figure)
 
 
 def draw_claim(scaling: pd.DataFrame) -> Drawn:
@@ -104,18 +89,15 @@ def draw_claim(scaling: pd.DataFrame) -> Drawn:
         figure = new_figure(7.2, 3.4)
         axes = figure.subplots()
         for k, name in enumerate(c for c in scaling.columns if c != "starts"):
-            axes.plot(
-                scaling["starts"], scaling[name], color=COLOURS[k], marker=MARKERS[k], linestyle=DASHES[k], label=name
-            )
+            look: dict[str, Any] = {"color": COLOURS[k], "marker": MARKERS[k], "linestyle": DASHES[k]}
+            axes.plot(scaling["starts"], scaling[name], label=name, **look)
         axes.set(xscale="log", yscale="log", xlabel="number of starts n", ylabel="CPU time [s]")
         axes.set_xticks(scaling["starts"])
         plain(axes.xaxis)
         plain(axes.yaxis)
         axes.legend(loc="upper left")
-    return Drawn(
-        "claim",
-        "n planning problems instead of n², and shared edges",
+    caption = (
         "FMT* with one query for each of the n(n − 1) pairs (extrapolated from one), with one tree for each start, and "
-        "with trees that share what is known about edges; and refined, which polishes every pair.",
-        figure,
+        "with trees that share what is known about edges; and refined, which polishes every pair."
     )
+    return Drawn("claim", "n planning problems instead of n², and shared edges", caption, figure)

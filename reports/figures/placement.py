@@ -1,6 +1,8 @@
-"""Task locations on the map of what stays unknown, and the same along a line before and after sensing."""
+"""Task locations on the map of what stays unknown, before and after sensing; and how methods get to them."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib import colormaps, rc_context
@@ -10,7 +12,7 @@ from matplotlib.contour import QuadContourSet
 
 from instances.arrays import Floats
 from instances.environment.region import Region
-from reports.figures.style import COLOURS, INK, PAPER, RC, new_figure
+from reports.figures.style import COLOURS, INK, PAPER, RC, legend_below, new_figure, plain, styles
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
 
@@ -36,14 +38,12 @@ def draw_placement(
     bar.set_label("posterior sd after readings at the tasks [unit of the signal]")
     _cuts(cut, sd, prior_sd)
     figure.suptitle(title, fontsize=9.5)
-    return Drawn(
-        "placement",
-        "Task locations over what stays unknown",
+    caption = (
         "Left: tasks (white discs) and test points (dots) over the posterior standard deviation once every task has "
         "been read; dark is unknown. Right: the same along the two middle lines of the map, as a band of two standard "
-        "deviations about the mean, before (grey) and after (blue): sensing narrows the band.",
-        figure,
+        "deviations about the mean, before (grey) and after (blue): sensing narrows the band."
     )
+    return Drawn("placement", "Task locations over what stays unknown", caption, figure)
 
 
 def uncertainty(axes: Axes, region: Region, sd: tuple[Floats, Floats, Floats], prior_sd: float) -> QuadContourSet:
@@ -85,3 +85,36 @@ def _cuts(axes: Axes, sd: tuple[Floats, Floats, Floats], prior_sd: float) -> Non
         panel.set_xlabel("[km]", labelpad=1)
         if k == 0:
             panel.legend(loc="upper right", ncols=2, fontsize=7, borderpad=0.1)
+
+
+@rc_context(RC)
+def draw_placement_convergence(
+    traces: Mapping[str, Sequence[tuple[float, float]]], bound: float, title: str
+) -> Drawn | None:
+    """Return gap to `bound` [nats] against elapsed [s], one line a method; None where no method has a trace.
+
+    traces : method → (elapsed [s], mutual information [nats]), improvements in order.
+    """
+    drawn = {name: np.array(trace, dtype=float) for name, trace in traces.items() if len(trace)}
+    if not drawn:
+        return None
+    last = 1.4 * max(float(trace[-1, 0]) for trace in drawn.values())
+    first = min(float(trace[0, 0]) for trace in drawn.values())
+    figure = new_figure(7.2, 3.6)
+    axes = figure.subplots()
+    for name, style in styles(drawn).items():
+        elapsed, value = drawn[name].T
+        gap = 100 * (1 - value / bound)
+        axes.step([*elapsed, last], [*gap, gap[-1]], where="post", color=style.colour, linestyle=style.dash, label=name)
+        axes.plot(elapsed[-1], gap[-1], marker=style.marker, color=style.colour, markersize=5)
+    axes.set(xscale="log", xlabel="wall clock [s]", ylabel="gap to the certificate [%]")
+    axes.set(xlim=(0.7 * max(first, 1e-4), last), ylim=(0, None))
+    plain(axes.xaxis)
+    axes.set_title(title, fontsize=9.5)
+    legend_below(figure, axes)
+    caption = (
+        "How far each method's best placement so far lies under the certificate, which no placement can pass. The mark "
+        "is the last improvement. Part of the gap that all share is the certificate's own: under criterion (b) it "
+        "bounds the information gain, of which the noisy test points see only a part."
+    )
+    return Drawn("placement-convergence", "Convergence to the certificate", caption, figure)

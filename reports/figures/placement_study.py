@@ -56,16 +56,14 @@ def draw_study(region: Region, tours: Sequence[Tour], curves: Curves, recommende
     bar = upper.colorbar(shades, ax=list(panels), location="right", aspect=22, pad=0.01)
     bar.set_label("posterior sd")
     _curves(lower.subplots(2, 2, sharex=True), curves, recommended)
-    return Drawn(
-        "how-many-tasks",
-        "How many tasks",
+    caption = (
         "Above: the closed tour through few, the recommended number of, and many tasks, over the posterior standard "
         "deviation after sensing along it; too few leave dark gaps, too many fly over what is known. Below, against "
         "the number of tasks (dashed: the recommended one): information at the tasks alone (MI1), along the tour "
         "(MI2), and along a lawnmower track of the same length; share of the region left over the sd limit; "
-        "information gained by another kilometre of tour; and the planning noise σ_T that would make MI1 equal MI2.",
-        figure,
+        "information gained by another kilometre of tour; and the planning noise σ_T that would make MI1 equal MI2."
     )
+    return Drawn("how-many-tasks", "How many tasks", caption, figure)
 
 
 def _curves(panels: Any, curves: Curves, recommended: int) -> None:

@@ -10,7 +10,7 @@ from matplotlib import rc_context
 
 from reports.figures.style import INK, RC, Style, new_figure
 from reports.figures.svg import Drawn
-from reports.statistics import Friedman, cliques
+from reports.statistics.friedman import Friedman, cliques
 
 
 @rc_context(RC)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from matplotlib import rc_context
@@ -13,32 +13,25 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import MaxNLocator
 
-from instances import Instance, Routes, tour_costs
+from instances import InputError, Instance, Routes, tour_costs
 from instances.arrays import Floats
-from instances.environment.region import Region
+from instances.environment.region import Region, single_polygon
 from instances.environment.wind import WindField
+from instances.environment.wind_table import wind_from_toml
 from instances.paths import Paths
 from reports.figures.style import COLOURS, DASHES, FAINT, INK, PAPER, RC
-from reports.figures.surroundings import surroundings
-from reports.figures.svg import save_figure
 
 ARROWS_BELOW = 400
 """Legs get an arrow each where there are fewer tasks than this; more would hide the tours."""
 
 
-def save_routes(instance: Instance, routes: Routes, path: Path | str, paths: Paths | None = None) -> None:
-    """Draw `routes` and write the picture to `path` (.svg, .png or .pdf); InputError where it cannot be written."""
-    save_figure(draw_routes(instance, routes, paths), path)
-
-
-def draw_routes(instance: Instance, routes: Routes, paths: Paths | None = None, title: str | None = None) -> Figure:
+def draw_routes(instance: Instance, routes: Routes, paths: Paths | None = None) -> Figure:
     """Return the tours on the map and, beside it, bars of their costs C_k [s].
 
     Below the tours lie the region and the wind the instance was made in, if it states them. paths : behind the costs of
     `instance`, drawn as legs; straight lines where not given. Where the instance has no coordinates only the bars are
     drawn.
     """
-    region, wind = surroundings(instance)
     with rc_context(RC):
         if instance.coordinates is None:
             figure = Figure(figsize=(7.2, 1.2 + 0.24 * min(instance.n_depots, 40)), layout="constrained")
@@ -46,10 +39,26 @@ def draw_routes(instance: Instance, routes: Routes, paths: Paths | None = None, 
         else:
             figure = Figure(figsize=(7.2, 4.6), layout="constrained")
             plan, bars = figure.subplots(1, 2, width_ratios=[2.6, 1.0])
-            _map(plan, instance, routes, instance.coordinates, paths, region, wind)
+            _map(plan, instance, routes, instance.coordinates, paths)
             _bars(bars, instance, routes)
-        figure.suptitle(title if title is not None else _title(instance, routes), fontsize=10, color=INK)
+        figure.suptitle(_title(instance, routes), fontsize=10, color=INK)
     return figure
+
+
+def surroundings(instance: Instance) -> tuple[Region | None, WindField | None]:
+    """Return the region (None: open country) and wind (None: calm or not stated) that `instance` was made in.
+
+    A family states them in the provenance: under ``surroundings`` or, over open country and in old files, ``metric``.
+    """
+    stated = instance.provenance.get("surroundings", instance.provenance.get("metric"))
+    if not isinstance(stated, Mapping):
+        return None, None
+    try:
+        walls, wind = stated.get("region"), stated.get("wind")
+        region = Region(single_polygon({"type": "Polygon", "coordinates": walls})) if walls else None
+        return region, wind_from_toml(wind) if wind else None
+    except InputError:
+        return None, None
 
 
 def _title(instance: Instance, routes: Routes) -> str:
@@ -59,19 +68,13 @@ def _title(instance: Instance, routes: Routes) -> str:
     return f"{instance.name}: {instance.n_tasks} tasks, {uavs}, longest tour {longest:,.6g} s"
 
 
-def _map(
-    axes: Axes,
-    instance: Instance,
-    routes: Routes,
-    coordinates: Floats,
-    paths: Paths | None,
-    region: Region | None,
-    wind: WindField | None,
-) -> None:
+def _map(axes: Axes, instance: Instance, routes: Routes, coordinates: Floats, paths: Paths | None) -> None:
+    region, wind = surroundings(instance)
     scale, unit = (1e3, "km") if np.ptp(coordinates, axis=0).max() >= 5e3 else (1.0, "m")
     xy = coordinates / scale
     if region is not None:
-        axes.add_patch(_outline(region, scale))
+        rings = Outline.make_compound_path(*(Outline(ring / scale, closed=True) for ring in region.rings))
+        axes.add_patch(PathPatch(rings, facecolor=FAINT, alpha=0.14, edgecolor=INK, linewidth=0.8))
     corners = np.vstack([coordinates, *(region.rings if region is not None else [])])
     if wind is not None:
         _wind_arrows(axes, wind, region, corners, scale)
@@ -90,11 +93,6 @@ def _map(
     axes.margins(0.04)
     for side in (axes.xaxis, axes.yaxis):
         side.set_major_locator(MaxNLocator(6))
-
-
-def _outline(region: Region, scale: float) -> PathPatch:
-    rings = [Outline(ring / scale, closed=True) for ring in region.rings]
-    return PathPatch(Outline.make_compound_path(*rings), facecolor=FAINT, alpha=0.14, edgecolor=INK, linewidth=0.8)
 
 
 def _wind_arrows(axes: Axes, wind: WindField, region: Region | None, corners: Floats, scale: float) -> None:

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib import rc_context
 
 from reports.figures.steps import step_axes, step_figure
-from reports.figures.style import RC, legend_below, new_figure, styles
+from reports.figures.style import RC, SOONEST, legend_below, new_figure, styles
 from reports.figures.svg import Drawn
 from reports.metrics.targets import time_to_target
 
@@ -24,14 +24,11 @@ LADDER = [0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0]
 
 @rc_context(RC)
 def time_to_target_plot(runs: pd.DataFrame) -> Drawn | None:
-    """Draw, for each target, the share of runs that had reached it by a time; None where none was reached.
-
-    runs : with gaps (`metrics.with_gaps`).
-    """
+    """Draw, for each target, the share of runs that had reached it by a time; None where none was. runs : with gaps."""
     times = time_to_target(runs, PANELS)
-    if not np.isfinite(times.to_numpy()).any():
-        return None
     span, look = _span(times, runs), styles(runs["method"])
+    if span is None:
+        return None
     figure = new_figure(height=3.1)
     panels = figure.subplots(1, len(PANELS), sharey=True)
     for axes, target in zip(panels, PANELS, strict=True):
@@ -51,9 +48,9 @@ def time_to_target_plot(runs: pd.DataFrame) -> Drawn | None:
 def runtime_distribution(runs: pd.DataFrame) -> Drawn | None:
     """Draw the share of (run, target) pairs reached by a time, over the ladder of targets; None where none was."""
     times = time_to_target(runs, LADDER)
-    if not np.isfinite(times.to_numpy()).any():
-        return None
     span = _span(times, runs)
+    if span is None:
+        return None
     pairs = {method: of.clip(lower=span[0]).to_numpy().ravel() for method, of in times.groupby(runs["method"])}
     figure = step_figure(pairs, styles(runs["method"]), span, "time [s]", "runs × targets", value="log")
     spelled = ", ".join(f"{100 * target:g}" for target in LADDER)
@@ -65,7 +62,9 @@ def runtime_distribution(runs: pd.DataFrame) -> Drawn | None:
     return Drawn("ecdf", "Runtime distribution over all targets", caption, figure)
 
 
-def _span(times: pd.DataFrame, runs: pd.DataFrame) -> tuple[float, float]:
+def _span(times: pd.DataFrame, runs: pd.DataFrame) -> tuple[float, float] | None:
     finite = times.to_numpy()[np.isfinite(times.to_numpy())]
+    if not finite.size:
+        return None
     end = max(float(runs["time_limit"].max()), float(finite.max()))
-    return max(1e-3, min(float(finite.min()), end / 10)), end
+    return max(SOONEST, min(float(finite.min()), end / 10)), end

@@ -1,4 +1,4 @@
-"""The environment on the map: the wind's arrows, speed and vorticity, which alone bends paths; and the terrain."""
+"""The environment on the map: the wind's arrows, speed and vorticity, which alone bends paths."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from matplotlib.path import Path as Outline
 
 from instances.arrays import Bools, Floats
 from instances.environment.region import Region
-from instances.environment.terrain import Terrain
 from instances.environment.wind import WindField
 from reports.figures.style import FAINT, INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
@@ -21,7 +20,7 @@ ARROWS = 22
 
 
 @rc_context(RC)
-def draw_wind(wind: WindField, region: Region, title: str = "Wind") -> Drawn:
+def draw_wind(wind: WindField, region: Region) -> Drawn:
     """Return the figure of `wind` in `region`: arrows over its speed, and its vorticity beside them."""
     xs, ys, points, inside = _raster(region, 160)
     w = wind(points).reshape(len(ys), len(xs), 2)
@@ -39,39 +38,19 @@ def draw_wind(wind: WindField, region: Region, title: str = "Wind") -> Drawn:
         map_axes(axes, region)
     wind_arrows(left, wind, region, colour=PAPER)
     right.set_ylabel("")
-    return Drawn(
-        "wind",
-        title,
+    caption = (
         "Left: the wind's direction (arrows, as long as it is fast) and speed. Right: its vorticity. The free "
         "geodesics of the moving cost have curvature vorticity / airspeed, so a wind without vorticity bends no path "
-        "and changes no tour.",
-        figure,
+        "and changes no tour."
     )
-
-
-@rc_context(RC)
-def draw_terrain(terrain: Terrain, region: Region, title: str = "Terrain") -> Drawn:
-    """Return the figure of the ground's elevation, shaded from the north-west, with the region's outline."""
-    x0, y0, x1, y1 = terrain.bounds
-    height = terrain.height
-    slope_y, slope_x = np.gradient(height, terrain.spacing[1], terrain.spacing[0])
-    light = (-slope_x + slope_y + 1.2) / np.sqrt(3.0 * (1 + slope_x**2 + slope_y**2))
-    figure = new_figure(4.6, 3.7)
-    axes = figure.subplots()
-    extent = (x0 / KM, x1 / KM, y0 / KM, y1 / KM)
-    image = axes.imshow(height, origin="lower", extent=extent, cmap="cividis", interpolation="bilinear")
-    axes.imshow(light, origin="lower", extent=extent, cmap="gray", alpha=0.35, interpolation="bilinear")
-    figure.colorbar(image, ax=axes, label="elevation [m]", shrink=0.85)
-    map_axes(axes, region)
-    axes.set(xlim=extent[:2], ylim=extent[2:])
-    return Drawn("terrain", title, "Elevation of the ground (colour), lit from the north-west (shading).", figure)
+    return Drawn("wind", "Wind", caption, figure)
 
 
 def map_axes(axes: Axes, region: Region) -> None:
     """Give `axes` the outline of the region with its no-fly zones, in kilometres."""
-    rings = [Outline(np.asarray(ring.coords) / KM, closed=True) for ring in region.polygon.interiors]
-    for ring in rings:
-        axes.add_patch(PathPatch(ring, facecolor=FAINT, alpha=0.55, edgecolor=INK, linewidth=0.8, zorder=2))
+    for ring in region.polygon.interiors:
+        outline = Outline(np.asarray(ring.coords) / KM, closed=True)
+        axes.add_patch(PathPatch(outline, facecolor=FAINT, alpha=0.55, edgecolor=INK, linewidth=0.8, zorder=2))
     axes.plot(*(np.asarray(region.polygon.exterior.coords).T / KM), color=INK, linewidth=0.8)
     axes.set(aspect="equal", xlabel="x, east [km]", ylabel="y, north [km]")
     axes.grid(visible=False)

@@ -40,16 +40,47 @@ def contradictions(runs: pd.DataFrame) -> pd.DataFrame:
     best = costs.sort_values("_cost", kind="stable").drop_duplicates("digest").set_index("digest")
     known["best_routes"] = known["digest"].map(best["_cost"])
     known["best_by"] = known["digest"].map(best["method"] + ", seed " + best["seed"].astype(str))
-    rows = [row for kind, test in _TESTS.items() for row in _found(kind, test, known)]
-    return pd.DataFrame(rows, columns=COLUMNS).sort_values(
-        ["instance", "method", "seed"], kind="stable", ignore_index=True
+    rows = [
+        (kind, run.instance, run.digest, run.method, run.seed, sentence(run), run.path)
+        for kind, which, sentence in _tests(known)
+        for run in known[which].itertuples()
+    ]
+    found = pd.DataFrame(rows, columns=COLUMNS)
+    return found.sort_values(["instance", "method", "seed"], kind="stable", ignore_index=True)
+
+
+def _tests(runs: pd.DataFrame) -> Iterator[tuple[str, pd.Series, Callable[[Any], str]]]:
+    """Yield each kind of contradiction, which of `runs` show it, and what says so in a sentence."""
+    costs, bounds = runs["recomputed"], runs["bound"]
+    stored = _differ(runs["objective"], costs)
+    claimed = (runs["claimed_objective"] - costs).abs() > KNOWN_ROUNDING * costs.abs()
+    yield "wrong cost", stored | claimed, _wrong_cost
+    yield "routes not feasible", runs["fault"] != "", lambda run: f"Its routes are not feasible: {run.fault}"
+    nothing = costs.isna() & runs["value"].isna() & (runs["fault"] == "")
+    claims = runs["status"].isin(["OPTIMAL", "FEASIBLE"])
+    yield "no routes", claims & nothing, lambda run: f"It is {run.status}, but holds no routes."
+    yield (
+        "bound above routes",
+        bounds > runs["best_routes"] * (1 + RELATIVE_ROUNDING),
+        lambda run: (
+            f"Its lower bound of {run.bound:.9g} s is above the routes of {run.best_by}, which cost "
+            f"{run.best_routes:.9g} s."
+        ),
     )
-
-
-def _found(kind: str, test: Callable[[pd.DataFrame], tuple[pd.Series, Any]], runs: pd.DataFrame) -> Iterator[Any]:
-    which, sentence = test(runs)
-    for run in runs[which].itertuples():
-        yield kind, run.instance, run.digest, run.method, run.seed, sentence(run), run.path
+    yield (
+        "bound above best known",
+        bounds > runs["best_known"] * (1 + KNOWN_ROUNDING),
+        lambda run: f"Its lower bound of {run.bound:.9g} s is above the best known value, {run.best_known:.9g} s.",
+    )
+    cost = costs.fillna(runs["objective"])
+    proof = (runs["status"] == "OPTIMAL") & cost.notna() & gap_left(runs, cost)
+    yield "OPTIMAL with a gap", proof, _optimal_with_gap
+    refuted = (runs["status"] == "INFEASIBLE") & runs["best_routes"].notna()
+    yield (
+        "INFEASIBLE refuted",
+        refuted,
+        lambda run: f"It calls the instance infeasible, but {run.best_by} has routes of {run.best_routes:.9g} s.",
+    )
 
 
 def _differ(a: pd.Series, b: pd.Series) -> pd.Series:
@@ -57,76 +88,16 @@ def _differ(a: pd.Series, b: pd.Series) -> pd.Series:
     return (a - b).abs() > RELATIVE_ROUNDING * pd.concat([a.abs(), b.abs()], axis=1).max(axis=1)
 
 
-def _wrong_cost(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
-    stored = _differ(runs["objective"], runs["recomputed"])
-    claimed = (runs["claimed_objective"] - runs["recomputed"]).abs() > KNOWN_ROUNDING * runs["recomputed"].abs()
-
-    def sentence(run: Any) -> str:
-        said = run.objective if abs(run.objective - run.recomputed) > 0 else run.claimed_objective
-        return f"It claims a longest tour of {said:.9g} s, but its routes cost {run.recomputed:.9g} s."
-
-    return stored | claimed, sentence
+def _wrong_cost(run: Any) -> str:
+    said = run.objective if abs(run.objective - run.recomputed) > 0 else run.claimed_objective
+    return f"It claims a longest tour of {said:.9g} s, but its routes cost {run.recomputed:.9g} s."
 
 
-def _not_feasible(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
-    return runs["fault"] != "", lambda run: f"Its routes are not feasible: {run.fault}"
-
-
-def _no_routes(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
-    nothing = runs["recomputed"].isna() & runs["value"].isna() & (runs["fault"] == "")
-    claims = runs["status"].isin(["OPTIMAL", "FEASIBLE"]) & nothing
-    return claims, lambda run: f"It is {run.status}, but holds no routes."
-
-
-def _bound_above_routes(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
-    above = runs["bound"] > runs["best_routes"] * (1 + RELATIVE_ROUNDING)
-
-    def sentence(run: Any) -> str:
-        return (
-            f"Its lower bound of {run.bound:.9g} s is above the routes of {run.best_by}, "
-            f"which cost {run.best_routes:.9g} s."
-        )
-
-    return above, sentence
-
-
-def _bound_above_known(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
-    above = runs["bound"] > runs["best_known"] * (1 + KNOWN_ROUNDING)
+def _optimal_with_gap(run: Any) -> str:
+    cost = run.recomputed if run.recomputed == run.recomputed else run.objective
+    if run.bound != run.bound:
+        return f"It is OPTIMAL with routes of {cost:.9g} s, but holds no bound."
     return (
-        above,
-        lambda run: f"Its lower bound of {run.bound:.9g} s is above the best known value, {run.best_known:.9g} s.",
+        f"It is OPTIMAL, but its routes cost {cost:.9g} s and its bound is {run.bound:.9g} s, a gap of "
+        f"{(cost - run.bound) / cost:.2%} (stated tolerance {run.tolerance:.3g} s)."
     )
-
-
-def _optimal_with_gap(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
-    cost = runs["recomputed"].fillna(runs["objective"])
-
-    def sentence(run: Any) -> str:
-        cost = run.recomputed if run.recomputed == run.recomputed else run.objective
-        if run.bound != run.bound:
-            return f"It is OPTIMAL with routes of {cost:.9g} s, but holds no bound."
-        return (
-            f"It is OPTIMAL, but its routes cost {cost:.9g} s and its bound is {run.bound:.9g} s, a gap of "
-            f"{(cost - run.bound) / cost:.2%} (stated tolerance {run.tolerance:.3g} s)."
-        )
-
-    return (runs["status"] == "OPTIMAL") & cost.notna() & gap_left(runs, cost), sentence
-
-
-def _infeasible_refuted(runs: pd.DataFrame) -> tuple[pd.Series, Any]:
-    refuted = (runs["status"] == "INFEASIBLE") & runs["best_routes"].notna()
-    return (
-        refuted,
-        lambda run: f"It calls the instance infeasible, but {run.best_by} has routes of {run.best_routes:.9g} s.",
-    )
-
-
-_TESTS: dict[str, Callable[[pd.DataFrame], tuple[pd.Series, Any]]] = {
-    "wrong cost": _wrong_cost,
-    "routes not feasible": _not_feasible,
-    "no routes": _no_routes,
-    "bound above routes": _bound_above_routes,
-    "bound above best known": _bound_above_known,
-    "OPTIMAL with a gap": _optimal_with_gap,
-    "INFEASIBLE refuted": _infeasible_refuted,
-}

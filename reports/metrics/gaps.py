@@ -15,8 +15,6 @@ import pandas as pd
 from instances.arrays import Floats
 from reports.proofs import RELATIVE_ROUNDING
 
-GAPS = ["gap_known", "gap_found", "gap_bound"]
-
 
 def references(runs: pd.DataFrame) -> pd.DataFrame:
     """Return what runs are measured against, a row an instance (index: digest).

@@ -22,12 +22,9 @@ from reports.metrics.gaps import with_gaps
 def with_integrals(runs: pd.DataFrame) -> pd.DataFrame:
     """Return `runs` with `primal_integral` and `primal_dual_integral` [s], up to each run's time limit."""
     known = with_gaps(runs)
-    traces = finished_traces(known)
-    primal = [
-        primal_integral(trace, best, limit)
-        for trace, best, limit in zip(traces, known["best"], known["time_limit"], strict=True)
-    ]
-    dual = [primal_dual_integral(trace, limit) for trace, limit in zip(traces, known["time_limit"], strict=True)]
+    rows = list(zip(finished_traces(known), known["best"], known["time_limit"], strict=True))
+    primal = [primal_integral(*row) for row in rows]
+    dual = [primal_dual_integral(trace, limit) for trace, _, limit in rows]
     return known.assign(primal_integral=primal, primal_dual_integral=dual)
 
 
@@ -51,25 +48,21 @@ def primal_integral(trace: Floats, best: float, horizon: float) -> float:
     if np.isnan(best):
         return float(horizon)
     z = _running_best(trace[:, 1])
-    return _integral(trace[:, 0], _primal_gap(z, best), horizon)
+    return _integral(trace[:, 0], np.abs(_gap(z, np.full_like(z, best))), horizon)
 
 
 def primal_dual_integral(trace: Floats, horizon: float) -> float:
     """Return G [s] of `trace` (k, 3) up to `horizon` [s]."""
-    z = _running_best(trace[:, 1])
-    b = -_running_best(-trace[:, 2])
+    z, b = _running_best(trace[:, 1]), -_running_best(-trace[:, 2])
+    return _integral(trace[:, 0], _gap(z, b), horizon)
+
+
+def _gap(z: Floats, b: Floats) -> Floats:
+    """Return (z − b) / max(|z|, |b|), 1 where one is unknown and 0 where both are 0."""
     known = np.isfinite(z) & np.isfinite(b)
     scale = np.maximum(np.abs(z), np.abs(b), where=known, out=np.ones_like(z))
     difference = np.subtract(z, b, where=known, out=np.ones_like(z))
-    gap = np.divide(difference, scale, where=scale > 0, out=np.zeros_like(z))
-    return _integral(trace[:, 0], np.clip(gap, 0.0, 1.0), horizon)
-
-
-def _primal_gap(z: Floats, best: float) -> Floats:
-    known = np.isfinite(z)
-    scale = np.maximum(np.abs(z), abs(best), where=known, out=np.ones_like(z))
-    difference = np.subtract(z, best, where=known, out=np.ones_like(z))
-    return np.clip(np.divide(np.abs(difference), scale, where=scale > 0, out=np.zeros_like(z)), 0.0, 1.0)
+    return np.divide(difference, scale, where=scale > 0, out=np.zeros_like(z))
 
 
 def _running_best(values: Floats) -> Floats:
@@ -78,6 +71,6 @@ def _running_best(values: Floats) -> Floats:
 
 
 def _integral(times: Floats, gaps: Floats, horizon: float) -> float:
-    """Integrate the step function that is 1 before times[0] and gaps[i] from times[i] on, over [0, horizon]."""
+    """Integrate the step function that is 1 before times[0] and gaps[i], 0 to 1, from times[i], over [0, horizon]."""
     edges = np.clip(np.concatenate([[0.0], times, [horizon]]), 0.0, horizon)
-    return float(np.diff(edges) @ np.concatenate([[1.0], gaps]))
+    return float(np.diff(edges) @ np.concatenate([[1.0], np.clip(gaps, 0.0, 1.0)]))

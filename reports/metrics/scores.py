@@ -58,9 +58,10 @@ def banded(runs: pd.DataFrame) -> pd.DataFrame:
     """Return `runs` with the asymmetry and, where it has many values, n as bands ("11-20", "5-10 %"), for `scores`."""
     n = runs["n_tasks"]
     if n.nunique() > MOST_SIZES:
-        n = pd.cut(n.astype(float), [*_TASK_BANDS, np.inf], labels=_task_labels())
+        bands = [*(f"{a + 1}-{b}" for a, b in pairwise(_TASK_BANDS)), f"over {_TASK_BANDS[-1]}"]
+        n = pd.cut(n.astype(float), [*_TASK_BANDS, np.inf], labels=bands)
     edges = [-np.inf, *_ASYMMETRY_BANDS, np.inf]
-    labels = ["0 (symmetric)", *[f"{100 * a:g}-{100 * b:g} %" for a, b in _pairs(_ASYMMETRY_BANDS)]]
+    labels = ["0 (symmetric)", *[f"{100 * a:g}-{100 * b:g} %" for a, b in pairwise(_ASYMMETRY_BANDS)]]
     labels.append(f"over {100 * _ASYMMETRY_BANDS[-1]:g} %")
     return runs.assign(
         n_tasks=n, asymmetry=pd.cut(runs["asymmetry"].where(runs["asymmetry"] > 1e-9, 0.0), edges, labels=labels)
@@ -120,11 +121,3 @@ def _score(group: pd.DataFrame) -> dict[str, Any]:
         "primal_dual_integral": group["_dual"].mean() if group["bound"].notna().any() else np.nan,
         "memory": group["peak_memory"].max(),
     }
-
-
-def _pairs(edges: list[float]) -> list[tuple[float, float]]:
-    return list(pairwise(edges))
-
-
-def _task_labels() -> list[str]:
-    return [f"{int(a) + 1}-{int(b)}" for a, b in _pairs([float(x) for x in _TASK_BANDS])] + [f"over {_TASK_BANDS[-1]}"]

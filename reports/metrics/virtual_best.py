@@ -20,13 +20,8 @@ def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
     """
     known = with_gaps(runs)
     known = known.assign(proved=known["proved"].astype(float), value=known["value"].fillna(np.inf))
-    each = known.groupby(["digest", "method"]).agg(
-        instance=("instance", "first"),
-        value=("value", "median"),
-        elapsed=("elapsed", "median"),
-        gap_best=("gap_best", "median"),
-        proved=("proved", "mean"),
-    )
+    how = {"instance": "first", "value": "median", "elapsed": "median", "gap_best": "median", "proved": "mean"}
+    each = known.groupby(["digest", "method"]).agg(how)
     solved = each[np.isfinite(each["value"])].reset_index()
     order = solved.sort_values(["proved", "value", "elapsed"], ascending=[False, True, True], kind="stable")
     best: pd.DataFrame = order.drop_duplicates("digest").set_index("digest").sort_values("instance")

@@ -97,9 +97,7 @@ def verdict(table: pd.DataFrame, unit: str) -> list[str]:
         longer = other["length"] / own["length"] - 1
         length = f"{abs(longer):.0%} {'longer' if longer >= 0 else 'shorter'}"
         error = f"RMSE {own['rmse']:.2f} against {other['rmse']:.2f} {unit} ({own['rmse'] / other['rmse']:.0%})"
-        winner = (
-            "The mission wins" if better and certain else "The baseline wins" if not (better or certain) else "A draw"
-        )
+        winner = "A draw" if better != certain else "The mission wins" if better else "The baseline wins"
         density = f"NLPD {own['nlpd']:.2f} against {other['nlpd']:.2f} nats"
         sentences.append(f"{winner} against {name}: {error}, {density}; {name} flies {length}.")
     return sentences
@@ -138,14 +136,9 @@ def _player(products: Products, data: dict[str, Any]) -> Markup:
     """Return the slider and its two maps, as they are before the script runs: the last ones."""
     low, high = signal_range(products.maps)
     most, ramp = float(np.nanmax(products.maps.sd[0])), np.linspace(0, 1, 128)[None, :]
+    last = data["frames"][-1]
     panels = [
-        {
-            "key": key,
-            "words": words,
-            "bar": _picture(ramp, 0.0, 1.0, colours),
-            "ends": ends,
-            "last": data["frames"][-1][key],
-        }
+        {"key": key, "words": words, "bar": _picture(ramp, 0.0, 1.0, colours), "ends": ends, "last": last[key]}
         for key, words, colours, ends in (
             ("mean", "Estimated field", SIGNAL, (low, high)),
             ("sd", "Uncertainty, square-root scale", UNCERTAINTY, (0.0, most)),

@@ -19,8 +19,8 @@ from instances.arrays import Floats
 from instances.files import read_instance
 from reports import numbers
 from reports.columns import INSTANCES, RUNS, Column, shown
+from reports.figures.routes import surroundings
 from reports.figures.style import COLOURS
-from reports.figures.surroundings import surroundings
 from reports.metrics import instance_table
 from reports.pages.blocks import line_of
 from reports.record import STATUSES, read_run
@@ -121,8 +121,9 @@ def _details(runs: pd.DataFrame) -> Iterator[tuple[int, dict[str, Any]]]:
     spent = 0
     tours, traces = runs["tour_costs"].tolist(), runs["trace"].tolist()
     for index in _by_interest(runs):
+        path = Path(str(runs.at[index, "path"]))
         try:
-            run = read_run(Path(str(runs.at[index, "path"])))
+            run = read_run(path)
         except InputError:
             continue
         detail = {
@@ -133,7 +134,7 @@ def _details(runs: pd.DataFrame) -> Iterator[tuple[int, dict[str, Any]]]:
             "message": run.message,
             "statistics": run.statistics,
             "log": run.log[-LOG_TAIL:],
-            "file": f"{Path(str(runs.at[index, 'path'])).parent.name}/{Path(str(runs.at[index, 'path'])).name}",
+            "file": f"{path.parent.name}/{path.name}",
             "times": [_number(getattr(run, k), 4) for k in ("prepare_elapsed", "wall_elapsed", "cpu_seconds")],
         }
         spent += len(json.dumps(detail, separators=(",", ":"), ensure_ascii=False))

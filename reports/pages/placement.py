@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from reports.columns import PLACEMENTS
-from reports.figures.placement_convergence import draw_placement_convergence
+from reports.figures.placement import draw_placement_convergence
 from reports.figures.svg import Drawn
 from reports.pages.blocks import Beside, Block, Lines, Section, table_of
 from reports.pages.made import code_notes, environments_of, limits_and_machines

@@ -11,7 +11,8 @@ from reports.figures.style import styles
 from reports.figures.svg import Drawn
 from reports.metrics import penalised, time_to_target
 from reports.pages.blocks import Section, Table, table_of
-from reports.statistics import ALPHA, Friedman, blocks, bootstrap_interval, friedman, pairwise
+from reports.statistics import ALPHA, blocks, bootstrap_interval, friedman, pairwise
+from reports.statistics.friedman import Friedman
 from reports.statistics.pairwise import enough
 
 FEWEST_SEEDS = 3

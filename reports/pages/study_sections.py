@@ -38,12 +38,9 @@ def alarms(runs: pd.DataFrame, contradictions: pd.DataFrame, warnings: list[str]
 
 def _contradictions(runs: pd.DataFrame, found: pd.DataFrame) -> Block:
     if found.empty:
-        return Note(
-            f"No contradictions: {int(runs['recomputed'].notna().sum()):,} sets of routes were costed again and "
-            f"{int(runs['bound'].notna().sum()):,} lower bounds held against them.",
-            "calm",
-            "contradictions",
-        )
+        costed, bounds = int(runs["recomputed"].notna().sum()), int(runs["bound"].notna().sum())
+        said = f"{costed:,} sets of routes were costed again and {bounds:,} lower bounds held against them."
+        return Note(f"No contradictions: {said}", "calm", "contradictions")
     columns = [
         Column("kind", "Kind"), Column("instance", "Instance"), Column("method", "Method"),
         Column("seed", "Seed", "", "{}".format), Column("sentence", "What is wrong"),
@@ -126,9 +123,8 @@ def _by_group(runs: pd.DataFrame, key: str, title: str) -> Table:
         *(Column(str(method), str(method), "", numbers.gap) for method in gaps),
     ]
     rows = []
-    for (group, of), shares, count in zip(
-        gaps.iterrows(), proved.to_numpy(), instances.reindex(gaps.index), strict=True
-    ):
+    counts = instances.reindex(gaps.index)
+    for (group, of), shares, count in zip(gaps.iterrows(), proved.to_numpy(), counts, strict=True):
         least = of.min() if len(of) > 1 else None
         made = [cell(column, gap) for column, gap in zip(columns[2:], of, strict=True)]
         marked = [

@@ -5,18 +5,7 @@ The unit is the instance: seeds on one instance are not independent trials of a 
 
 from reports.statistics.blocks import blocks
 from reports.statistics.bootstrap import bootstrap_interval
-from reports.statistics.friedman import Friedman, cliques, critical_difference, friedman
+from reports.statistics.friedman import friedman
 from reports.statistics.pairwise import ALPHA, holm, pairwise, signed_rank
 
-__all__ = [
-    "ALPHA",
-    "Friedman",
-    "blocks",
-    "bootstrap_interval",
-    "cliques",
-    "critical_difference",
-    "friedman",
-    "holm",
-    "pairwise",
-    "signed_rank",
-]
+__all__ = ["ALPHA", "blocks", "bootstrap_interval", "friedman", "holm", "pairwise", "signed_rank"]

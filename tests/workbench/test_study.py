@@ -83,7 +83,7 @@ def test_shipped_studies_are_sound(name):
     path = shipped_studies()[name]
     study = study_from(load_tables(path), ROUTING, name=path.stem, base=path.parent)
     assert study.name == name
-    assert study.description
+    assert study.asked["description"]
     assert bool(study.sources) == (name != "benchmarks")
     smallest = min(study.sources, key=lambda source: source.n_tasks, default=None)
     if smallest is not None:

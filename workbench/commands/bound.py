@@ -82,13 +82,8 @@ def _gap(bound: float, best: float) -> float:
 
 
 def _described(bound: Bound, best: float) -> dict[str, object]:
-    return {
-        "name": bound.name,
-        "bound": bound.value,
-        "gap": _gap(bound.value, best),
-        "elapsed": bound.elapsed,
-        "message": bound.message,
-    }
+    about = {"name": bound.name, "bound": bound.value, "gap": _gap(bound.value, best)}
+    return about | {"elapsed": bound.elapsed, "message": bound.message}
 
 
 def _text(instance: Instance, best: float, source: str, found: list[Bound]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -31,11 +31,9 @@ if TYPE_CHECKING:
 @click.pass_context
 def command(
     context: click.Context,
+    /,
     targets: tuple[str, ...],
     solvers: str | None,
-    time_limit: float | None,
-    seeds: int | None,
-    threads: int | None,
     out: Path | None,
     jobs: int | None,
     retry: str | None,
@@ -43,6 +41,7 @@ def command(
     scheduler: str | None,
     report: bool,
     dry_run: bool,
+    **changes: Any,
 ) -> None:
     """Run a study and report on it: STUDY.toml, the name of a shipped study, or INSTANCES with --solvers.
 
@@ -54,7 +53,6 @@ def command(
     parallel = available_cores() if jobs is None else jobs
     if parallel < 1:
         raise InputError(f"--jobs: must be at least 1, got {jobs}")
-    changes = {"time_limit": time_limit, "seeds": seeds, "threads": threads}
     study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
     folder = out or Path("runs") / study.name
     plan, store = _planned(study, folder, retry, shard, dry_run)

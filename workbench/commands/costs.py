@@ -44,9 +44,10 @@ def command(
     elapsed = time.perf_counter() - began
     write_plan(instance, paths, out, scenario_file)
     if plot:
-        from reports.figures.paths import save_paths  # here: matplotlib takes its time
+        from reports.figures.paths import draw_paths  # here: matplotlib takes its time
+        from reports.figures.svg import save_figure
 
-        save_paths(scenario, paths, plot)
+        save_figure(draw_paths(scenario, paths).figure, plot)
     effect = WindEffect(**instance.provenance["wind_effect"]).summary()
     if report:
         _compare(scenario, report)

@@ -26,8 +26,8 @@ def command(as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(found, indent=1))
         return
-    for name, (_, about) in FAMILIES.targets().items():
-        click.echo(f"{name}: {about}")
+    for name, family in found.items():
+        click.echo(f"{name}: {family['about']}")
         for p in FAMILIES.load(name).parameters:
             unit = f" [{p.unit}]" if p.unit else ""
             choices = f" ({', '.join(p.choices)})" if p.choices else ""

@@ -27,7 +27,7 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
     from instances.families import FAMILIES, check_family, make_scenario
     from instances.files import write_instance
     from instances.scenario import write_scenario
-    from workbench.settings import key_values
+    from workbench.settings import key_values, make_folder
 
     if count < 1:
         raise InputError(f"--count: must be at least 1, got {count}")
@@ -36,8 +36,7 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
     for number in range(seed, seed + count):
         scenario = make_scenario(family, tasks, depots, number, **parameters)
         instance, paths = costed(scenario, FAMILIES.load(family).legs)
-        _make_folder(out)
-        path = out / f"{instance.name}.json"
+        path = make_folder(out) / f"{instance.name}.json"
         if paths is None:
             write_instance(instance, path)
         else:
@@ -47,10 +46,3 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
             write_scenario(scenario, path.with_suffix(".toml"))
             write_plan(instance, paths, path, path.with_suffix(".toml"))
         click.echo(str(path))
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made a folder ({error.strerror})") from None

@@ -21,13 +21,10 @@ def command(mission_file: Path | None, out: Path, stage: str | None, force_from:
     """
     from instances.errors import InputError
     from workbench.mission.file import read_mission, shipped_mission
-    from workbench.mission.pipeline import check_stage, run_mission
+    from workbench.mission.pipeline import run_mission
 
     if stage is not None and force_from is not None:
         raise InputError("mission: --stage and --from answer different questions; give one of them")
-    for name in (stage, force_from):
-        if name is not None:
-            check_stage(name)
     began = time.perf_counter()
     mission = read_mission(shipped_mission() if mission_file is None else mission_file)
     run_mission(mission, out, only=stage, force_from=force_from, tell=lambda words: click.echo(words, err=True))

@@ -13,6 +13,7 @@ from instances.errors import InputError
 if TYPE_CHECKING:
     from formulations.task_location.criterion import Criterion
     from instances.environment.region import Region
+    from workbench.commands.place_how_many import Asked
 
 
 @click.command("place")
@@ -56,6 +57,7 @@ def command(
     from formulations.task_location.placement_files import ENDINGS
     from formulations.task_location.registry import make_method
     from formulations.task_location.setting import criterion_of, region_of
+    from workbench.commands.place_how_many import Asked, run_fewest, run_study
     from workbench.settings import check_target, key_values
 
     if study is not None and max_sd is not None:
@@ -67,16 +69,13 @@ def command(
     region = region_of(region_file)
     criterion = criterion_of(region, **setting)
     limits = Limits(time=float("inf") if time_limit is None else time_limit)
+    asked = Asked(seed, as_json, out, plot)
     if study is not None:
-        from workbench.commands.place_how_many import run_study
-
-        run_study(region, criterion, study, method, chosen, seed, sd_limit, as_json=as_json, out=out, plot=plot)
+        run_study(region, criterion, study, method, chosen, sd_limit, asked)
     elif max_sd is not None:
-        from workbench.commands.place_how_many import run_fewest
-
-        run_fewest(region, criterion, max_sd, seed, as_json=as_json, out=out, plot=plot)
+        run_fewest(region, criterion, max_sd, asked)
     else:
-        _place(region, criterion, tasks, method, chosen, seed, limits, certificate, as_json=as_json, out=out, plot=plot)
+        _place(region, criterion, tasks, method, chosen, limits, certificate, asked)
 
 
 def _refuse_unused(study: bool, fewest: bool) -> None:
@@ -94,23 +93,12 @@ def _refuse_unused(study: bool, fewest: bool) -> None:
 
 
 def _place(
-    region: Region,
-    criterion: Criterion,
-    tasks: int,
-    name: str,
-    method: Any,
-    seed: int,
-    limits: Any,
-    certified: bool,
-    *,
-    as_json: bool,
-    out: Path | None,
-    plot: Path | None,
+    region: Region, criterion: Criterion, tasks: int, name: str, method: Any, limits: Any, certified: bool, asked: Asked
 ) -> None:
     from formulations.task_location.certificate import certificate
     from formulations.task_location.criterion import Convention
     from formulations.task_location.placement import PlacementProblem, place
-    from formulations.task_location.placement_files import write_placement
+    from workbench.commands.place_how_many import write_and_draw
 
     problem = PlacementProblem(region, criterion, tasks)
     bound = certificate(criterion.under(Convention.BOTH_NOISY), region, tasks) if certified else None
@@ -118,18 +106,13 @@ def _place(
         problem,
         method,
         name,
-        seed=seed,
+        seed=asked.seed,
         limits=limits,
         certificate=None if bound is None else bound.bound,
         observe=lambda elapsed, value, _: click.echo(f"{elapsed:8.2f} s  {value:.4f} nats", err=True),
     )
-    if out is not None:
-        write_placement(placement, out)
-    if plot is not None:
-        from workbench.commands.place_how_many import draw_placement_map
-
-        draw_placement_map(problem, placement, plot)
-    if as_json:
+    write_and_draw(problem, placement, asked)
+    if asked.as_json:
         kind = None if bound is None else bound.kind
         click.echo(json.dumps({**placement.as_dict(), "certificate_kind": kind}))
     else:

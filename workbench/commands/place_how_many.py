@@ -6,8 +6,10 @@ import csv
 import io
 import json
 import re
+import time
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 import numpy as np
@@ -29,6 +31,15 @@ COLUMNS = (
 )  # fmt: skip
 
 
+class Asked(NamedTuple):
+    """What is asked for in every case: the seed, the answer as JSON or text, a file and a picture of it."""
+
+    seed: int
+    as_json: bool
+    out: Path | None
+    plot: Path | None
+
+
 def numbers_from(text: str) -> list[int]:
     """Return the numbers of ``n=5..80``, ``5..80:5`` or ``5,40,200``; InputError where it says something else."""
     body = text.removeprefix("n=").strip()
@@ -47,73 +58,42 @@ def numbers_from(text: str) -> list[int]:
 
 
 def run_study(
-    region: Region,
-    criterion: Criterion,
-    text: str,
-    name: str,
-    method: PlacementMethod,
-    seed: int,
-    sd_limit: float,
-    *,
-    as_json: bool,
-    out: Path | None,
-    plot: Path | None,
+    region: Region, criterion: Criterion, text: str, name: str, method: PlacementMethod, sd_limit: float, asked: Asked
 ) -> None:
     """Try every n, tell each on stderr, recommend one, and write what was asked for."""
     numbers = numbers_from(text)
     PlacementProblem(region, criterion, max(numbers))  # refuse a number that does not fit before the first is placed
     spacing = min(criterion.kernel.length_scales) / 4
-    done = trials(
-        region, criterion, numbers, method, name, seed=seed, sd_limit=sd_limit, spacing=spacing, observe=_tell
-    )
+    given: dict[str, Any] = {"seed": asked.seed, "sd_limit": sd_limit, "spacing": spacing}
+    done = trials(region, criterion, numbers, method, name, observe=_tell, **given)
     advice = recommend(done)
     answer = _answer(done, advice, sd_limit, spacing)
-    if out is not None:
-        write_aside(out, _csv(done) if out.suffix == ".csv" else json.dumps(answer))
-    if plot is not None:
-        _draw_trials(region, criterion, done, advice, spacing, plot)
-    click.echo(json.dumps(answer) if as_json else _text(done, advice))
+    if asked.out is not None:
+        write_aside(asked.out, _csv(done) if asked.out.suffix == ".csv" else json.dumps(answer))
+    if asked.plot is not None:
+        _draw_trials(region, criterion, done, advice, spacing, asked.plot)
+    click.echo(json.dumps(answer) if asked.as_json else _text(done, advice))
 
 
-def run_fewest(
-    region: Region,
-    criterion: Criterion,
-    max_sd: float,
-    seed: int,
-    *,
-    as_json: bool,
-    out: Path | None,
-    plot: Path | None,
-) -> None:
+def run_fewest(region: Region, criterion: Criterion, max_sd: float, asked: Asked) -> None:
     """Find few tasks that keep the posterior sd under `max_sd` everywhere, and write what was asked for."""
-    import time
-
     began = time.perf_counter()
-    found = fewest_tasks(region, criterion.kernel, criterion.noise_sd, max_sd, seed=seed)
+    found = fewest_tasks(region, criterion.kernel, criterion.noise_sd, max_sd, seed=asked.seed)
     worth = {str(c): criterion.under(c).value(found.points) for c in Convention}
     placement = Placement(
         points=found.points,
         mutual_information=worth[Convention.BOTH_NOISY],
         method="fewest",
         status=PlacementStatus.HEURISTIC,
-        seed=seed,
+        seed=asked.seed,
         elapsed=time.perf_counter() - began,
         information=worth,
     )
-    if out is not None:
-        write_placement(placement, out)
-    if plot is not None:
-        draw_placement_map(PlacementProblem(region, criterion, len(found.points)), placement, plot)
     n = len(found.points)
-    if as_json:
-        more = {
-            "n": n,
-            "max_sd": max_sd,
-            "worst_sd": found.worst_sd,
-            "at_least": found.at_least,
-            "greedy": found.greedy,
-        }
-        click.echo(json.dumps({**placement.as_dict(), **more}))
+    write_and_draw(PlacementProblem(region, criterion, n), placement, asked)
+    if asked.as_json:
+        more = {name: getattr(found, name) for name in ("worst_sd", "at_least", "greedy")}
+        click.echo(json.dumps({**placement.as_dict(), "n": n, "max_sd": max_sd, **more}))
     else:
         click.echo(
             f"{n} tasks keep the posterior sd at most {found.worst_sd:.4g} everywhere (asked: {max_sd:g}), "
@@ -134,15 +114,9 @@ def _row(trial: Trial) -> dict[str, Any]:
 
 
 def _answer(done: list[Trial], advice: Recommendation, sd_limit: float, spacing: float) -> dict[str, Any]:
-    return {
-        "recommended": advice.n,
-        "reason": advice.reason,
-        "underfitted_below": advice.underfitted_below,
-        "overfitted_above": advice.overfitted_above,
-        "sd_limit": sd_limit,
-        "spacing": spacing,
-        "trials": [{**_row(t), "points": t.points.tolist(), "order": t.order} for t in done],
-    }
+    told = asdict(advice)
+    found = [{**_row(t), "points": t.points.tolist(), "order": t.order} for t in done]
+    return {"recommended": told.pop("n"), **told, "sd_limit": sd_limit, "spacing": spacing, "trials": found}
 
 
 def _csv(done: list[Trial]) -> str:
@@ -167,21 +141,19 @@ def _text(done: list[Trial], advice: Recommendation) -> str:
     return "\n".join([*lines, f"recommended: {advice.n} tasks, {advice.reason}", edges])
 
 
-def draw_placement_map(problem: PlacementProblem, placement: Placement, path: Path) -> None:
-    """Draw a placement over its uncertainty map."""
+def write_and_draw(problem: PlacementProblem, placement: Placement, asked: Asked) -> None:
+    """Write a placement, and draw it over its uncertainty map, where asked for."""
+    if asked.out is not None:
+        write_placement(placement, asked.out)
+    if asked.plot is None:
+        return
     from reports.figures.placement import draw_placement  # here: matplotlib takes its time
     from reports.figures.svg import save_figure
 
-    criterion = problem.criterion
-    drawn = draw_placement(
-        problem.region,
-        placement.points,
-        criterion.tests,
-        sd_map(problem.region, criterion, placement.points),
-        criterion.kernel.signal_sd,
-        placement.summary(),
-    )
-    save_figure(drawn.figure, path)
+    region, criterion, points = problem.region, problem.criterion, placement.points
+    left = sd_map(region, criterion, points)
+    drawn = draw_placement(region, points, criterion.tests, left, criterion.kernel.signal_sd, placement.summary())
+    save_figure(drawn.figure, asked.plot)
 
 
 def _draw_trials(
@@ -203,14 +175,7 @@ def _draw_trials(
         )
         for n in numbers
     ]
-    curves = Curves(
-        *(
-            np.array([np.nan if value is None else value for value in column], dtype=float)
-            for column in zip(
-                *((t.n, t.mi1, t.mi2, t.lawnmower, t.length / 1000, t.uncovered, t.planning_noise) for t in done),
-                strict=True,
-            )
-        )
-    )
+    rows = [(t.n, t.mi1, t.mi2, t.lawnmower, t.length / 1000, t.uncovered, t.planning_noise) for t in done]
+    curves = Curves(*np.array(rows, dtype=float).T)  # None becomes NaN
     drawn = draw_study(region, tours, curves, advice.n, criterion.kernel.signal_sd)
     save_figure(drawn.figure, path)

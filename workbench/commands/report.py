@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -23,14 +24,12 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 @click.pass_context
 def command(
     context: click.Context,
+    /,
     folders: tuple[Path, ...],
     out: Path | None,
     csv: Path | None,
-    latex: Path | None,
-    markdown: Path | None,
-    parquet: Path | None,
-    against: Path | None,
     fail_on_regression: bool,
+    **more: Any,
 ) -> None:
     """Report on the runs of one store or several merged, without running anything; prints the summary.
 
@@ -40,10 +39,9 @@ def command(
     from workbench.jobs.problem import Outputs
     from workbench.publish import publish
 
-    if fail_on_regression and against is None:
+    if fail_on_regression and more["against"] is None:
         raise InputError("--fail-on-regression: needs --against OLD")
-    asked = {"latex": latex, "markdown": markdown, "parquet": parquet, "against": against}
-    published = publish(folders, Outputs(out, csv, {flag: path for flag, path in asked.items() if path}))
+    published = publish(folders, Outputs(out, csv, {flag: path for flag, path in more.items() if path}))
     for sentence in published.problems:
         click.echo(sentence, err=True)
     context.exit(1 if fail_on_regression and published.regressed else 0)

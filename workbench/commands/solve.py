@@ -63,9 +63,10 @@ def command(
     if out and routes is not None:
         write_routes(routes, instance, out)
     if plot and routes is not None:
-        from reports.figures.routes import save_routes  # here: matplotlib takes its time
+        from reports.figures.routes import draw_routes  # here: matplotlib takes its time
+        from reports.figures.svg import save_figure
 
-        save_routes(instance, routes, plot, paths)
+        save_figure(draw_routes(instance, routes, paths), plot)
     click.echo(json.dumps(_object(result)) if as_json else _text(result))
     context.exit(0 if routes is not None and result.status in ("OPTIMAL", "FEASIBLE") else 1)
 

@@ -25,6 +25,8 @@ import psutil
 from workbench.jobs.worker import Assignment
 from workbench.threads import with_threads
 
+Hear = Callable[[dict[str, Any]], None]
+"""Takes a message of the child."""
 PREPARE_LIMIT = 300.0
 """Seconds a child may take to start, import and compile: not part of the solve, but not endless either."""
 EXIT_GRACE = 5.0
@@ -37,6 +39,8 @@ LONGEST_MESSAGE = 1 << 26
 """Bytes of the longest line that is still taken for a message."""
 LOG_KEPT = 8192
 """Bytes kept of what the child printed."""
+SPEAKING = {"PYTHONFAULTHANDLER": "1", "PYTHONUNBUFFERED": "1"}
+"""Environment in which a crash leaves a trace."""
 
 
 class InterruptedRunError(Exception):
@@ -68,13 +72,7 @@ def grace(limit: float) -> float:
     return 5.0 + 0.1 * limit
 
 
-def run_child(
-    assignment: Assignment,
-    hear: Callable[[dict[str, Any]], None],
-    *,
-    memory_limit: int,
-    stop: Callable[[], bool] = lambda: False,
-) -> Ending:
+def run_child(assignment: Assignment, hear: Hear, *, memory_limit: int, stop: Callable[[], bool]) -> Ending:
     """Run `assignment` in a fresh process, passing each of its messages to `hear` as it comes.
 
     Killed with its whole group when it outlasts PREPARE_LIMIT, its time limit by `grace`, or `memory_limit` [bytes].
@@ -92,7 +90,7 @@ def run_child(
 
 
 class _Child:
-    def __init__(self, assignment: Assignment, hear: Callable[[dict[str, Any]], None], memory_limit: int) -> None:
+    def __init__(self, assignment: Assignment, hear: Hear, memory_limit: int) -> None:
         self.limit, self.memory_limit, self.hear = assignment.limits.time, memory_limit, hear
         self.unread, self.log = b"", b""
         self.killed, self.out_of_memory = "", False
@@ -112,7 +110,7 @@ class _Child:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
                 pass_fds=(childs_end,),
-                env=_one_core_each(assignment.limits.threads),
+                env=with_threads(assignment.limits.threads) | SPEAKING,
                 start_new_session=True,
             )
         os.close(childs_end)
@@ -237,8 +235,3 @@ class _Child:
     def _kill(self) -> None:
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(self.process.pid, signal.SIGKILL)
-
-
-def _one_core_each(threads: int) -> dict[str, str]:
-    """Return the environment of a child: numerical libraries keep to the solver's threads; crashes leave a trace."""
-    return {**with_threads(threads), "PYTHONFAULTHANDLER": "1", "PYTHONUNBUFFERED": "1"}

@@ -8,7 +8,7 @@ routes, points, costs with their paths; between processes and in files it is a J
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -93,11 +93,8 @@ class Published:
     regressed: bool = False
 
 
-class Listener(Protocol):
-    """Takes a claim while a method works."""
-
-    def __call__(self, claim: Claim) -> None:
-        """Tell the parent."""
+Listener = Callable[[Claim], None]
+"""Takes a claim while a method works."""
 
 
 class Problem(Protocol[Item]):

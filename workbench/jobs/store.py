@@ -22,9 +22,11 @@ from instances.errors import InputError
 from reports.record import Run, read_run
 from workbench.jobs.job import Job, folder_of
 from workbench.jobs.problem import Named, Problem
+from workbench.settings import make_folder
 
 RUN_FILE = re.compile(r"[^.].*-s\d+-t[^/]*\.json")
 """How the file of a run is named (`Job.path`), unlike anything else in its folder."""
+KIND = "a folder for results"
 
 
 class Store:
@@ -35,7 +37,7 @@ class Store:
 
     def create(self) -> None:
         """Make the folder and make sure it can be written to; InputError where not."""
-        probe = _made(self.root) / ".probe"
+        probe = make_folder(self.root, KIND) / ".probe"
         write_aside(probe, "")
         probe.unlink(missing_ok=True)
 
@@ -56,14 +58,14 @@ class Store:
 
     def put_environment(self, digest: str, environment: dict[str, Any]) -> None:
         """State machine and versions, once."""
-        path = _made(self.root / "environments") / f"{digest}.json"
+        path = make_folder(self.root / "environments", KIND) / f"{digest}.json"
         if not path.exists():
             write_aside(path, json.dumps(environment, indent=1))
 
     def put_item(self, problem: Problem[Any], item: Named) -> str:
         """Keep a copy of `item`, where there is none yet, and return the name of its folder."""
         folder = folder_of(item)
-        problem.write(item, _made(self.root / folder))
+        problem.write(item, make_folder(self.root / folder, KIND))
         return folder
 
     def put_study(self, asked: dict[str, Any], paths: Iterable[str]) -> None:
@@ -89,11 +91,3 @@ class Store:
             for name in sorted(os.listdir(folder)):
                 if RUN_FILE.fullmatch(name):
                     yield f"{folder.name}/{name}"
-
-
-def _made(folder: Path) -> Path:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made a folder for results ({error.strerror})") from None
-    return folder

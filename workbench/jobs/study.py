@@ -21,7 +21,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from formulations.limits import Limits
@@ -34,7 +33,6 @@ STUDY_KEYS = ("name", "problem", "description", "seeds", "time_limit")
 ENTRY_KEYS = ("name", "options", "seeds", "time_limit", "max_tasks")
 LARGEST_SEED = 2**31 - 1
 """The largest every engine takes."""
-NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -72,7 +70,6 @@ class Study:
 
     name: str
     problem: Problem[Any]
-    description: str
     sources: tuple[Source[Any], ...]
     entries: tuple[Entry, ...]
     asked: dict[str, Any] = field(default_factory=dict)
@@ -97,12 +94,13 @@ def load_tables(path: Path) -> dict[str, Any]:
 
 
 def study_from(
-    data: Mapping[str, Any], problem: Problem[Any], *, name: str, base: Path, changes: Mapping[str, Any] = NONE
+    data: Mapping[str, Any], problem: Problem[Any], *, name: str, base: Path, changes: Mapping[str, Any] | None = None
 ) -> Study:
     """Return the study of `problem` written as `data`, its files relative to `base`; InputError says what is wrong.
 
     changes : seeds, time_limit or threads that take the place of those in `data`, each method's included.
     """
+    changes = changes or {}
     known_keys(data, (*STUDY_KEYS, *problem.limits, *problem.keys, problem.entries), "study")
     for key in changes:
         if key in ("threads", "iterations") and key not in problem.limits:
@@ -113,14 +111,9 @@ def study_from(
         entries += _entries(problem, table, data, changes, f"{problem.entries}[{number}]")
     if not entries:
         raise InputError(f"study: names no {problem.entries} ([[{problem.entries}]] with name = …)")
-    return Study(
-        name=typed(data.get("name", name), str, "name"),
-        problem=problem,
-        description=typed(data.get("description", ""), str, "description"),
-        sources=sources,
-        entries=tuple(entries),
-        asked={"name": name, **data, **changes},
-    )
+    typed(data.get("description", ""), str, "description")  # for people: it is checked and stored, and no more
+    asked = {"name": name, **data, **changes}
+    return Study(typed(asked["name"], str, "name"), problem, sources, tuple(entries), asked)
 
 
 def checked_entry(problem: Problem[Any], method: str, options: dict[str, Any], **rest: Any) -> Entry:
@@ -148,24 +141,15 @@ def _entries(
                 return read(holder[key], place)
         return default
 
-    threads = either("threads", 1, lambda value, at: typed(value, int, at))
-    iterations = either("iterations", None, lambda value, at: typed(value, int, at))
-    limits: tuple[float, ...] = either("time_limit", (problem.default_limit,), _limits)
-    seeds: tuple[int, ...] = either("seeds", (0,), seeds_from)
-    max_tasks = typed(table["max_tasks"], int, f"{where}.max_tasks") if "max_tasks" in table else None
-    return [
-        checked_entry(
-            problem,
-            name,
-            options,
-            seeds=seeds,
-            time_limits=limits,
-            threads=threads,
-            iterations=iterations,
-            max_tasks=max_tasks,
-        )
-        for options in grid(typed(table.get("options", {}), dict, f"{where}.options"))
-    ]
+    given = {
+        "threads": either("threads", 1, lambda value, at: typed(value, int, at)),
+        "iterations": either("iterations", None, lambda value, at: typed(value, int, at)),
+        "time_limits": either("time_limit", (problem.default_limit,), _limits),
+        "seeds": either("seeds", (0,), seeds_from),
+        "max_tasks": typed(table["max_tasks"], int, f"{where}.max_tasks") if "max_tasks" in table else None,
+    }
+    combinations = grid(typed(table.get("options", {}), dict, f"{where}.options"))
+    return [checked_entry(problem, name, options, **given) for options in combinations]
 
 
 def _limits(value: Any, where: str) -> tuple[float, ...]:

@@ -94,7 +94,8 @@ def _carry_out(assignment: Assignment, channel: Channel) -> None:
 
 
 def _numbers(claim: Claim) -> dict[str, float | None]:
-    return {"objective": _number(claim.objective), "bound": _number(claim.bound)}
+    values = {"objective": claim.objective, "bound": claim.bound}
+    return {name: None if value is None else float(value) for name, value in values.items()}
 
 
 def peak_memory() -> int:
@@ -109,10 +110,6 @@ def peak_memory() -> int:
                 return int(line.split()[1]) * 1024
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak if sys.platform == "darwin" else peak * 1024
-
-
-def _number(value: Any) -> float | None:
-    return None if value is None else float(value)
 
 
 def _die_with_parent() -> None:

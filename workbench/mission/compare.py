@@ -136,17 +136,10 @@ def routed(mission: Mission, scenario: Scenario, points: Floats) -> list[Flight]
 
 def _row(plan: Plan, survey: Survey, scenario: Scenario) -> dict[str, Any]:
     end = survey.ticks[-1]
-    return {
-        "name": plan.name,
-        "draw": plan.draw,
-        "count": plan.count,
-        "length": plan.length,
-        "longest": max(flight.length for flight in plan.flights),
-        "outside": length_outside(plan.flights, scenario.free),
-        "samples": end.samples,
-        "information": end.information,
-        **asdict(end.score),
-    }
+    row = {name: getattr(plan, name) for name in ("name", "draw", "count", "length")}
+    row["longest"] = max(flight.length for flight in plan.flights)
+    row["outside"] = length_outside(plan.flights, scenario.free)
+    return row | {"samples": end.samples, "information": end.information} | asdict(end.score)
 
 
 def _said(table: pd.DataFrame, field: RadioMap) -> str:

@@ -71,17 +71,9 @@ def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
     wanted, scenario = mission.field, mission.scenario
     if wanted.file is None:
         assert scenario.radio is not None
-        return radio_map(
-            RadioSource.from_table(scenario.radio),
-            scenario.region.bounds,
-            terrain,
-            altitude=mission.flight.altitude,
-            model=wanted.model,  # type: ignore[arg-type]
-            shadowing_sd=wanted.shadowing_sd,
-            decorrelation=wanted.decorrelation,
-            seed=wanted.seed,
-            cells=wanted.cells,
-        )
+        source = RadioSource.from_table(scenario.radio)
+        more = {key: value for key, value in asdict(wanted).items() if key != "file"}
+        return radio_map(source, scenario.region.bounds, terrain, altitude=mission.flight.altitude, **more)
     field = read_field(mission.folder / wanted.file)
     (x0, y0, x1, y1), (a0, b0, a1, b1) = scenario.region.bounds, field.bounds
     # nodes may be cell centres: half a cell may be missing at the border

@@ -40,8 +40,7 @@ def check_mission(mission: Mission) -> None:
         RadioSource.from_table(scenario.radio)
     elif not (mission.folder / mission.field.file).is_file():
         raise InputError(f"field.file: there is no file {mission.folder / mission.field.file}")
-    _check_lengths(mission)
-    _check_period(mission)
+    _check_units(mission)
 
 
 def _known(key: str, name: str, known: Collection[str]) -> None:
@@ -49,7 +48,8 @@ def _known(key: str, name: str, known: Collection[str]) -> None:
         raise InputError(f"{key}: unknown '{name}'{suggestion(name, known)} (known: {', '.join(known)})")
 
 
-def _check_lengths(mission: Mission) -> None:
+def _check_units(mission: Mission) -> None:
+    """Refuse lengths that cannot be in metres, and a sensing period that no tour can last."""
     x0, y0, x1, y1 = mission.scenario.region.bounds
     size = max(x1 - x0, y1 - y0)
     for name, given in (("place", mission.place.length_scale), ("map", mission.map.length_scale)):
@@ -67,13 +67,8 @@ def _check_lengths(mission: Mission) -> None:
         )
     if radius > size / 4:
         raise InputError(f"flight.turning_radius = {radius:g} m is more than a quarter of the region ({size:g} m)")
-
-
-def _check_period(mission: Mission) -> None:
-    """Refuse before the planning a period that no tour can last; the flight stage knows the tours themselves."""
-    x0, y0, x1, y1 = mission.scenario.region.bounds
     tasks = mission.scenario.n_tasks
-    longest = (tasks + 1) * 2 * ((x1 - x0) + (y1 - y0)) / mission.speed
+    longest = (tasks + 1) * 2 * ((x1 - x0) + (y1 - y0)) / speed  # the flight stage knows the tours themselves
     if mission.sensing.period > longest:
         raise InputError(
             f"sensing.period = {mission.sensing.period:g} s is longer than any tour of {tasks} tasks could last "

@@ -22,13 +22,13 @@ from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.errors import InputError
+from instances.files import read_routes
 from instances.formats.ground_control import Tour, write_tour
 from instances.paths import Paths
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
 from workbench.mission.costs import kept_costs
 from workbench.mission.place import zones_of
-from workbench.mission.routes import kept_routes
 from workbench.mission.settings import Mission
 
 TRACK_STEP = 0.2
@@ -49,19 +49,19 @@ class Fleet:
     legs: list[list[Floats]]
     checks: list[FlightCheck]
 
-    @property
-    def length(self) -> float:
-        """Flown length of all UAVs together [m]."""
-        return sum(check.length for check in self.checks)
-
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
     """Write the flights."""
     scenario = kept_scenario(folders["environment"])
     instance, paths = kept_costs(folders["costs"])
-    routes = kept_routes(folders["routes"], instance)
+    routes = read_routes(folders["routes"] / "routes.sol", instance)
     fleet = fly(mission, scenario, instance, paths, routes)
-    refuse_long_period(mission, fleet)
+    longest = max(flight.duration for flight in fleet.flights)
+    if mission.sensing.period > longest:
+        raise InputError(
+            f"sensing.period = {mission.sensing.period:g} s is longer than the longest tour ({longest:.0f} s), "
+            "so nothing would be measured"
+        )
     write_aside(out / "flights.json", json.dumps([flight.to_json() for flight in fleet.flights]))
     flown = track_frame(fleet.flights)
     write_aside(out / "flown.csv", flown.to_csv(index=False))
@@ -87,16 +87,6 @@ def fly(mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, 
         legs.append(reference)
         checks.append(check_flight(flight, reference, instance.coordinates[list(route)], zones_of(scenario)))
     return Fleet(flights, legs, checks)
-
-
-def refuse_long_period(mission: Mission, fleet: Fleet) -> None:
-    """Raise InputError where no UAV flies as long as the sensing period."""
-    longest = max(flight.duration for flight in fleet.flights)
-    if mission.sensing.period > longest:
-        raise InputError(
-            f"sensing.period = {mission.sensing.period:g} s is longer than the longest tour ({longest:.0f} s), "
-            "so nothing would be measured"
-        )
 
 
 def track_frame(flights: Sequence[Flight]) -> pd.DataFrame:

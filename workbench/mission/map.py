@@ -1,11 +1,12 @@
 """Stage 6, map: every UAV measures on its way and the Gaussian process maps the field (sub-problem 4).
 
-Products: samples.csv, ticks.csv, maps.nc (the maps of some ticks, the last included), map.csv (the last).
+Products: samples.csv (time [s], uav, x, y [m], value), ticks.csv, maps.nc (the maps of some ticks, the last included),
+map.csv (the last).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -38,8 +39,10 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     flights = kept_flights(folders["flight"])
     last = max(int(flight.duration / mission.sensing.period) for flight in flights)
     kept = frames(last, mission.map.frames)
-    survey = survey_of(mission, scenario.region, field, flights, lambda tick, _: tick in kept)
-    write_aside(out / "samples.csv", samples_frame(survey).to_csv(index=False))
+    survey = survey_of(mission, scenario.region, field, flights, kept)
+    x, y = survey.positions.T
+    samples = pd.DataFrame({"time": survey.times, "uav": survey.uavs, "x": x, "y": y, "value": survey.values})
+    write_aside(out / "samples.csv", samples.round(6).to_csv(index=False))
     write_aside(out / "ticks.csv", ticks_frame(survey).to_csv(index=False))
     grid = MapGrid.over(scenario.region, mission.map.cells)
     _write_maps(survey, grid, field, out)
@@ -58,13 +61,9 @@ def frames(last: int, count: int) -> set[int]:
 
 
 def survey_of(
-    mission: Mission,
-    region: Region,
-    field: RadioMap,
-    flights: list[Flight],
-    keep: Callable[[int, int], bool] = lambda tick, last: False,
+    mission: Mission, region: Region, field: RadioMap, flights: list[Flight], kept: Collection[int] = ()
 ) -> Survey:
-    """Fly, measure and map `field` under the mission's settings."""
+    """Fly, measure and map `field` under the mission's settings, keeping the maps of the ticks `kept`."""
     return fly_survey(
         flights,
         field,
@@ -74,14 +73,8 @@ def survey_of(
         period=mission.sensing.period,
         refit_every=mission.map.refit_every,
         seed=mission.sensing.seed,
-        keep=keep,
+        keep=lambda tick, _: tick in kept,
     )
-
-
-def samples_frame(survey: Survey) -> pd.DataFrame:
-    """Return a row a measurement: time [s], uav, x [m], y [m], value."""
-    x, y = survey.positions.T
-    return pd.DataFrame({"time": survey.times, "uav": survey.uavs, "x": x, "y": y, "value": survey.values}).round(6)
 
 
 def ticks_frame(survey: Survey) -> pd.DataFrame:
@@ -91,14 +84,8 @@ def ticks_frame(survey: Survey) -> pd.DataFrame:
 
 def _row(tick: Tick) -> dict[str, float]:
     lx, ly = tick.kernel.length_scales
-    row = {
-        "time": tick.time,
-        "samples": tick.samples,
-        "information": tick.information,
-        "entropy": tick.entropy,
-        **asdict(tick.score),
-    }
-    return row | {"signal_sd": tick.kernel.signal_sd, "length_x": lx, "length_y": ly}
+    row = {name: getattr(tick, name) for name in ("time", "samples", "information", "entropy")}
+    return row | asdict(tick.score) | {"signal_sd": tick.kernel.signal_sd, "length_x": lx, "length_y": ly}
 
 
 def _write_maps(survey: Survey, grid: MapGrid, field: RadioMap, out: Path) -> None:

@@ -14,9 +14,11 @@ from typing import Any
 import psutil
 
 from instances.code import code_digest, revision
+from instances.disk import write_aside
 from instances.errors import InputError, suggestion
 from workbench.mission.settings import Mission
 from workbench.mission.stamp import Stamp, digest_of, intact, products_of, read_stamp
+from workbench.settings import make_folder
 
 Tell = Callable[[str], None]
 
@@ -50,17 +52,7 @@ STAGES = (
     Stage("report", ("environment", "place", "costs", "routes", "flight", "map", "compare")),
 )
 NAMES = tuple(stage.name for stage in STAGES)
-
-
-def folder_names() -> dict[str, str]:
-    """Return the folder of each stage: its number and name."""
-    return {name: f"{number}-{name}" for number, name in enumerate(NAMES, 1)}
-
-
-def check_stage(name: str) -> None:
-    """Raise InputError where there is no stage called `name`."""
-    if name not in NAMES:
-        raise InputError(f"unknown stage '{name}'{suggestion(name, NAMES)} (stages: {', '.join(NAMES)})")
+FOLDERS = {name: f"{number}-{name}" for number, name in enumerate(NAMES, 1)}
 
 
 def run_mission(
@@ -72,10 +64,10 @@ def run_mission(
     after it again. InputError where a product to start from is missing.
     """
     for name in (only, force_from):
-        if name is not None:
-            check_stage(name)
-    folders = {name: out / folder for name, folder in folder_names().items()}
-    _make_folder(out)
+        if name is not None and name not in NAMES:
+            raise InputError(f"unknown stage '{name}'{suggestion(name, NAMES)} (stages: {', '.join(NAMES)})")
+    folders = {name: out / folder for name, folder in FOLDERS.items()}
+    make_folder(out)
     forced = False
     for stage in STAGES:
         forced = forced or stage.name == force_from
@@ -93,20 +85,19 @@ def run_mission(
             continue
         for name in (name for name, stamp in stamps.items() if stamp.code != wanted.code):
             tell(f"{stage.name}: starts from products of '{name}' that other code made")
-        began = time.perf_counter()
-        said = _make(stage, mission, folders, wanted, tell)
-        tell(f"{stage.name}: {said} ({time.perf_counter() - began:.1f} s)")
-    publish(folders["report"], out)
+        _make(stage, mission, folders, wanted, tell)
+    page = folders["report"] / "report.html"
+    if page.is_file():  # where people look for it
+        write_aside(out / page.name, page.read_bytes())
 
 
-def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp, tell: Tell) -> str:
-    """Make one stage aside and rename its folder."""
+def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp, tell: Tell) -> None:
+    """Make one stage aside, rename its folder and tell."""
     target = folders[stage.name]
     for left in target.parent.glob(f".{target.name}.*.part"):
         _refuse_living(left)
         shutil.rmtree(left, ignore_errors=True)  # of a run that was killed
-    aside = target.with_name(f".{target.name}.{os.getpid()}.part")
-    _make_folder(aside)
+    aside = make_folder(target.with_name(f".{target.name}.{os.getpid()}.part"))
     try:
         began = time.perf_counter()
         said: str = stage.module.make(mission, folders, aside, lambda words: tell(f"{stage.name}: {words}"))
@@ -117,7 +108,7 @@ def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp
         aside.rename(target)
     finally:
         shutil.rmtree(aside, ignore_errors=True)
-    return said
+    tell(f"{stage.name}: {said} ({elapsed:.1f} s)")
 
 
 def _refuse_living(aside: Path) -> None:
@@ -127,15 +118,6 @@ def _refuse_living(aside: Path) -> None:
         raise InputError(f"{aside.parent}: process {owner} is working on this mission; wait for it or end it")
 
 
-def publish(report: Path, out: Path) -> None:
-    """Copy the page of the report stage to the top of the mission's folder."""
-    page = report / "report.html"
-    if page.is_file():
-        aside = out / ".report.html.part"
-        shutil.copyfile(page, aside)
-        aside.replace(out / "report.html")
-
-
 def _input(name: str, folder: Path, stage: Stage) -> Stamp:
     stamp = read_stamp(folder)
     if stamp is None:
@@ -143,10 +125,3 @@ def _input(name: str, folder: Path, stage: Stage) -> Stamp:
     if not intact(stamp, folder):
         raise InputError(f"{folder}: products of stage '{name}' are missing or were changed; run it with --from {name}")
     return stamp
-
-
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{out}: cannot be made a folder ({error.strerror or error})") from None

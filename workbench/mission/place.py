@@ -5,8 +5,6 @@ Products: tasks.csv, tasks.geojson (local metres), placement.json.
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable
 from dataclasses import asdict, replace
@@ -22,7 +20,7 @@ from formulations.task_location.criterion import Convention, Criterion, conventi
 from formulations.task_location.placement import Placement, PlacementProblem, place
 from formulations.task_location.registry import make_method
 from instances.arrays import Floats
-from instances.disk import read_text, write_aside
+from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.errors import InputError
 from instances.scenario import Scenario
@@ -67,22 +65,19 @@ def zones_of(scenario: Scenario) -> list[Polygon]:
     return [*scenario.no_fly, *(Polygon(ring) for ring in scenario.region.polygon.interiors)]
 
 
-def place_tasks(
-    mission: Mission, region: Region, count: int, method: str, options: dict[str, Any], seed: int | None = None
-) -> Placement:
+def place_tasks(mission: Mission, region: Region, count: int, method: str, options: dict[str, Any]) -> Placement:
     """Return `count` tasks in `region` placed by `method` under the mission's planning kernel."""
     problem = PlacementProblem(region, criterion_of(mission, region), count)
-    return place(problem, make_method(method, options), method, seed=mission.place.seed if seed is None else seed)
+    return place(problem, make_method(method, options), method, seed=mission.place.seed)
 
 
 def criterion_of(mission: Mission, region: Region) -> Criterion:
     """Return the planning criterion of a mission."""
     wanted = mission.place
-    tests = region.cell_centres(*wanted.tests)
+    columns, rows = wanted.tests
+    tests = region.cell_centres(columns, rows)
     if not len(tests):
-        raise InputError(
-            f"place.tests: none of the {wanted.tests[0]} × {wanted.tests[1]} cell centres is in the region"
-        )
+        raise InputError(f"place.tests: none of the {columns} × {rows} cell centres is in the region")
     kernel = SquaredExponential(wanted.signal_sd, scales_of(wanted.length_scale))
     return Criterion(kernel, tests, None, wanted.noise_sd, None, convention(wanted.criterion))
 
@@ -105,5 +100,4 @@ def write_tasks(points: Floats, out: Path, said: dict[str, Any]) -> None:
 
 def kept_tasks(folder: Path) -> Floats:
     """Read the tasks (n, 2) [m] this stage wrote."""
-    rows = list(csv.reader(io.StringIO(read_text(folder / "tasks.csv"))))[1:]
-    return np.array(rows, dtype=float).reshape(-1, 2)
+    return np.loadtxt(folder / "tasks.csv", delimiter=",", skiprows=1, ndmin=2)

@@ -25,13 +25,8 @@ def settings(mission: Mission) -> dict[str, Any]:
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
     """Write the page and the figures."""
     stamps = {name: read_stamp(folders[name]) for name in FOLDERS}
-    said = {
-        "title": f"Mission: {mission.scenario.name}",
-        "settings": toml_text(mission.table),
-        "stages": [
-            (name, f"{stamp.elapsed:.1f} s, products {stamp.digest}") for name, stamp in stamps.items() if stamp
-        ],
-    }
+    stages = [(name, f"{stamp.elapsed:.1f} s, products {stamp.digest}") for name, stamp in stamps.items() if stamp]
+    said = {"title": f"Mission: {mission.scenario.name}", "settings": toml_text(mission.table), "stages": stages}
     page = out / "report.html"
     figures = write_mission_page({name: folders[name] for name in FOLDERS}, page, said)
     for drawn in figures:

@@ -10,10 +10,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from instances import Instance, Routes
+from instances import Instance
 from instances.disk import write_aside
 from instances.errors import InputError
-from instances.files import read_routes, write_routes
+from instances.files import write_routes
 from reports.record import Run
 from workbench.jobs.job import Job
 from workbench.jobs.runner import run
@@ -46,8 +46,3 @@ def solve(mission: Mission, instance: Instance, time_limit: float, seed: int) ->
     if found.own["routes"] is None:
         raise InputError(f"routes.solver: {wanted.solver} found no routes ({found.status}: {found.message})")
     return found
-
-
-def kept_routes(folder: Path, instance: Instance) -> Routes:
-    """Read the routes this stage wrote."""
-    return read_routes(folder / "routes.sol", instance)

@@ -48,6 +48,8 @@ if TYPE_CHECKING:
 
 SAMPLED = 65
 """Points a side at which the wind enters a scenario's digest."""
+PATHS = ("offsets", "points")
+"""What is stored of `instances.paths.Paths`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,13 +154,8 @@ class MovingCostStudy(Problem[MovingCostItem]):
         """Return name, digest and sizes."""
         depots = item.scenario.n_depots if item.starts is None else 0
         family = str(item.scenario.provenance.get("family", "file"))
-        return {
-            "name": item.name,
-            "digest": item.digest,
-            "n_tasks": self.size(item),
-            "n_depots": depots,
-            "family": family,
-        }
+        about = {"name": item.name, "digest": item.digest, "n_tasks": self.size(item)}
+        return about | {"n_depots": depots, "family": family}
 
     def prepare(self, method: MovingCostMethod, item: MovingCostItem) -> None:
         """Compile the method's kernels on two nodes."""
@@ -169,11 +166,8 @@ class MovingCostStudy(Problem[MovingCostItem]):
     ) -> Claim:
         """Plan all paths; `seed` numbers repetitions, as the methods' samples are an option of theirs."""
         found = all_pairs(item.query, method)
-        product = {
-            "cost": found.cost.tolist(),
-            "offsets": found.paths.offsets.tolist(),
-            "points": found.paths.points.tolist(),
-        }
+        paths = {key: getattr(found.paths, key).tolist() for key in PATHS}
+        product = {"cost": found.cost.tolist(), **paths}
         return Claim(product, mean_cost(found.cost), status="FEASIBLE", stopped_by="finished",
                      statistics=found.statistics)  # fmt: skip
 
@@ -195,7 +189,7 @@ class MovingCostStudy(Problem[MovingCostItem]):
         """Return the costs and the paths behind them."""
         if product is None:
             return {"cost": None, "paths": {}}
-        return {"cost": product["cost"], "paths": {key: product[key] for key in ("offsets", "points")}}
+        return {"cost": product["cost"], "paths": {key: product[key] for key in PATHS}}
 
     def spell(self, run: Run) -> str:
         """Return the mean cost in seconds."""

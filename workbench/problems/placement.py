@@ -186,13 +186,9 @@ class PlacementStudy(Problem[PlacementItem]):
         worth = {} if product is None else _worth(item, product)
         value = worth.get(Convention.BOTH_NOISY)
         bound = item.certificate
-        return {
-            "points": product,
-            "mutual_information": value,
-            "certificate": bound,
-            "ratio": None if value is None or bound is None else value / bound,
-            "information": worth,
-        }
+        ratio = None if value is None or bound is None else value / bound
+        about = {"points": product, "mutual_information": value, "certificate": bound, "ratio": ratio}
+        return about | {"information": worth}
 
     def spell(self, run: Run) -> str:
         """Return the information in nats."""

@@ -91,16 +91,10 @@ class Routing(Problem[Instance]):
 
     def describe(self, item: Instance) -> dict[str, Any]:
         """Return name, digest, sizes, family, asymmetry, and the best known value [s] where there is one."""
-        described = {
-            "name": item.name,
-            "digest": item.digest,
-            "n_tasks": int(item.n_tasks),
-            "n_depots": int(item.n_depots),
-            "family": str(item.provenance.get("family", "file")),
-            "asymmetry": item.asymmetry,
-        }
+        about = {"name": item.name, "digest": item.digest, "n_tasks": int(item.n_tasks), "n_depots": int(item.n_depots)}
+        about |= {"family": str(item.provenance.get("family", "file")), "asymmetry": item.asymmetry}
         known = best_known(item.digest)
-        return described | ({"best_known": known.best_known} if known else {})
+        return about | ({"best_known": known.best_known} if known else {})
 
     def accepts(self, method: Solver, item: Instance) -> str | None:
         """Ask the solver."""

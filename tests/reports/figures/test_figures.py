@@ -14,11 +14,10 @@ from reports import load
 from reports.figures import study_figures
 from reports.figures.ablation import ablated_solvers, worth
 from reports.figures.profiles import ratios
-from reports.figures.routes import draw_routes, save_routes
+from reports.figures.routes import draw_routes, surroundings
 from reports.figures.steps import cumulative
 from reports.figures.style import COLOURS, DASHES, styles
-from reports.figures.surroundings import surroundings
-from reports.figures.svg import inline_svg
+from reports.figures.svg import inline_svg, save_figure
 from reports.metrics import with_gaps
 
 
@@ -91,7 +90,7 @@ def instance(coordinates=True):
 @pytest.mark.parametrize("ending", ["svg", "png", "pdf"])
 def test_routes_are_drawn_and_written(tmp_path, ending):
     target = tmp_path / f"routes.{ending}"
-    save_routes(generate("corridor", 4, 2, 0, wind="rotation"), ((0, 1, 2), (3,)), target)
+    save_figure(draw_routes(generate("corridor", 4, 2, 0, wind="rotation"), ((0, 1, 2), (3,))), target)
     start = {"svg": b"<?xml", "png": b"\x89PNG", "pdf": b"%PDF"}[ending]
     assert target.read_bytes().startswith(start)
     assert list(tmp_path.iterdir()) == [target]
@@ -114,7 +113,7 @@ def test_without_coordinates_only_bars_are_drawn():
 
 def test_a_picture_of_unknown_ending_is_refused(tmp_path):
     with pytest.raises(InputError, match="must end in"):
-        save_routes(instance(), ((0, 1), (2, 3)), tmp_path / "routes.txt")
+        save_figure(draw_routes(instance(), ((0, 1), (2, 3))), tmp_path / "routes.txt")
     assert not list(tmp_path.iterdir())
 
 

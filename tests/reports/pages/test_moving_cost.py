@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from instances.environment.terrain import mountains
 from instances.families import make_scenario
 from instances.paths import Paths
 from instances.scenario import Scenario
-from reports.figures.paths import draw_claim, draw_methods, draw_paths, save_paths
-from reports.figures.wind import draw_terrain, draw_wind
+from reports.figures.paths import draw_claim, draw_methods, draw_paths
+from reports.figures.svg import save_figure
+from reports.figures.wind import draw_wind
 from reports.pages.moving_cost import Case, write_moving_cost_page
 
 METHODS = pd.DataFrame(
@@ -36,14 +36,14 @@ def paths(scenario: Scenario) -> Paths:
 def test_the_papers_figure_draws_every_path_from_and_to_one_node(
     scenario: Scenario, paths: Paths, tmp_path: Path
 ) -> None:
-    figure = draw_paths(scenario, paths, start=0).figure
+    figure = draw_paths(scenario, paths).figure
     outward, back = figure.axes
     for axes, ends in ((outward, (0, -1)), (back, (-1, 0))):
         lines = [line.get_xydata() * 1e3 for line in axes.lines if len(line.get_xydata()) == 2]
         assert len(lines) == 5
         for line in lines:
-            np.testing.assert_allclose(line[ends[0]], scenario.points[0])
-    save_paths(scenario, paths, tmp_path / "p.svg")
+            np.testing.assert_allclose(line[ends[0]], scenario.points[-scenario.n_depots])
+    save_figure(figure, tmp_path / "p.svg")
     assert (tmp_path / "p.svg").read_text(encoding="utf-8").startswith("<?xml")
 
 
@@ -52,12 +52,11 @@ def test_environment_and_comparison_figures_name_their_units(scenario: Scenario)
         drawn.key: " ".join(a.get_xlabel() + a.get_ylabel() for a in drawn.figure.axes)
         for drawn in (
             draw_wind(scenario.wind, scenario.free),
-            draw_terrain(mountains(cells=20), scenario.free),
             draw_methods(METHODS),
             draw_claim(CLAIM),
         )
     }
-    expected = {"wind": "speed [m/s]", "terrain": "elevation [m]", "methods": "all pairs [s]", "claim": "of starts"}
+    expected = {"wind": "speed [m/s]", "methods": "all pairs [s]", "claim": "of starts"}
     for key, label in expected.items():
         assert label in words[key]
 

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from reports.statistics import blocks, bootstrap_interval, cliques, critical_difference, friedman, holm, pairwise
+from reports.statistics import blocks, bootstrap_interval, friedman, holm, pairwise
+from reports.statistics.friedman import cliques, critical_difference
 from reports.statistics.pairwise import differences, enough, signed_rank
 
 # J. Demšar, J. Mach. Learn. Res. 7 (2006), table 6: AUC of C4.5 and three variants on 14 data sets (more is better).

@@ -22,7 +22,7 @@ from instances.formats.netcdf import read_grids
 from instances.routes import check_routes
 from workbench.mission import environment
 from workbench.mission.file import mission_of, read_mission
-from workbench.mission.pipeline import NAMES, STAGES, folder_names, run_mission
+from workbench.mission.pipeline import FOLDERS, NAMES, STAGES, run_mission
 
 SMALL = """
 airspeed = 50.0
@@ -241,8 +241,8 @@ def test_a_killed_mission_continues_where_it_was(mission_file: Path, tmp_path: P
 
 
 def test_folders_are_numbered_in_order() -> None:
-    assert list(folder_names()) == [stage.name for stage in STAGES]
-    assert folder_names()["flight"] == "5-flight"
+    assert list(FOLDERS) == [stage.name for stage in STAGES]
+    assert FOLDERS["flight"] == "5-flight"
 
 
 def test_an_unknown_stage(cli) -> None:

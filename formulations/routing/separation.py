@@ -106,14 +106,7 @@ def _neighbours(theta: Floats) -> tuple[Ints, Ints]:
 
 @njit(cache=True)
 def _search(
-    residual: Floats,
-    near: Ints,
-    degree: Ints,
-    first: int,
-    last: int,
-    forwards: bool,
-    parent: Ints,
-    queue: Ints,
+    residual: Floats, near: Ints, degree: Ints, first: int, last: int, forwards: bool, parent: Ints, queue: Ints
 ) -> None:
     """Search breadth-first from `first` until `last`; parent < 0 where not reached. Backwards: against the arcs."""
     parent[:] = -1

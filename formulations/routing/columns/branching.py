@@ -38,11 +38,7 @@ def shares(master: Master, weight: Floats) -> Floats:
 
 
 def choose(
-    master: Master,
-    allowed: Bools,
-    far: Floats,
-    gap: float,
-    out_of_time: Callable[[], bool],
+    master: Master, allowed: Bools, far: Floats, gap: float, out_of_time: Callable[[], bool]
 ) -> tuple[int, int] | None:
     """Return UAV and task to branch on, None where all are decided.
 

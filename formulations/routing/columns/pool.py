@@ -111,13 +111,7 @@ class Pool:
 
 @njit(cache=True)
 def _values(
-    visited: NDArray[np.uint64],
-    cost: Floats,
-    price: Floats,
-    sigma: float,
-    cuts: TaskCuts,
-    limit: float,
-    to_least: bool,
+    visited: NDArray[np.uint64], cost: Floats, price: Floats, sigma: float, cuts: TaskCuts, limit: float, to_least: bool
 ) -> tuple[Floats, float]:
     """Return the reduced costs of one UAV's tours, infinite where not below the limit, and the least.
 

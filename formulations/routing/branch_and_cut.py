@@ -76,12 +76,12 @@ class BranchAndCut(ModelSolver):
         subtours(np.zeros((2, 2)), 0.0)
         two_cycles(np.zeros((2, 2)), 0.0)
 
-    def search(self, recorder: Recorder, seed: int) -> Result:
+    def improve(self, recorder: Recorder, seed: int) -> Result:
         """Raise the bound by simple means, look for better routes, then `prove`."""
         for simple_bound in SIMPLE.values():
             recorder.raise_bound(simple_bound(recorder.instance, recorder.objective))
         if self.warm_start:
-            improve(recorder, seed)
+            _warm_start(recorder, seed)
         if recorder.objective == 0:
             return recorder.result("proof", proved=True)
         if recorder.remaining == 0:
@@ -164,7 +164,7 @@ class BranchAndCut(ModelSolver):
             scip.addSol(solution)
 
 
-def improve(recorder: Recorder, seed: int) -> None:
+def _warm_start(recorder: Recorder, seed: int) -> None:
     """Run a short ruin-and-recreate from the routes known, within a tenth of the time left."""
     instance = recorder.instance
     steps = _STEPS_A_TASK * max(instance.n_tasks, 10)

@@ -17,9 +17,9 @@ import numpy as np
 from pyscipopt import Model, Variable, quicksum
 from pyscipopt.scip import Solution
 
+from formulations.routing.simple_bounds import ways_between_tasks, ways_from_depot
 from formulations.routing.strengthening import in_order, is_symmetric, neighbours, used_arcs
 from formulations.routing.subtours import Arc
-from formulations.routing.ways import ways_between_tasks, ways_from_depot
 from instances import Instance, Routes, makespan
 
 _BITS = 10  # the incumbent costs less than 2^10 in SCIP's unit

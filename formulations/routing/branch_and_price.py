@@ -28,21 +28,19 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from formulations.limits import Limits
 from formulations.routing.columns.destructive import destructive_bounds
-from formulations.routing.columns.efforts import efforts
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
-from formulations.routing.columns.pricing import Column
+from formulations.routing.columns.pricing import Column, efforts
 from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.tree import StoppedBy, Tree
 from formulations.routing.columns.warming import warm_up
-from formulations.routing.recorder import Recorder
+from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.simple_bounds import SIMPLE
-from formulations.routing.solver import Observer, Result, Solver, ignore
-from instances import InputError, Instance, Routes, tour_costs
+from formulations.routing.solver import Result
+from instances import InputError, Instance, tour_costs
 
 TOLERANCE = 1e-7
 """Of the longest tour: routes better by less are neither looked for nor excluded."""
@@ -53,7 +51,7 @@ _WIDE = 0.05  # gap left after a third of the time above which bisection gets th
 
 
 @dataclass(frozen=True)
-class BranchAndPrice(Solver):
+class BranchAndPrice(RecordedSolver):
     """Branch and price over tours.
 
     starts : memetic searches before the first relaxation; 0 uses only the start given, to the end.
@@ -86,17 +84,8 @@ class BranchAndPrice(Solver):
         Memetic().prepare(instance)
         warm_up()
 
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
+    def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of the tree. Deterministic but for the clock."""
-        recorder = Recorder(instance, limits, observe, start)
         self.improve(recorder, 1000 * seed, self.starts)
         ended, counts = self.prove(recorder, seed)
         proved = ended == StoppedBy.PROOF

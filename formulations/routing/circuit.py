@@ -62,7 +62,7 @@ class Circuit(ModelSolver):
         size = instance.n_tasks**2 * instance.n_depots
         return f"the model would have {size} clauses; it takes {MOST_LITERALS}" if size > MOST_LITERALS else None
 
-    def search(self, recorder: Recorder, seed: int) -> Result:
+    def improve(self, recorder: Recorder, seed: int) -> Result:
         """Solve in one search."""
         instance, limits = recorder.instance, recorder.limits
         scaled = scale_costs(instance, recorder.objective)

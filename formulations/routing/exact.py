@@ -23,9 +23,8 @@ from typing import Any, ClassVar
 from formulations.limits import Limits
 from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.routing.branch_and_price import TOLERANCE, BranchAndPrice
-from formulations.routing.linked import LinkedRecorder
-from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Observer, Result, Solver, Status, ignore
+from formulations.routing.recorder import LinkedRecorder, RecordedSolver, Recorder
+from formulations.routing.solver import Observer, Result, Status, ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes
 
@@ -38,10 +37,11 @@ _TELLING = 0.2  # seconds a peer is given to end by itself
 
 
 @dataclass(frozen=True)
-class Exact(Solver):
+class Exact(RecordedSolver):
     """The portfolio of exact methods."""
 
     proves: ClassVar[bool] = True
+    recorder: ClassVar[type[Recorder]] = LinkedRecorder
 
     def accepts(self, instance: Instance) -> str | None:
         """Refuse what `branch-and-price` refuses."""
@@ -55,24 +55,18 @@ class Exact(Solver):
         BranchAndPrice().prepare(instance)
         BranchAndCut().prepare(instance)
 
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
+    def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of each tree."""
+        instance = recorder.instance
         if instance.n_tasks <= FEW:
-            result = SubsetDp().solve(instance, limits=limits, seed=seed, observe=observe, start=start)
-            return _named(result, "subset-dp")
-        recorder = LinkedRecorder(instance, limits, observe, start)
+            result = SubsetDp().search(recorder, seed)
+            proved_by = "subset-dp" if result.status is Status.OPTIMAL else None
+            return dataclasses.replace(result, statistics={**result.statistics, "proved_by": proved_by})
+        assert isinstance(recorder, LinkedRecorder)
         columns = BranchAndPrice()
         columns.improve(recorder, 1000 * seed, columns.starts)
         may_cut = BranchAndCut().accepts(instance) is None
-        if limits.threads >= 2 and may_cut:
+        if recorder.limits.threads >= 2 and may_cut:
             return _side_by_side(recorder, columns, seed)
         cuts_first = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
         return _one_after_the_other(recorder, columns, seed, cuts_first and may_cut)
@@ -152,8 +146,3 @@ def _result(recorder: Recorder, ended: str, by: str, tolerance: float, counts: d
     if met:
         return recorder.result("proof", proved=True, tolerance=tolerance, proved_by=by, **counts)
     return recorder.result("time" if ended == "proof" else ended, proved_by=None, **counts)
-
-
-def _named(result: Result, by: str) -> Result:
-    proved = by if result.status is Status.OPTIMAL else None
-    return dataclasses.replace(result, statistics={**result.statistics, "proved_by": proved})

@@ -32,15 +32,15 @@ from formulations.routing.ga_operators import (
     inter_depot_mutation,
     intra_depot_mutation,
 )
-from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Observer, Result, Solver, ignore
+from formulations.routing.recorder import RecordedSolver, Recorder
+from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes, as_routes
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
 
 @dataclass(frozen=True)
-class GeneticAlgorithm(Solver):
+class GeneticAlgorithm(RecordedSolver):
     """Ombuki-Berman and Hanshar's genetic algorithm; ``limits.iterations`` counts generations.
 
     Options
@@ -89,19 +89,10 @@ class GeneticAlgorithm(Solver):
         tiny = Instance("warm-up", np.zeros((4, 4)), 2, 2)
         GeneticAlgorithm(population=4, inter_every=1).solve(tiny, limits=Limits(iterations=1))
 
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
-        """Evolve until the generations or the limits end it; `start` joins the first population."""
-        recorder = Recorder(instance, limits, observe, start)
-        rng = np.random.default_rng(seed)
-        people = self._first_population(instance, rng, start)
+    def search(self, recorder: Recorder, seed: int) -> Result:
+        """Evolve until the generations or the limits end it; the start joins the first population."""
+        instance, limits, rng = recorder.instance, recorder.limits, np.random.default_rng(seed)
+        people = self._first_population(instance, rng, recorder.routes)
         candidates = border_line(instance, self.border)
         last = self.generations if limits.iterations is None else min(self.generations, limits.iterations)
         recorder.incumbent(people.routes(people.fittest))

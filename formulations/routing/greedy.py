@@ -21,11 +21,11 @@ from typing import ClassVar
 import numpy as np
 
 from formulations.limits import Limits
-from formulations.routing.recorder import Recorder
+from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.construction import Rule, extend_nearest, first_gaps, insert_many
-from formulations.routing.search.costs import both_ways
+from formulations.routing.search.problem_data import both_ways
 from formulations.routing.search.tours import Tours, empty_tours, to_routes
-from formulations.routing.solver import Observer, Result, Solver, ignore
+from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes
 from instances.errors import suggestion
 
@@ -36,7 +36,7 @@ _LOOKS = 4_000_000
 
 
 @dataclass(frozen=True)
-class Greedy(Solver):
+class Greedy(RecordedSolver):
     """Greedy construction; no randomness.
 
     variant : regret, cheapest, shortest or nearest.
@@ -57,17 +57,9 @@ class Greedy(Solver):
         for variant in {self.variant, "nearest"}:
             Greedy(variant).solve(small, limits=Limits(time=3600.0))
 
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
+    def search(self, recorder: Recorder, seed: int) -> Result:
         """Construct routes; an iteration limit has no meaning here."""
-        recorder = Recorder(instance, limits, observe, start)
+        instance = recorder.instance
         tours = empty_tours(instance.n_tasks, instance.n_depots)
         in_time = self.variant == "nearest" or _insert_all(instance, tours, _RULES[self.variant], recorder)
         extend_nearest(instance.cost, tours)

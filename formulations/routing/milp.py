@@ -58,7 +58,7 @@ class Milp(ModelSolver):
         """Return why the instance is too large for the three-index form, or None."""
         return why_too_large(instance, MOST_THETA)
 
-    def search(self, recorder: Recorder, seed: int) -> Result:
+    def improve(self, recorder: Recorder, seed: int) -> Result:
         """Solve by rounds until no subtour is left."""
         return _Rounds(self, recorder, seed).run()
 

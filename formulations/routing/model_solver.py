@@ -10,14 +10,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from formulations.limits import Limits
 from formulations.routing.greedy import greedy_routes
-from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Observer, Result, Solver, ignore
-from instances import Instance, Routes
+from formulations.routing.recorder import RecordedSolver, Recorder
+from formulations.routing.solver import Result
+from instances import Instance
 
 
-class ModelSolver(Solver):
+class ModelSolver(RecordedSolver):
     """A solver that begins from the start given or greedy routes, whichever are shorter.
 
     counters : the statistics that are 0 where there is nothing to search for.
@@ -29,23 +28,14 @@ class ModelSolver(Solver):
         """Compile the construction of the first routes."""
         greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
 
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
-        """Search, unless the first routes cost nothing."""
-        recorder = Recorder(instance, limits, observe, start)
-        recorder.incumbent(greedy_routes(instance))
+    def search(self, recorder: Recorder, seed: int) -> Result:
+        """Improve on the first routes, unless they cost nothing."""
+        recorder.incumbent(greedy_routes(recorder.instance))
         if recorder.objective > 0:
-            return self.search(recorder, seed)
+            return self.improve(recorder, seed)
         nothing_done: dict[str, Any] = dict.fromkeys(self.counters, 0)
         return recorder.result("proof" if self.proves else "finished", proved=self.proves, **nothing_done)
 
     @abstractmethod
-    def search(self, recorder: Recorder, seed: int) -> Result:
+    def improve(self, recorder: Recorder, seed: int) -> Result:
         """Look for better routes than the recorder's, of cost > 0, and for bounds, in the time it has left."""

@@ -42,7 +42,7 @@ class RoutingLibrary(ModelSolver):
         if self.span_weight < 1:
             raise InputError(f"routing-library: span_weight must be at least 1, got {self.span_weight}")
 
-    def search(self, recorder: Recorder, seed: int) -> Result:
+    def improve(self, recorder: Recorder, seed: int) -> Result:
         """Search until a limit is reached."""
         asked = recorder.limits.iterations
         solutions = 0 if asked == 0 else _Search(self, recorder, seed).run()

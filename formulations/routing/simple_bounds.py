@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from formulations.routing.ways import ways_between_tasks, ways_from_depot
 from instances import Instance
 from instances.arrays import Floats
+from instances.walks import shortest_walks
 
 
 def farthest(instance: Instance, upper: float) -> float:
@@ -114,3 +114,16 @@ def _cycle(parent: NDArray[np.intp]) -> NDArray[np.intp]:
 def _down(value: float, instance: Instance, upper: float) -> float:
     """Return `value` less its rounding error, no more than `upper` and no less than 0."""
     return min(upper, max(0.0, value - instance.n_nodes**2 * 2.0**-52 * upper))
+
+
+def ways_between_tasks(cost: Floats, n_tasks: int) -> Floats:
+    """Return the cost of the cheapest way from each task to each, over tasks only, shape (n, n), rounded down."""
+    return shortest_walks(cost[:n_tasks, :n_tasks]) * (1 - (n_tasks + 2) * 2.0**-52)
+
+
+def ways_from_depot(cost: Floats, between: Floats, k: int) -> tuple[Floats, Floats]:
+    """Return the cheapest ways from depot k (node number) to each task and back, shape (n,) each, rounded down."""
+    n = len(between)
+    out = (cost[k, :n, None] + between).min(axis=0)
+    back = (between + cost[None, :n, k]).min(axis=1)
+    return out * (1 - 2.0**-52), back * (1 - 2.0**-52)

@@ -24,8 +24,8 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from formulations.limits import Limits
-from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Observer, Result, Solver, ignore
+from formulations.routing.recorder import RecordedSolver, Recorder
+from formulations.routing.solver import Result
 from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.kernels import njit
@@ -40,7 +40,7 @@ _RELATIVE_ROUNDING = 1e-13  # > 2·(LARGEST + 1)·2⁻⁵³
 
 
 @dataclass(frozen=True)
-class SubsetDp(Solver):
+class SubsetDp(RecordedSolver):
     """Dynamic programming over all subsets: exact, n ≤ 22, time and memory known beforehand."""
 
     proves: ClassVar[bool] = True
@@ -60,17 +60,9 @@ class SubsetDp(Solver):
         tiny = Instance("warm-up", np.ones((5, 5)) - np.eye(5), 2, 3)
         self.solve(tiny, limits=Limits(time=3600.0))
 
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
-        """Solve exactly; `start` only lets blocks be skipped. Deterministic, so `seed` is not used."""
-        recorder = Recorder(instance, limits, observe, start)
+    def search(self, recorder: Recorder, seed: int) -> Result:
+        """Solve exactly; known routes only let blocks be skipped. Deterministic, so `seed` is not used."""
+        instance = recorder.instance
         recorder.incumbent(_nearest_task_to_the_shortest_tour(instance))
         tours = []
         for k in range(instance.n_depots):

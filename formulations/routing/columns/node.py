@@ -12,12 +12,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from formulations.routing.columns.cuts import Cut
-from formulations.routing.columns.efforts import Efforts
 from formulations.routing.columns.labelling import Store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool
-from formulations.routing.columns.pricing import Column, DualBound, Effort, Pricer
+from formulations.routing.columns.pricing import Column, DualBound, Effort, Efforts, Pricer
 from instances.arrays import Bools, Floats
 
 _FIRST_ROOM = 1_000_000  # labels of the first attempt to list the tours

@@ -14,9 +14,9 @@ each partial sum is at most U + Σ|π| in size, so a computed reduced cost is of
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -199,3 +199,23 @@ class Pricer:
         """Return the tour that ends with `label`."""
         s = self.store
         return Column(k, path(s, label), float(s.cost[label] + self.legs.home[k, s.last[label]]))
+
+
+class Efforts(NamedTuple):
+    """How hard to work: `pricing` in the order to try, quick ones first; `thorough` to fix and list."""
+
+    pricing: tuple[Effort, ...]
+    thorough: Effort
+
+
+def efforts(n_tasks: int, bins: int) -> tuple[Efforts, Efforts]:
+    """Return how hard to work at a node without cuts and at one with cuts; at most `bins` bins."""
+    quick, middle, fine = (max(1, bins * tenths // 10) for tenths in (3, 5, 8))
+    few, more = Effort(3, quick, 200), Effort(3, quick, 3000)
+    if n_tasks <= 100:
+        plain = Efforts((few, more, Effort(6, fine, 20_000), Effort(7, bins, 300_000)), Effort(7, bins, 0))
+        watching = (replace(few, watch=3), replace(more, watch=4), Effort(4, middle, 30_000, 4))
+        return plain, Efforts((*watching, Effort(5, middle, 300_000, 4)), Effort(5, fine, 0, 4))
+    plain = Efforts((few, more, Effort(4, fine, 20_000), Effort(5, bins, 300_000)), Effort(5, fine, 0))
+    watching = (replace(few, watch=1), replace(more, watch=2), Effort(3, middle, 30_000, 2))
+    return plain, Efforts((*watching, Effort(4, middle, 300_000, 2)), Effort(4, middle, 0, 2))

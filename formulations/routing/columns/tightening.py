@@ -13,12 +13,11 @@ import numpy as np
 
 from formulations.routing.columns.branching import choose, shares
 from formulations.routing.columns.cuts import separate
-from formulations.routing.columns.enumeration import list_tours
 from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
-from formulations.routing.columns.pool import PoolPricer
+from formulations.routing.columns.pool import PoolPricer, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Prices
 from instances import Routes
 from instances.arrays import Floats

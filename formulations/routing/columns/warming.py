@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.routing.columns.cuts import separate
-from formulations.routing.columns.enumeration import list_tours
 from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.labelling import compile_beam, make_store
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.pool import Pool
+from formulations.routing.columns.pool import Pool, list_tours
 from formulations.routing.columns.pricing import DualBound, Duals, Effort, Pricer
 from instances import Instance
 

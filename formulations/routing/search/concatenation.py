@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs, Nodes
+from formulations.routing.search.problem_data import Costs, Nodes
 from formulations.routing.search.tours import Tours, join
 from instances.arrays import Floats, Ints
 from instances.kernels import njit

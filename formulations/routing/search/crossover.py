@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs, Nodes
-from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.problem_data import Costs, Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.tours import Tours, link, sum_costs, unlink

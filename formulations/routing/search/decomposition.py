@@ -11,9 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs, Nodes
-from formulations.routing.search.granular import GranularNeighbourhood, NeighbourhoodParameters
-from formulations.routing.search.problem_data import ProblemData, problem_data
+from formulations.routing.search.problem_data import (
+    Costs,
+    GranularNeighbourhood,
+    NeighbourhoodParameters,
+    Nodes,
+    ProblemData,
+    problem_data,
+)
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours, clear, copy_tours, empty_tours, fill, sum_costs
 from instances.kernels import njit

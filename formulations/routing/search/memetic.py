@@ -16,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from formulations.limits import Limits
-from formulations.routing.recorder import Recorder
+from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.budget import Budget
 from formulations.routing.search.decomposition import merge
 from formulations.routing.search.parameters import SearchParameters
@@ -26,14 +26,14 @@ from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded, uniform
 from formulations.routing.search.recreate import GUIDES
 from formulations.routing.search.tours import from_routes, to_routes
-from formulations.routing.solver import Observer, Result, Solver, ignore
+from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes
 
 _DEFAULT = SearchParameters()
 
 
 @dataclass(frozen=True)
-class Memetic(Solver):
+class Memetic(RecordedSolver):
     """The state-of-the-art min-max search.
 
     removals : tasks taken out by one ruin, at most (1 to 20).
@@ -90,21 +90,13 @@ class Memetic(Solver):
         perturb(part.data, part.tours, parameters.perturbation, recreation, population.rng)
         merge(population.data.costs, part.nodes, part.best, population.best)
 
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
+    def search(self, recorder: Recorder, seed: int) -> Result:
         """Search until a limit; one annealing step is one iteration, counted in each of the `threads` populations."""
-        recorder = Recorder(instance, limits, observe, start)
-        populations = self._populations(instance, limits.threads, seed, start)
+        threads = recorder.limits.threads
+        populations = self._populations(recorder.instance, threads, seed, recorder.routes)
         budget = Budget(recorder, self.parameters.budget)
         planned = False
-        with ThreadPoolExecutor(limits.threads) as pool:
+        with ThreadPoolExecutor(threads) as pool:
             while True:
                 for population in populations:
                     if population.improved:

@@ -13,8 +13,8 @@ import numpy as np
 
 from formulations.routing.search import concatenation
 from formulations.routing.search.concatenation import Segments
-from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.energy import Objective, PartialEnergy, energy_with, energy_without
+from formulations.routing.search.problem_data import Costs, Nodes
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours
 from instances.arrays import Ints

@@ -14,10 +14,9 @@ import numpy as np
 from formulations.routing.search.annealing import AnnealingParameters
 from formulations.routing.search.budget import BudgetParameters
 from formulations.routing.search.decomposition import DecompositionParameters
-from formulations.routing.search.granular import NeighbourhoodParameters
 from formulations.routing.search.local_search import LocalSearchParameters
 from formulations.routing.search.perturbation import PerturbationParameters
-from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData
 from formulations.routing.search.schedule import ScheduleParameters
 from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS, Strategy
 

@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs
-from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.problem_data import Costs, ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink

@@ -2,7 +2,7 @@
 
 A stage anneals one newcomer. The first stages make founders from scratch; later ones search some tours of a member
 alone (decomposition.py), perturb a member (perturbation.py), cross two (crossover.py) or reheat one (strategy.py).
-At the end of a stage every tour of the newcomer gets a better order (intensify.py).
+At the end of a stage every tour of the newcomer gets a better order (local_search.py).
 A newcomer that is no copy of a member replaces the worst member where it is better; a population that brings forth
 nothing new for a while keeps its best member and restarts with fresh founders, annealed twice as long. The longer
 nothing is new, the more annealings are fine (schedule.py).
@@ -18,7 +18,7 @@ from formulations.routing.search.annealing import anneal
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around_longest, merge, subproblem
 from formulations.routing.search.energy import Measure, fitness
-from formulations.routing.search.intensify import intensify
+from formulations.routing.search.local_search import intensify
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
 from formulations.routing.search.problem_data import ProblemData

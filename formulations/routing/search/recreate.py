@@ -14,10 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs, Nodes
 from formulations.routing.search.energy import Measure, MeasureKind, excess, p_norm, power
-from formulations.routing.search.granular import GranularNeighbourhood
-from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.problem_data import Costs, GranularNeighbourhood, Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.tours import Tours, insertion_change, link
 from instances.kernels import njit

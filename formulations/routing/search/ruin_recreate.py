@@ -12,24 +12,23 @@ from typing import ClassVar
 import numpy as np
 
 from formulations.limits import Limits
-from formulations.routing.recorder import Recorder
+from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.annealing import AnnealingParameters, anneal
 from formulations.routing.search.budget import Budget, BudgetParameters
-from formulations.routing.search.granular import NeighbourhoodParameters
-from formulations.routing.search.problem_data import problem_data
+from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule, ScheduleParameters
 from formulations.routing.search.strategy import SEVERAL_DEPOTS
 from formulations.routing.search.tours import duplicate, empty_tours, from_routes, to_routes
-from formulations.routing.solver import Observer, Result, Solver, ignore
-from instances import InputError, Instance, Routes
+from formulations.routing.solver import Result
+from instances import InputError, Instance
 
 _NEAREST = NeighbourhoodParameters()
 
 
 @dataclass(frozen=True)
-class RuinRecreate(Solver):
+class RuinRecreate(RecordedSolver):
     """Annealed ruin-and-recreate.
 
     removals : tasks taken out at once, at most (1 to 20).
@@ -48,22 +47,14 @@ class RuinRecreate(Solver):
         small = Instance("warm-up", 1.0 - np.eye(3), 2, 1)
         self.solve(small, limits=Limits(time=3600.0, iterations=1))
 
-    def solve(
-        self,
-        instance: Instance,
-        *,
-        limits: Limits,
-        seed: int = 0,
-        observe: Observer = ignore,
-        start: Routes | None = None,
-    ) -> Result:
+    def search(self, recorder: Recorder, seed: int) -> Result:
         """Anneal until a limit; one step is one iteration."""
-        recorder = Recorder(instance, limits, observe, start)
+        instance = recorder.instance
         data = problem_data(instance.cost, instance.n_tasks, _NEAREST)
         how = AnnealingParameters(removals=self.removals, moves=0.0)
         rng = seeded(seed)
-        if start is not None:
-            tours = from_routes(data.costs, start)
+        if recorder.routes is not None:
+            tours = from_routes(data.costs, recorder.routes)
         else:
             tours = empty_tours(instance.n_tasks, instance.n_depots)
             construct(data, tours, how.recreate, rng)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from formulations.routing.search.energy import Measure, MeasureKind, excess, p_norm
-from formulations.routing.search.granular import NeighbourhoodParameters
+from formulations.routing.search.problem_data import NeighbourhoodParameters
 from formulations.routing.search.randomness import Rng, uniform
 from formulations.routing.search.recreate import RecreateParameters
 from formulations.routing.search.schedule import FinalPhase, Schedule, ScheduleParameters

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs, Nodes
+from formulations.routing.search.problem_data import Costs, Nodes
 from instances import Routes
 from instances.arrays import Floats
 from instances.kernels import njit

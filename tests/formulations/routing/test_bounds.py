@@ -11,9 +11,16 @@ from formulations.limits import Limits
 from formulations.routing import bounds
 from formulations.routing.bounds import lower_bounds
 from formulations.routing.greedy import greedy_routes
-from formulations.routing.simple_bounds import SIMPLE, arborescence, assignment, cheapest_arborescence, farthest
+from formulations.routing.simple_bounds import (
+    SIMPLE,
+    arborescence,
+    assignment,
+    cheapest_arborescence,
+    farthest,
+    ways_between_tasks,
+    ways_from_depot,
+)
 from formulations.routing.subset_dp import SubsetDp
-from formulations.routing.ways import ways_between_tasks, ways_from_depot
 from instances import Instance, makespan
 
 

@@ -9,14 +9,13 @@ from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.branching import choose
 from formulations.routing.columns.completion import Bins, Memory, completion
-from formulations.routing.columns.efforts import Efforts
 from formulations.routing.columns.generation import generate
 from formulations.routing.columns.labelling import least_of_all, make_store, path, search
 from formulations.routing.columns.legs import Legs, UavLegs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pool import Pool
-from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer
 from formulations.routing.columns.tree import Tree
 from formulations.routing.columns.watching import Watch
 from formulations.routing.solver import Status

@@ -7,7 +7,7 @@ import pytest
 
 from formulations.limits import Limits
 from formulations.routing.exact import Exact
-from formulations.routing.linked import LinkedRecorder
+from formulations.routing.recorder import LinkedRecorder
 from formulations.routing.solver import Event, Status, ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes

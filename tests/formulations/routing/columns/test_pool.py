@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
-from formulations.routing.columns.enumeration import list_tours
 from formulations.routing.columns.generation import generate
 from formulations.routing.columns.labelling import Orders, _projected, make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.pool import Pool, PoolPricer
+from formulations.routing.columns.pool import Pool, PoolPricer, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer
 from formulations.routing.columns.searching import search_around
 from formulations.routing.columns.tightening import bottleneck_tour

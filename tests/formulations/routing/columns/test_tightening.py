@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
-from formulations.routing.columns.efforts import efforts
 from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pool import Pool
-from formulations.routing.columns.pricing import Effort, Pricer
+from formulations.routing.columns.pricing import Effort, Pricer, efforts
 from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan

@@ -9,10 +9,9 @@ from formulations.routing.search import crossover as mixing
 from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import AnnealingParameters
 from formulations.routing.search.energy import fitness
-from formulations.routing.search.granular import NeighbourhoodParameters
 from formulations.routing.search.parameters import PopulationParameters, SearchParameters
 from formulations.routing.search.population import Population
-from formulations.routing.search.problem_data import problem_data
+from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import RecreateParameters
 from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from formulations.routing.search import decomposition
 from formulations.routing.search import tours as rings
-from formulations.routing.search.granular import NeighbourhoodParameters
-from formulations.routing.search.problem_data import problem_data
+from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
 from instances import check_routes, tour_costs
 

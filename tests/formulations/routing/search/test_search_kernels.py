@@ -12,7 +12,6 @@ from formulations.routing.search import recreate as rebuilding
 from formulations.routing.search import ruin as ruining
 from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import AnnealingParameters, anneal, undo
-from formulations.routing.search.costs import both_ways
 from formulations.routing.search.energy import (
     MeasureKind,
     Objective,
@@ -23,8 +22,12 @@ from formulations.routing.search.energy import (
     fitness,
     p_norm,
 )
-from formulations.routing.search.granular import NeighbourhoodParameters, granular_neighbourhood
-from formulations.routing.search.problem_data import problem_data
+from formulations.routing.search.problem_data import (
+    NeighbourhoodParameters,
+    both_ways,
+    granular_neighbourhood,
+    problem_data,
+)
 from formulations.routing.search.randomness import below, seeded, uniform
 from formulations.routing.search.recreate import GUIDES, RecreateParameters
 from formulations.routing.search.schedule import Schedule, ScheduleParameters

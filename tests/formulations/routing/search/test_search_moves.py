@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 
 from formulations.routing.search import concatenation, moves
 from formulations.routing.search import tours as rings
-from formulations.routing.search.costs import both_ways
 from formulations.routing.search.energy import Objective, energy, excess, p_norm
-from formulations.routing.search.granular import NeighbourhoodParameters, granular_neighbourhood
+from formulations.routing.search.problem_data import NeighbourhoodParameters, both_ways, granular_neighbourhood
 from formulations.routing.search.randomness import seeded
 from instances import Instance, check_routes, tour_costs
 

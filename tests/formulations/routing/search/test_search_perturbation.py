@@ -7,9 +7,7 @@ from hypothesis import strategies as st
 
 from formulations.routing.search import perturbation
 from formulations.routing.search import tours as rings
-from formulations.routing.search.costs import both_ways
-from formulations.routing.search.granular import NeighbourhoodParameters
-from formulations.routing.search.problem_data import problem_data
+from formulations.routing.search.problem_data import NeighbourhoodParameters, both_ways, problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import RecreateParameters
 from instances import check_routes, tour_costs

@@ -27,7 +27,10 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.ga_operators import (
+    Population,
     best_cost_route_crossover,
+    chromosome,
+    copy,
     evaluate,
     inter_depot_mutation,
     intra_depot_mutation,
@@ -35,7 +38,7 @@ from formulations.routing.ga_operators import (
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes, as_routes
-from instances.arrays import Bools, Floats, Ints
+from instances.arrays import Bools, Floats
 from instances.kernels import njit
 
 
@@ -71,13 +74,8 @@ class GeneticAlgorithm(RecordedSolver):
     border: float = 2.0
 
     def __post_init__(self) -> None:
-        for name, least in (
-            ("population", 2),
-            ("generations", 0),
-            ("tournament", 1),
-            ("inter_every", 1),
-            ("border", 0),
-        ):
+        least_of = {"population": 2, "generations": 0, "tournament": 1, "inter_every": 1, "border": 0}
+        for name, least in least_of.items():
             if getattr(self, name) < least:
                 raise InputError(f"ga: {name} must be at least {least}, got {getattr(self, name)}")
         for name in ("tournament_rate", "elite", "crossover_rate", "intra_rate", "inter_rate"):
@@ -95,68 +93,43 @@ class GeneticAlgorithm(RecordedSolver):
         people = self._first_population(instance, rng, recorder.routes)
         candidates = border_line(instance, self.border)
         last = self.generations if limits.iterations is None else min(self.generations, limits.iterations)
-        recorder.incumbent(people.routes(people.fittest))
+        recorder.incumbent(_fittest(people))
         generation = 0
         while generation < last and recorder.remaining > 0:
             generation += 1
             people = self._next(people, instance.cost, candidates, rng, generation)
-            if people.fitness[people.fittest] < recorder.objective:
-                recorder.incumbent(people.routes(people.fittest))
+            if people.fitness.min() < recorder.objective:
+                recorder.incumbent(_fittest(people))
         stopped_by = "time" if generation < last else "finished" if generation == self.generations else "iterations"
         return recorder.result(stopped_by, generations=generation)
 
     def _first_population(self, instance: Instance, rng: np.random.Generator, start: Routes | None) -> Population:
-        n, m = int(instance.n_tasks), int(instance.n_depots)
         chromosomes = [random_chromosome(instance, rng) for _ in range(self.population)]
         if start is not None:
             chromosomes[0] = start
         perms = np.array([[task for route in routes for task in route] for routes in chromosomes], dtype=np.int64)
         sizes = np.array([[len(route) for route in routes] for routes in chromosomes], dtype=np.int64)
-        people = Population(perms, sizes, np.zeros((self.population, m)), np.zeros(self.population))
+        people = Population(perms, sizes, np.zeros(sizes.shape), np.zeros(self.population))
         for row in range(self.population):
-            people.fitness[row] = evaluate(instance.cost, perms[row], sizes[row], people.totals[row], n)
+            people.fitness[row] = evaluate(instance.cost, chromosome(people, row))
         return people
 
     def _next(
         self, people: Population, cost: Floats, candidates: Bools, rng: np.random.Generator, generation: int
     ) -> Population:
-        inter = generation % self.inter_every == 0
-        return Population(
-            *next_generation(
-                cost,
-                rng,
-                people.perms,
-                people.sizes,
-                people.totals,
-                people.fitness,
-                candidates,
-                self.tournament,
-                float(self.tournament_rate),
-                round(self.elite * self.population),
-                float(self.crossover_rate),
-                inter,
-                float(self.inter_rate if inter else self.intra_rate),
-            )
+        inter, elite = generation % self.inter_every == 0, round(self.elite * self.population)
+        rates = (
+            float(self.tournament_rate),
+            float(self.crossover_rate),
+            float(self.inter_rate if inter else self.intra_rate),
         )
+        return next_generation(cost, rng, people, candidates, self.tournament, elite, inter, rates)
 
 
-@dataclass(frozen=True, eq=False)
-class Population:
-    """Chromosomes, a row each: perms (p, n), sizes (p, m), totals (p, m) [s], fitness (p,) [s]."""
-
-    perms: Ints
-    sizes: Ints
-    totals: Floats
-    fitness: Floats
-
-    @property
-    def fittest(self) -> int:
-        """The row of the shortest C_max."""
-        return int(np.argmin(self.fitness))
-
-    def routes(self, row: int) -> Routes:
-        """Return a chromosome as routes."""
-        return as_routes(np.split(self.perms[row], np.cumsum(self.sizes[row])[:-1]))
+def _fittest(people: Population) -> Routes:
+    """Return the routes of the shortest C_max."""
+    row = np.argmin(people.fitness)
+    return as_routes(np.split(people.perms[row], np.cumsum(people.sizes[row])[:-1]))
 
 
 def depot_distance(instance: Instance) -> Floats:
@@ -181,7 +154,7 @@ def border_line(instance: Instance, border: float) -> Bools:
 
 
 @njit(cache=True)
-def winner(rng: Any, fitness: Floats, size: int, rate: float) -> int:  # pragma: no cover - compiled
+def winner(rng: Any, fitness: Floats, size: int, rate: float) -> int:
     """Return the row that wins a tournament."""
     entrants = rng.integers(0, len(fitness), size)
     if rng.random() >= rate:
@@ -197,43 +170,32 @@ def winner(rng: Any, fitness: Floats, size: int, rate: float) -> int:  # pragma:
 def next_generation(
     cost: Floats,
     rng: Any,
-    perms: Ints,
-    sizes: Ints,
-    totals: Floats,
-    fitness: Floats,
+    people: Population,
     candidates: Bools,
     tournament: int,
-    tournament_rate: float,
     elite: int,
-    crossover_rate: float,
     inter: bool,
-    mutation_rate: float,
-) -> tuple[Ints, Ints, Floats, Floats]:  # pragma: no cover - compiled
-    """Return the perms, sizes, totals and fitness of the next generation."""
-    people, n = perms.shape
-    children = np.empty_like(perms), np.empty_like(sizes), np.empty_like(totals), np.empty_like(fitness)
-    pair = (
-        np.empty((2, n), dtype=np.int64),
-        np.empty((2, sizes.shape[1]), dtype=np.int64),
-        np.empty((2, sizes.shape[1])),
-    )
-    for row in range(0, people, 2):
+    rates: tuple[float, float, float],
+) -> Population:
+    """Return the next generation; rates are those of tournament, crossover and mutation."""
+    perms, sizes, totals, fitness = people
+    count, (tournament_rate, crossover_rate, mutation_rate) = len(fitness), rates
+    children = Population(np.empty_like(perms), np.empty_like(sizes), np.empty_like(totals), np.empty_like(fitness))
+    pair = Population(np.empty_like(perms[:2]), np.empty_like(sizes[:2]), np.empty_like(totals[:2]), np.empty(2))
+    for row in range(0, count, 2):
         for p in range(2):
-            parent = winner(rng, fitness, tournament, tournament_rate)
-            pair[0][p], pair[1][p], pair[2][p] = perms[parent], sizes[parent], totals[parent]
+            copy(people, winner(rng, fitness, tournament, tournament_rate), pair, p)
         if rng.random() < crossover_rate:
-            best_cost_route_crossover(cost, rng, pair[0], pair[1], pair[2], n)
-        for p in range(min(2, people - row)):
+            best_cost_route_crossover(cost, rng, pair)
+        for p in range(min(2, count - row)):
             if rng.random() < mutation_rate:
                 if inter:
-                    inter_depot_mutation(cost, rng, pair[0][p], pair[1][p], pair[2][p], candidates, n)
+                    inter_depot_mutation(cost, rng, chromosome(pair, p), candidates)
                 else:
-                    intra_depot_mutation(cost, rng, pair[0][p], pair[1][p], pair[2][p], n)
-            children[3][row + p] = evaluate(cost, pair[0][p], pair[1][p], pair[2][p], n)
-            children[0][row + p], children[1][row + p], children[2][row + p] = pair[0][p], pair[1][p], pair[2][p]
-    survivors = np.argsort(fitness)[:elite]
-    places = rng.permutation(people)[:elite]
+                    intra_depot_mutation(cost, rng, chromosome(pair, p))
+            pair.fitness[p] = evaluate(cost, chromosome(pair, p))
+            copy(pair, p, children, row + p)
+    survivors, places = np.argsort(fitness)[:elite], rng.permutation(count)[:elite]
     for old, new in zip(survivors, places):  # noqa: B905 - numba knows no strict
-        children[0][new], children[1][new], children[2][new] = perms[old], sizes[old], totals[old]
-        children[3][new] = fitness[old]
+        copy(people, old, children, new)
     return children

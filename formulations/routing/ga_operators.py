@@ -1,13 +1,11 @@
 """Operators of the genetic algorithm of Ombuki-Berman and Hanshar (2009), as kernels on one chromosome.
 
-A chromosome is the depot-grouped permutation: `perm` (n,), the tasks of depot 0 in flying order, then those of depot
-1, …; `sizes` (m,), how many tasks each group has; `totals` (m,) [s], the tour costs C_k (paper, eq. costsum). All
-are changed in place. `rng` is a numpy Generator, so a seed fixes every choice.
+Chromosomes are changed in place. `rng` is a numpy Generator, so a seed fixes every choice.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,8 +13,40 @@ from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
 
+class Chromosome(NamedTuple):
+    """The depot-grouped permutation: `perm` (n,), the tasks of depot 0 in flying order, then those of depot 1, …;
+    `sizes` (m,), how many tasks each group has; `totals` (m,) [s], the tour costs C_k (paper, eq. costsum).
+    """
+
+    perm: Ints
+    sizes: Ints
+    totals: Floats
+
+
+class Population(NamedTuple):
+    """Chromosomes, a row each: perms (p, n), sizes (p, m), totals (p, m) [s]; and their fitness (p,) [s]."""
+
+    perms: Ints
+    sizes: Ints
+    totals: Floats
+    fitness: Floats
+
+
 @njit(cache=True)
-def tour_cost(cost: Floats, perm: Ints, first: int, last: int, depot: int) -> float:  # pragma: no cover
+def chromosome(people: Population, row: int) -> Chromosome:
+    """Return a chromosome that shares its memory with the population."""
+    return Chromosome(people.perms[row], people.sizes[row], people.totals[row])
+
+
+@njit(cache=True)
+def copy(source: Population, row: int, target: Population, to: int) -> None:
+    """Overwrite row `to` of the target with a row of the source."""
+    target.perms[to], target.sizes[to], target.totals[to] = source.perms[row], source.sizes[row], source.totals[row]
+    target.fitness[to] = source.fitness[row]
+
+
+@njit(cache=True)
+def tour_cost(cost: Floats, perm: Ints, first: int, last: int, depot: int) -> float:
     """Return C_k of the tasks ``perm[first:last]`` flown from `depot`."""
     if first == last:
         return 0.0
@@ -27,25 +57,25 @@ def tour_cost(cost: Floats, perm: Ints, first: int, last: int, depot: int) -> fl
 
 
 @njit(cache=True)
-def evaluate(cost: Floats, perm: Ints, sizes: Ints, totals: Floats, n: int) -> float:  # pragma: no cover
+def evaluate(cost: Floats, tours: Chromosome) -> float:
     """Recompute every C_k and return the fitness, C_max = max_k C_k (paper, eq. c_max)."""
+    perm, sizes, totals = tours
     first, longest = 0, 0.0
     for k in range(len(sizes)):
-        totals[k] = tour_cost(cost, perm, first, first + sizes[k], n + k)
+        totals[k] = tour_cost(cost, perm, first, first + sizes[k], perm.size + k)
         longest = max(longest, totals[k])
         first += sizes[k]
     return longest
 
 
 @njit(cache=True)
-def insert_best(
-    cost: Floats, perm: Ints, sizes: Ints, totals: Floats, task: int, allowed: Bools, n: int
-) -> None:  # pragma: no cover
+def insert_best(cost: Floats, tours: Chromosome, task: int, allowed: Bools) -> None:
     """Insert `task` at its best place over the allowed depots: least C_max, then least added cost.
 
     `perm` holds ``sizes.sum()`` tasks before.
     """
-    longest = totals.max()
+    perm, sizes, totals = tours
+    n, longest = perm.size, totals.max()
     best_max, best_added, best_k, best_at = np.inf, np.inf, -1, -1
     first = 0
     for k in range(len(sizes)):
@@ -67,8 +97,9 @@ def insert_best(
 
 
 @njit(cache=True)
-def remove_marked(cost: Floats, perm: Ints, sizes: Ints, totals: Floats, marked: Bools, n: int) -> None:
-    """Take the marked tasks out of a chromosome."""  # pragma: no cover
+def remove_marked(cost: Floats, tours: Chromosome, marked: Bools) -> None:
+    """Take the marked tasks out of a chromosome."""
+    perm, sizes, _ = tours
     read = write = 0
     for k in range(len(sizes)):
         kept = 0
@@ -79,48 +110,39 @@ def remove_marked(cost: Floats, perm: Ints, sizes: Ints, totals: Floats, marked:
                 kept += 1
             read += 1
         sizes[k] = kept
-    evaluate(cost, perm, sizes, totals, n)
+    evaluate(cost, tours)
 
 
 @njit(cache=True)
-def best_cost_route_crossover(
-    cost: Floats, rng: Any, perms: Ints, sizes: Ints, totals: Floats, n: int
-) -> None:  # pragma: no cover
+def best_cost_route_crossover(cost: Floats, rng: Any, pair: Population) -> None:
     """Best-cost route crossover: turn two parents, rows 0 and 1, into two children.
 
     Pick a depot at random. The tasks of parent 1's route there are taken out of parent 2 and put back one by one, each
     at its best place over all depots; and the other way round. The paper picks the best *feasible* place with
     probability 0.8 and else the best place of all; without capacities every place is feasible and the two are one.
     """
-    m = sizes.shape[1]
+    n, m = pair.perms.shape[1], pair.sizes.shape[1]
     k = rng.integers(0, m)
     everywhere = np.ones(m, dtype=np.bool_)
-    moved = np.empty((2, n), dtype=np.int64)
-    count = np.empty(2, dtype=np.int64)
-    for parent in range(2):
-        first = sizes[parent, :k].sum()
-        count[parent] = sizes[parent, k]
-        for p in range(count[parent]):
-            moved[parent, p] = perms[parent, first + p]
+    first, last = pair.sizes[:, :k].sum(axis=1), pair.sizes[:, : k + 1].sum(axis=1)
+    routes = pair.perms[0, first[0] : last[0]].copy(), pair.perms[1, first[1] : last[1]].copy()
     for child in range(2):
-        other = 1 - child
+        given, tours = routes[1 - child], chromosome(pair, child)
         marked = np.zeros(n, dtype=np.bool_)
-        for p in range(count[other]):
-            marked[moved[other, p]] = True
-        remove_marked(cost, perms[child], sizes[child], totals[child], marked, n)
-        for p in range(count[other]):
-            insert_best(cost, perms[child], sizes[child], totals[child], moved[other, p], everywhere, n)
+        marked[given] = True
+        remove_marked(cost, tours, marked)
+        for task in given:
+            insert_best(cost, tours, task, everywhere)
 
 
 @njit(cache=True)
-def intra_depot_mutation(
-    cost: Floats, rng: Any, perm: Ints, sizes: Ints, totals: Floats, n: int
-) -> None:  # pragma: no cover
+def intra_depot_mutation(cost: Floats, rng: Any, tours: Chromosome) -> None:
     """Intra-depot mutation: in one depot's group, one of three changes, each as likely.
 
     Reversal of a stretch between two cuts; single task re-routing, one task put to its best place in the group; or a
     swap of two tasks.
     """
+    perm, sizes, _ = tours
     m = len(sizes)
     k = rng.integers(0, m)
     if sizes[k] < 2:
@@ -129,45 +151,31 @@ def intra_depot_mutation(
     kind = rng.integers(0, 3)
     a, b = first + rng.integers(0, size), first + rng.integers(0, size)
     if kind == 0:
-        if a > b:
-            a, b = b, a
-        while a < b:
-            perm[a], perm[b] = perm[b], perm[a]
-            a, b = a + 1, b - 1
+        low, high = min(a, b), max(a, b) + 1
+        perm[low:high] = perm[low:high][::-1].copy()
     elif kind == 1:
-        move_task(cost, perm, sizes, totals, perm[a], np.arange(m) == k, n)
+        move_task(cost, tours, perm[a], np.arange(m) == k)
     else:
         perm[a], perm[b] = perm[b], perm[a]
 
 
 @njit(cache=True)
-def inter_depot_mutation(
-    cost: Floats, rng: Any, perm: Ints, sizes: Ints, totals: Floats, candidates: Bools, n: int
-) -> None:  # pragma: no cover
+def inter_depot_mutation(cost: Floats, rng: Any, tours: Chromosome, candidates: Bools) -> None:
     """Inter-depot mutation: move a random border-line task to its best place at another of its candidate depots."""
     border = np.flatnonzero(candidates.sum(axis=1) > 1)
     if len(border) == 0:
         return
     task = border[rng.integers(0, len(border))]
-    first = 0
-    for k in range(len(sizes)):
-        last = first + sizes[k]
-        for p in range(first, last):
-            if perm[p] == task:
-                elsewhere = candidates[task].copy()
-                elsewhere[k] = False
-                if elsewhere.any():
-                    move_task(cost, perm, sizes, totals, task, elsewhere, n)
-                return
-        first = last
+    place = np.flatnonzero(tours.perm == task)[0]
+    elsewhere = candidates[task].copy()
+    elsewhere[np.searchsorted(np.cumsum(tours.sizes), place, side="right")] = False
+    move_task(cost, tours, task, elsewhere)
 
 
 @njit(cache=True)
-def move_task(
-    cost: Floats, perm: Ints, sizes: Ints, totals: Floats, task: int, allowed: Bools, n: int
-) -> None:  # pragma: no cover
+def move_task(cost: Floats, tours: Chromosome, task: int, allowed: Bools) -> None:
     """Take `task` out and put it to its best place over the allowed depots."""
-    marked = np.zeros(n, dtype=np.bool_)
+    marked = np.zeros(tours.perm.size, dtype=np.bool_)
     marked[task] = True
-    remove_marked(cost, perm, sizes, totals, marked, n)
-    insert_best(cost, perm, sizes, totals, task, allowed, n)
+    remove_marked(cost, tours, marked)
+    insert_best(cost, tours, task, allowed)

@@ -12,7 +12,10 @@ from hypothesis import strategies as st
 from formulations.limits import Limits
 from formulations.routing.ga import border_line, depot_distance, next_generation, random_chromosome, winner
 from formulations.routing.ga_operators import (
+    Chromosome,
+    Population,
     best_cost_route_crossover,
+    chromosome,
     evaluate,
     insert_best,
     inter_depot_mutation,
@@ -96,72 +99,75 @@ def test_greedy_keeps_a_better_start_and_names_an_unknown_variant(windy: Windy) 
         make_solver("greedy", {"variant": "regrett"})
 
 
-def chromosome(windy: Windy, n: int, m: int, seed: int) -> tuple[Instance, np.ndarray, np.ndarray, np.ndarray]:
+def a_chromosome(windy: Windy, n: int, m: int, seed: int) -> tuple[Instance, Chromosome]:
     instance = windy(n, m, seed)
     rng = np.random.default_rng(seed)
     perm = rng.permutation(n).astype(np.int64)
     cuts = np.sort(rng.integers(0, n + 1, m - 1))
     sizes = np.diff([0, *cuts, n]).astype(np.int64)
-    totals = np.zeros(m)
-    evaluate(instance.cost, perm, sizes, totals, n)
-    return instance, perm, sizes, totals
+    tours = Chromosome(perm, sizes, np.zeros(m))
+    evaluate(instance.cost, tours)
+    return instance, tours
 
 
-def routes_of(perm: np.ndarray, sizes: np.ndarray) -> Routes:
-    return as_routes(np.split(perm, np.cumsum(sizes)[:-1]))
+def together(*all_tours: Chromosome) -> Population:
+    return Population(*(np.stack(part) for part in zip(*all_tours, strict=True)), np.zeros(len(all_tours)))
+
+
+def routes_of(tours: Chromosome) -> Routes:
+    return as_routes(np.split(tours.perm, np.cumsum(tours.sizes)[:-1]))
 
 
 @given(st.integers(1, 12), st.integers(1, 4), st.integers(0, 10**6))
 @settings(deadline=None, max_examples=60)
-def test_every_operator_keeps_a_chromosome_a_chromosome(windy: Windy, n: int, m: int, seed: int) -> None:
-    instance, perm, sizes, totals = chromosome(windy, n, m, seed)
-    _, other, other_sizes, other_totals = chromosome(windy, n, m, seed + 1)
-    evaluate(instance.cost, other, other_sizes, other_totals, n)
+def test_every_operator_keeps_a_chromosome_a_a_chromosome(windy: Windy, n: int, m: int, seed: int) -> None:
+    instance, first = a_chromosome(windy, n, m, seed)
+    _, second = a_chromosome(windy, n, m, seed + 1)
+    evaluate(instance.cost, second)
     rng = np.random.default_rng(seed)
-    pair = np.stack([perm, other]), np.stack([sizes, other_sizes]), np.stack([totals, other_totals])
-    best_cost_route_crossover(instance.cost, rng, *pair, n)
+    pair = together(first, second)
+    best_cost_route_crossover(instance.cost, rng, pair)
     for row in range(2):
-        intra_depot_mutation(instance.cost, rng, pair[0][row], pair[1][row], pair[2][row], n)
-        inter_depot_mutation(
-            instance.cost, rng, pair[0][row], pair[1][row], pair[2][row], border_line(instance, 2.0), n
-        )
-        routes = routes_of(pair[0][row], pair[1][row])
+        child = chromosome(pair, row)
+        intra_depot_mutation(instance.cost, rng, child)
+        inter_depot_mutation(instance.cost, rng, child, border_line(instance, 2.0))
+        routes = routes_of(child)
         assert check_routes(instance, routes) == []
-        fitness = evaluate(instance.cost, pair[0][row], pair[1][row], pair[2][row], n)
+        fitness = evaluate(instance.cost, child)
         assert fitness == pytest.approx(makespan(instance, routes))
-        assert pair[2][row] == pytest.approx(tour_costs(instance, routes))
+        assert child.totals == pytest.approx(tour_costs(instance, routes))
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_insertion_takes_the_place_of_least_c_max(windy: Windy, seed: int) -> None:
-    instance, perm, sizes, totals = chromosome(windy, 7, 3, seed)
-    task, last = perm[-1], int(np.flatnonzero(sizes)[-1])
-    before = routes_of(perm, sizes)
+    instance, tours = a_chromosome(windy, 7, 3, seed)
+    task, last = tours.perm[-1], int(np.flatnonzero(tours.sizes)[-1])
+    before = routes_of(tours)
     before = (*before[:last], before[last][:-1], *before[last + 1 :])
-    sizes[last] -= 1
-    evaluate(instance.cost, perm, sizes, totals, 7)
-    insert_best(instance.cost, perm, sizes, totals, task, np.ones(3, dtype=np.bool_), 7)
+    tours.sizes[last] -= 1
+    evaluate(instance.cost, tours)
+    insert_best(instance.cost, tours, task, np.ones(3, dtype=np.bool_))
     every = [
         (*before[:k], (*route[:at], int(task), *route[at:]), *before[k + 1 :])
         for k, route in enumerate(before)
         for at in range(len(route) + 1)
     ]
-    assert makespan(instance, routes_of(perm, sizes)) == pytest.approx(min(makespan(instance, r) for r in every))
+    assert makespan(instance, routes_of(tours)) == pytest.approx(min(makespan(instance, r) for r in every))
 
 
 def test_crossover_leaves_the_other_routes_in_order(windy: Windy) -> None:
     """The tasks that a child is not given anew keep their order and their depot."""
-    instance, perm, sizes, totals = chromosome(windy, 10, 2, 3)
-    _, other, other_sizes, other_totals = chromosome(windy, 10, 2, 4)
-    parents = routes_of(perm, sizes), routes_of(other, other_sizes)
-    pair = np.stack([perm, other]), np.stack([sizes, other_sizes]), np.stack([totals, other_totals])
+    instance, first = a_chromosome(windy, 10, 2, 3)
+    _, second = a_chromosome(windy, 10, 2, 4)
+    parents = routes_of(first), routes_of(second)
+    pair = together(first, second)
     rng = np.random.default_rng(0)
     k = int(np.random.default_rng(0).integers(0, 2))
-    best_cost_route_crossover(instance.cost, rng, *pair, 10)
+    best_cost_route_crossover(instance.cost, rng, pair)
     for child in range(2):
         moved = set(parents[1 - child][k])
         kept = [[i for i in route if i not in moved] for route in parents[child]]
-        after = routes_of(pair[0][child], pair[1][child])
+        after = routes_of(chromosome(pair, child))
         assert [[i for i in route if i not in moved] for route in after] == kept
 
 
@@ -197,22 +203,17 @@ def test_tournament_prefers_the_fitter() -> None:
 
 
 def test_elite_survives(windy: Windy) -> None:
-    instance, perm, sizes, totals = chromosome(windy, 8, 2, 0)
-    people = 20
+    instance, tours = a_chromosome(windy, 8, 2, 0)
     rng = np.random.default_rng(0)
-    perms, all_sizes = np.tile(perm, (people, 1)), np.tile(sizes, (people, 1))
-    for row in perms:
-        rng.shuffle(row)
-    all_totals, fitness = np.tile(totals, (people, 1)), np.zeros(people)
-    for row in range(people):
-        fitness[row] = evaluate(instance.cost, perms[row], all_sizes[row], all_totals[row], 8)
+    people = together(*[tours] * 20)
+    for row, perm in enumerate(people.perms):
+        rng.shuffle(perm)
+        people.fitness[row] = evaluate(instance.cost, chromosome(people, row))
     candidates = border_line(instance, 2.0)
     for _ in range(10):
-        best = fitness.min()
-        perms, all_sizes, all_totals, fitness = next_generation(
-            instance.cost, rng, perms, all_sizes, all_totals, fitness, candidates, 2, 0.8, 2, 0.6, False, 0.2
-        )
-        assert fitness.min() <= best
+        best = people.fitness.min()
+        people = next_generation(instance.cost, rng, people, candidates, 2, 2, False, (0.8, 0.6, 0.2))
+        assert people.fitness.min() <= best
 
 
 def test_bad_options_are_named() -> None:

@@ -96,10 +96,9 @@ def _columns(instance: Instance, upper: float, time_limit: float) -> Iterator[Bo
     """Yield the bound of capped tours and what bisecting the cap makes of it."""
     BranchAndPrice().prepare(instance)
     began = time.perf_counter()
-    name, value, elapsed = "capped-tours", 0.0, 0.0
-    for value in destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() - began > time_limit):
-        elapsed = time.perf_counter() - began
-        if name == "capped-tours":
-            yield Bound(name, value, elapsed)
-            name = "destructive"
-    yield Bound(name, value, time.perf_counter() - began, "" if value else "not solved in time")
+    bounds = destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() - began > time_limit)
+    value = next(bounds, 0.0)
+    yield Bound("capped-tours", value, time.perf_counter() - began, "" if value else "not solved in time")
+    if value:
+        *_, value = value, *bounds
+        yield Bound("destructive", value, time.perf_counter() - began)

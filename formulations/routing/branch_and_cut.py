@@ -45,8 +45,6 @@ _STOPPED = {"nodelimit": "iterations", "totalnodelimit": "iterations", "timelimi
 class BranchAndCut(ModelSolver):
     """The paper's MILP on SCIP; ``limits.iterations`` counts the nodes of the tree.
 
-    Options
-    -------
     fractional : separate subtour cuts of fractional solutions by largest flows, not of integer ones alone.
     two_cycles : separate the sets S of two tasks by looking at all of them first.
     branch_on_visits : branch on which UAV visits which task before branching on arcs.

@@ -88,15 +88,7 @@ class SubtourHandler(Conshdlr):
         return matrices
 
     @guarded({"result": PY_SCIP_RESULT.INFEASIBLE})
-    def conscheck(
-        self,
-        constraints: Any,
-        solution: Any,
-        checkintegrality: Any,
-        checklprows: Any,
-        printreason: Any,
-        completely: Any,
-    ) -> dict[str, Any]:
+    def conscheck(self, constraints: Any, solution: Any, *what_to_check: Any) -> dict[str, Any]:
         """Refuse a solution with a subtour; offer the routes it comes to, repaired where need be."""
         self.shared.counts["handler_calls"] += 1
         feasible = not self.subtours_of(self.theta(solution))

@@ -114,27 +114,23 @@ class BranchAndPrice(RecordedSolver):
         ended = tree.grow(recorder, TOLERANCE, nodes)
         if ended is not StoppedBy.PROOF:
             if limits.iterations is None and recorder.bound < (1 - _WIDE) * recorder.objective:
+                # the tree has far to go from a gap as wide as this
                 patience.share(1 / 2)
-                self._destruct(recorder, patience)
+                lower, upper = recorder.bound, recorder.objective
+                for bound in destructive_bounds(recorder.instance, lower, upper, patience.over, from_top=False):
+                    recorder.raise_bound(bound)
             patience.share(1)
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])
         recorder.raise_bound(tree.bound(recorder.objective * (1 - TOLERANCE)) * (1 - 1e-12))
         return ended.value, dict(work.counts)
 
-    def _destruct(self, recorder: Recorder, patience: _Patience) -> None:
-        """Raise the bound by bisection: the tree has far to go from a gap as wide as this."""
-        lower, upper = recorder.bound, recorder.objective
-        for bound in destructive_bounds(recorder.instance, lower, upper, patience.over, from_top=False):
-            recorder.raise_bound(bound)
-
     def improve(self, recorder: Recorder, seed: int, runs: int) -> None:
         """Make sure that there are routes; search `runs` times, from different seeds, for a third of the time left."""
-        everything_to_one: list[tuple[int, ...]] = [() for _ in recorder.instance.depots]
-        everything_to_one[0] = tuple(recorder.instance.tasks)
-        recorder.incumbent(tuple(everything_to_one))
+        instance = recorder.instance
+        recorder.incumbent((tuple(instance.tasks), *((),) * (instance.n_depots - 1)))
         for run in range(runs):
             share = recorder.remaining / (3 * (runs - run))
-            search(recorder, STEPS * recorder.instance.n_tasks**2, seed, run, share)
+            search(recorder, STEPS * instance.n_tasks**2, seed, run, share)
 
 
 class _Patience:

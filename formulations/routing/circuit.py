@@ -29,6 +29,7 @@ from ortools.sat.python import cp_model
 from formulations.routing import cpsat
 from formulations.routing.cpsat import Values
 from formulations.routing.model_solver import ModelSolver
+from formulations.routing.paper_model import Theta
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts, scale_costs
 from formulations.routing.solver import Result
@@ -44,8 +45,6 @@ MOST_LITERALS = 150_000
 class Circuit(ModelSolver):
     """CP-SAT with circuit constraints; ``limits.iterations`` counts CP-SAT's conflicts.
 
-    Options
-    -------
     per_uav : one circuit per UAV instead of one giant circuit.
     symmetry : order UAVs that share a depot by their smallest task; with symmetric costs, fly each tour one way only.
     average : the longest tour is at least the mean of all (giant circuit only; one circuit per UAV implies it).
@@ -81,15 +80,33 @@ class Circuit(ModelSolver):
         return recorder.result("proof" if proved else limit, proved=proved, tolerance=scaled.tolerance)
 
 
-class GiantCircuit:
+class Form:
+    """What both forms share: y, its symmetry and its hints."""
+
+    def __init__(self, instance: Instance, scaled: ScaledCosts) -> None:
+        self.instance, self.scaled = instance, scaled
+        self.model = model = cp_model.CpModel()
+        self.y = {(i, k): model.new_bool_var(f"y[{i},{k}]") for i in instance.tasks for k in instance.depots}
+
+    def break_symmetry(self) -> None:
+        """Allow only routes as `in_order` has them (``strengthening.symmetry``)."""
+        for before, k in neighbours(self.instance):
+            for i in self.instance.tasks:
+                self.model.add_bool_or(~self.y[i, k], *(self.y[j, before] for j in range(i)))
+
+    def hint_visits(self, routes: Routes) -> None:
+        """Tell CP-SAT to try the assignment of `routes` first."""
+        for (i, k), y in self.y.items():
+            self.model.add_hint(y, i in routes[k - self.instance.n_tasks])
+
+
+class GiantCircuit(Form):
     """The giant circuit of one instance: x, y, t and z as at the top of this file."""
 
     def __init__(self, instance: Instance, scaled: ScaledCosts, average: bool) -> None:
-        self.instance, self.scaled = instance, scaled
-        self.model = model = cp_model.CpModel()
-        T, D = instance.tasks, instance.depots
+        super().__init__(instance, scaled)
+        model, T, D = self.model, instance.tasks, instance.depots
         self.following = {k: D[(p + 1) % len(D)] for p, k in enumerate(D)}
-        self.y = {(i, k): model.new_bool_var(f"y[{i},{k}]") for i in T for k in D}
         self.t = {i: model.new_int_var(0, scaled.upper, f"t[{i}]") for i in T}
         self.z = model.new_int_var(0, scaled.upper, "z")
         self.x = {(i, j): model.new_bool_var(f"x[{i},{j}]") for i, j in self._arcs()}
@@ -141,7 +158,7 @@ class GiantCircuit:
 
     def break_symmetry(self) -> None:
         """Allow only routes as `in_order` has them (``strengthening.symmetry``)."""
-        _order_by_smallest_task(self.model, self.y, self.instance)
+        super().break_symmetry()
         if is_symmetric(self.instance):
             for k, after in self.following.items():
                 first = sum(i * self.x[k, i] for i in self.instance.tasks)
@@ -161,8 +178,7 @@ class GiantCircuit:
             longest = max(longest, time + int(cost[at, k]) if route else 0)
         for arc, x in self.x.items():
             self.model.add_hint(x, arc in used)
-        for (i, k), y in self.y.items():
-            self.model.add_hint(y, i in routes[k - instance.n_tasks])
+        self.hint_visits(routes)
         self.model.add_hint(self.z, longest)
 
     def routes(self, value: Values) -> Routes:
@@ -178,16 +194,14 @@ class GiantCircuit:
         return as_routes(routes)
 
 
-class CircuitPerUav:
+class CircuitPerUav(Form):
     """One circuit per UAV: θ, y and z as at the top of this file."""
 
     def __init__(self, instance: Instance, scaled: ScaledCosts) -> None:
-        self.instance, self.scaled = instance, scaled
-        self.model = model = cp_model.CpModel()
-        T, D = instance.tasks, instance.depots
-        self.y = {(i, k): model.new_bool_var(f"y[{i},{k}]") for i in T for k in D}
+        super().__init__(instance, scaled)
+        model, T, D = self.model, instance.tasks, instance.depots
         self.z = model.new_int_var(0, scaled.upper, "z")
-        self.theta: dict[tuple[int, int, int], cp_model.IntVar] = {}
+        self.theta: Theta = {}
         for i in T:
             model.add_exactly_one(self.y[i, k] for k in D)
         for k in D:
@@ -204,7 +218,7 @@ class CircuitPerUav:
 
     def break_symmetry(self) -> None:
         """Allow only routes as `in_order` has them (``strengthening.symmetry``)."""
-        _order_by_smallest_task(self.model, self.y, self.instance)
+        super().break_symmetry()
         if is_symmetric(self.instance):
             fly_one_way(self.model, self.theta, self.instance)
 
@@ -213,8 +227,7 @@ class CircuitPerUav:
         used = used_arcs(self.instance, routes)
         for key, theta in self.theta.items():
             self.model.add_hint(theta, key in used)
-        for (i, k), y in self.y.items():
-            self.model.add_hint(y, i in routes[k - self.instance.n_tasks])
+        self.hint_visits(routes)
 
     def routes(self, value: Values) -> Routes:
         """Return the routes of a solution."""
@@ -223,11 +236,3 @@ class CircuitPerUav:
             arcs = [(i, j) for (i, j, of), theta in self.theta.items() if of == k and value(theta)]
             routes.append(walk(arcs, k)[1:])
         return as_routes(routes)
-
-
-def _order_by_smallest_task(
-    model: cp_model.CpModel, y: dict[tuple[int, int], cp_model.IntVar], instance: Instance
-) -> None:
-    for before, k in neighbours(instance):
-        for i in instance.tasks:
-            model.add_bool_or(~y[i, k], *(y[j, before] for j in range(i)))

@@ -104,9 +104,8 @@ def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) 
     context: Any = multiprocessing.get_context("fork" if "fork" in methods else "spawn")
     here, there = context.Pipe()
     limits = Limits(time=max(recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
-    peer = context.Process(
-        target=_cut, args=(here, there, recorder.instance, limits, seed, recorder.routes), daemon=True
-    )
+    about = here, there, recorder.instance, limits, seed, recorder.routes
+    peer = context.Process(target=_cut, args=about, daemon=True)
     peer.start()
     there.close()
     recorder.link = here
@@ -132,7 +131,8 @@ def _cut(
 ) -> None:
     """Run branch-and-cut in this process and keep the peer informed."""
     others.close()
-    recorder = LinkedRecorder(instance, limits, ignore, start, link)
+    recorder = LinkedRecorder(instance, limits, ignore, start)
+    recorder.link = link
     with contextlib.suppress(KeyboardInterrupt):  # how branch-and-cut says that it was interrupted: the peer was first
         result = BranchAndCut().prove(recorder, seed)
         if result.status is Status.OPTIMAL:

@@ -46,8 +46,6 @@ from instances.kernels import njit
 class GeneticAlgorithm(RecordedSolver):
     """Ombuki-Berman and Hanshar's genetic algorithm; ``limits.iterations`` counts generations.
 
-    Options
-    -------
     population : chromosomes.
     generations : it ends after so many even where there is time left.
     tournament : size of the tournaments.

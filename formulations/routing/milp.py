@@ -33,8 +33,6 @@ MOST_THETA = 60_000
 class Milp(ModelSolver):
     """The paper's MILP on CP-SAT; ``limits.iterations`` counts the rounds.
 
-    Options
-    -------
     depot_linked : subtour cuts in the stronger depot-linked form too, not const6 alone.
     two_cycles : cut all sets S of two tasks from the start.
     every_solution : cut the subtours of every solution a round passes on its way, not only of its last.

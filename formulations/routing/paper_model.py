@@ -30,6 +30,9 @@ from formulations.routing.scaling import ScaledCosts
 from formulations.routing.subtours import Arc
 from instances import Instance
 
+Theta = dict[tuple[int, int, int], cp_model.IntVar]
+"""``theta[i, j, k]``, the paper's θ_ijk; i, j and k are node numbers, k ∈ D."""
+
 
 def why_too_large(instance: Instance, most: int) -> str | None:
     """Return why a solver that takes at `most` so many θ does not take `instance`, or None where it does."""
@@ -41,7 +44,6 @@ class PaperModel:
     """θ, C_max and eqs. const1–const5 of one instance; const6 is added when a set S is found.
 
     model : the CP-SAT model.
-    theta : ``theta[i, j, k]``, the paper's θ_ijk; i, j and k are node numbers, k ∈ D.
     y : ``y[i, k]``, the y_ik above. The rows that are not the paper's are written in it: they are shorter, and CP-SAT
         has something to branch on that settles many θ at once.
     C_max : the integer objective, the longest scaled tour, between 0 and the incumbent.
@@ -51,19 +53,26 @@ class PaperModel:
         self.T, self.D = instance.tasks, instance.depots
         self.scaled = scaled
         self.model = cp_model.CpModel()
-        self.theta: dict[tuple[int, int, int], cp_model.IntVar] = {
+        self.theta: Theta = {
             (i, j, k): self.model.new_bool_var(f"theta[{i},{j},{k}]") for k in self.D for i, j in self.edges(k)
         }
         self.y = {(i, k): self.model.new_bool_var(f"y[{i},{k}]") for i in self.T for k in self.D}
         self.C_max = self.model.new_int_var(0, scaled.upper, "C_max")
+        self.model.minimize(self.C_max)  # c_max
         for i, k in self.y:
             self.model.add(self.entering(i, k) == self.y[i, k])
-        self.c_max()
-        self.const1()
-        self.const2()
-        self.const3()
-        self.const4()
-        self.const5()
+        for i in self.T:
+            self.model.add(LinearExpr.sum(*(self.entering(i, k) for k in self.D)) == 1)  # const1
+        for i, k in self.y:
+            self.model.add(self.entering(i, k) - self.leaving(i, k) == 0)  # const2
+        out = [LinearExpr.sum(*(self.theta[k, i, k] for i in self.T)) for k in self.D]
+        back = [LinearExpr.sum(*(self.theta[i, k, k] for i in self.T)) for k in self.D]
+        for leaves in out:
+            self.model.add(leaves <= 1)  # const3
+        for leaves, returns in zip(out, back, strict=True):
+            self.model.add(leaves - returns == 0)  # const4
+        for k in self.D:
+            self.model.add(self.costsum(k) <= self.C_max)  # const5
 
     def edges(self, k: int) -> list[Arc]:
         """Return the arcs of E that UAV k can use."""
@@ -84,38 +93,6 @@ class PaperModel:
         return LinearExpr.weighted_sum(
             [self.theta[i, j, k] for i, j in arcs], [int(self.scaled.cost[i, j]) for i, j in arcs]
         )
-
-    def c_max(self) -> None:
-        """Eq. c_max: minimise C_max."""
-        self.model.minimize(self.C_max)
-
-    def const1(self) -> None:
-        """Eq. const1: every task is visited exactly once."""
-        for i in self.T:
-            self.model.add(LinearExpr.sum(*(self.entering(i, k) for k in self.D)) == 1)
-
-    def const2(self) -> None:
-        """Eq. const2: a UAV leaves every task it enters."""
-        for i in self.T:
-            for k in self.D:
-                self.model.add(self.entering(i, k) - self.leaving(i, k) == 0)
-
-    def const3(self) -> None:
-        """Eq. const3: each UAV has at most one route."""
-        for k in self.D:
-            self.model.add(LinearExpr.sum(*(self.theta[k, i, k] for i in self.T)) <= 1)
-
-    def const4(self) -> None:
-        """Eq. const4: a UAV that leaves its depot returns to it."""
-        for k in self.D:
-            out = LinearExpr.sum(*(self.theta[k, i, k] for i in self.T))
-            back = LinearExpr.sum(*(self.theta[i, k, k] for i in self.T))
-            self.model.add(out - back == 0)
-
-    def const5(self) -> None:
-        """Eq. const5: no tour is longer than C_max."""
-        for k in self.D:
-            self.model.add(self.costsum(k) <= self.C_max)
 
     def const6(self, S: Sequence[int]) -> None:
         """Eq. const6 for the set S and every UAV: no subtour within S."""

@@ -122,19 +122,9 @@ class LinkedRecorder(Recorder):
     gone with a proof, no time remains.
     """
 
-    def __init__(
-        self,
-        instance: Instance,
-        limits: Limits,
-        observe: Observer,
-        start: Routes | None,
-        link: Connection | None = None,
-    ) -> None:
-        self.link: Connection | None = None
-        self.tolerance = 0.0
-        self.met_by_peer = False
-        super().__init__(instance, limits, observe, start)
-        self.link = link
+    link: Connection | None = None
+    tolerance = 0.0
+    met_by_peer = False
 
     @property
     def remaining(self) -> float:

@@ -28,8 +28,6 @@ from instances import InputError
 class RoutingLibrary(ModelSolver):
     """OR-Tools routing; ``limits.iterations`` counts the solutions its search accepts.
 
-    Options
-    -------
     span_weight : w, the price of a second of C_max against a second of the sum of all tours.
     """
 

@@ -12,7 +12,7 @@ import numpy as np
 from ortools.sat.python import cp_model
 from scipy.sparse.csgraph import floyd_warshall
 
-from formulations.routing.paper_model import PaperModel
+from formulations.routing.paper_model import PaperModel, Theta
 from instances import Instance, Routes
 from instances.arrays import Ints
 
@@ -66,9 +66,7 @@ def symmetry(paper: PaperModel, instance: Instance) -> None:
         fly_one_way(paper.model, paper.theta, instance)
 
 
-def fly_one_way(
-    model: cp_model.CpModel, theta: dict[tuple[int, int, int], cp_model.IntVar], instance: Instance
-) -> None:
+def fly_one_way(model: cp_model.CpModel, theta: Theta, instance: Instance) -> None:
     """Fly each tour the way in which its first task is smaller than its last."""
     for k in instance.depots:
         first = sum(i * theta[k, i, k] for i in instance.tasks)

@@ -10,11 +10,10 @@ candidates, more of them for the best of these and of either kind: one candidate
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from formulations.routing.columns.cuts import incidence
+from formulations.routing.columns.labelling import Clock
 from formulations.routing.columns.master import Master
 from instances.arrays import Bools, Floats, Ints
 
@@ -37,9 +36,7 @@ def shares(master: Master, weight: Floats) -> Floats:
     return share
 
 
-def choose(
-    master: Master, allowed: Bools, far: Floats, gap: float, out_of_time: Callable[[], bool]
-) -> tuple[int, int] | None:
+def choose(master: Master, allowed: Bools, far: Floats, gap: float, out_of_time: Clock) -> tuple[int, int] | None:
     """Return UAV and task to branch on, None where all are decided.
 
     allowed (m, n) : who may still take what; far (n,) [s] : the cheapest way to each task and back;
@@ -72,7 +69,7 @@ def _each_once(*candidates: Ints) -> Ints:
 class _Trials:
     """How far the master, solved at `value` [s], rises on either side of candidates; what exceeds `gap` is no more."""
 
-    def __init__(self, master: Master, value: float, gap: float, out_of_time: Callable[[], bool]) -> None:
+    def __init__(self, master: Master, value: float, gap: float, out_of_time: Clock) -> None:
         self.master, self.value, self.gap, self.out_of_time = master, value, gap, out_of_time
         self.uav = np.array([column.uav for column in master.columns])
         self.holds = np.ascontiguousarray(incidence([column.tasks for column in master.columns], master.n).T)

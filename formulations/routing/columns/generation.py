@@ -9,12 +9,13 @@ the next, stronger one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
 
 import numpy as np
 
+from formulations.routing.columns.labelling import Clock
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import DualBound, Duals, Priced, Prices
 from instances.arrays import Floats
@@ -48,11 +49,7 @@ class Relaxation:
 
 
 def generate(
-    master: Master,
-    pricers: Sequence[Prices],
-    cap: float,
-    out_of_time: Callable[[], bool],
-    centre: DualBound | None = None,
+    master: Master, pricers: Sequence[Prices], cap: float, out_of_time: Clock, centre: DualBound | None = None
 ) -> Relaxation:
     """Solve the relaxation over tours of cost ≤ `cap`, by `pricers` from the quickest to the strongest.
 
@@ -93,7 +90,7 @@ def generate(
             return Relaxation(Ended.SOLVED if complete else Ended.STUCK, best, weight, rounds)
 
 
-def _price_all(pricer: Prices, duals: Duals, cap: float, out_of_time: Callable[[], bool]) -> list[Priced] | None:
+def _price_all(pricer: Prices, duals: Duals, cap: float, out_of_time: Clock) -> list[Priced] | None:
     """Price every UAV; None where time is up before that."""
     priced = []
     for k in range(pricer.n_uavs):

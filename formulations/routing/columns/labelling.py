@@ -25,6 +25,15 @@ from formulations.routing.columns.watching import Watch
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
+Clock = Callable[[], bool]
+"""Says whether time is up."""
+
+
+def never() -> bool:
+    """Set no limit of time."""
+    return False
+
+
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _CHUNK = 50_000
 _LESS = 2.0  # how much less than there will be is projected, for tours of ten tasks and more
@@ -103,7 +112,7 @@ def search(
     problem: Subproblem,
     store: Store,
     threshold: float,
-    out_of_time: Callable[[], bool],
+    out_of_time: Clock,
     *,
     beam: int | None = None,
     labels: int | None = None,

@@ -13,7 +13,7 @@ each partial sum is at most U + Σ|π| in size, so a computed reduced cost is of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
@@ -22,7 +22,7 @@ import numpy as np
 
 from formulations.routing.columns.completion import Bins, Memory, completion
 from formulations.routing.columns.cuts import Cut, TaskCuts, by_task, incidence
-from formulations.routing.columns.labelling import Store, Subproblem, least_of_all, path, search
+from formulations.routing.columns.labelling import Clock, Store, Subproblem, least_of_all, never, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.watching import Watch
 from instances.arrays import Floats
@@ -150,9 +150,7 @@ class Pricer:
     wanted = 40
     """Columns of a UAV worth adding at once."""
 
-    def __init__(
-        self, legs: Legs, cap: float, effort: Effort, store: Store, out_of_time: Callable[[], bool] = lambda: False
-    ) -> None:
+    def __init__(self, legs: Legs, cap: float, effort: Effort, store: Store, out_of_time: Clock = never) -> None:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
         self.n_uavs = legs.n_uavs
         self._bins: dict[int, Bins] = {}

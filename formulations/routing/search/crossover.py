@@ -11,7 +11,7 @@ import numpy as np
 from formulations.routing.search.problem_data import Costs, Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
-from formulations.routing.search.tours import Tours, link, sum_costs, unlink
+from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink
 from instances.arrays import Ints
 from instances.kernels import njit
 
@@ -38,13 +38,7 @@ def matching_tour(child: Tours, donor: Tours, k: int, site: Ints) -> int:
 def inherit(costs: Costs, child: Tours, donor: Tours, k: int, h: int, removed: Nodes, count: int) -> int:
     """Make child tour h a copy of donor tour k; add tasks left on no tour to `removed`, return the new count."""
     n = child.after.size - child.cost.size
-    v = child.after[n + h]
-    while v < n:
-        w = child.after[v]
-        unlink(costs, child, v)
-        removed[count] = v
-        count += 1
-        v = w
+    count += clear(costs, child, h, removed[count:])
     u, v = n + h, donor.after[n + k]
     while v < n:
         if child.tour[v] >= 0:

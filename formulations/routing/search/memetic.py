@@ -109,7 +109,9 @@ class Memetic(RecordedSolver):
                     planned = True
                     for population in populations:
                         population.plan(1.0 / budget.total_steps)
-                _next_stages(populations, now)
+                for i, population in enumerate(populations):
+                    if now >= population.end:
+                        population.next_stage(now, populations[i - 1].best if len(populations) > 1 else None)
                 steps = budget.next_steps(self.parameters.budget.level)
                 if len(populations) == 1:
                     populations[0].advance(now, steps)
@@ -137,10 +139,3 @@ class Memetic(RecordedSolver):
             depth=self.depth,
         )
         return replace(self.parameters, annealing=annealing, population=population)
-
-
-def _next_stages(populations: list[Population], now: float) -> None:
-    """End the stage of each population whose stage is over; it takes in the best tours of the one before it."""
-    for i, population in enumerate(populations):
-        if now >= population.end:
-            population.next_stage(now, populations[i - 1].best if len(populations) > 1 else None)

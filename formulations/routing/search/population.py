@@ -95,9 +95,8 @@ class Population:
         tours, part = self._newcomer.tours, self._newcomer.subproblem
         data, best = (self.data, self.best) if part is None else (part.data, part.best)
         incumbent, fittest = self.incumbent, self._fittest
-        measure = self.strategy.fitness_measure(incumbent)
         temperature, objective = self._schedule.at(done, fittest, incumbent, self.parameters.schedule)
-        anneal(data, tours, best, fittest, self.rng, steps, temperature, objective, measure, self._steps)
+        anneal(data, tours, best, fittest, self.rng, steps, temperature, objective, self.measure, self._steps)
         self.improved = self.improved or self.best.cost.max() < incumbent
 
     def next_stage(self, now: float, migrant: Tours | None = None) -> None:
@@ -105,7 +104,9 @@ class Population:
         self.stages += 1
         self._since_restart += 1
         grown = self._grown()
-        self._intensify(grown)
+        if self.parameters.population.kicks > 0:
+            intensify(self.data.costs, grown, self.rng, self.parameters.population.kicks, self.parameters.local_search)
+            self._remember(grown)
         self._barren = 0 if self._select(grown) else self._barren + 1
         if migrant is not None:
             self._select(migrant)
@@ -113,15 +114,15 @@ class Population:
             self.members = [duplicate(self.best)]
             self._since_restart, self._barren = 1, 0
             self.founder = min(2.0 * self.founder, 1.0 / 3.0)
-        staleness = self._barren / (self.strategy.settling * self.founders)
-        reheating = self.strategy.draw_reheating(staleness, self.parameters.schedule, self.rng)
+        staleness, schedule = self._barren / (self.strategy.settling * self.founders), self.parameters.schedule
+        reheating = self.strategy.draw_reheating(staleness, schedule, self.rng)
         if reheating is not None:
             self._newcomer, self._schedule = self._reheated(), reheating
         else:
             founding = self._since_restart < self.founders or len(self.members) < 2
-            self._newcomer = self._founded() if founding else self._renewed()
-            first = self._newcomer.first
-            self._schedule = self.strategy.draw_schedule(first, staleness, self.parameters.schedule, self.rng)
+            founder = Newcomer(self._constructed(), schedule.founder, self.founder) if founding else None
+            self._newcomer = founder or self._renewed()
+            self._schedule = self.strategy.draw_schedule(self._newcomer.first, staleness, schedule, self.rng)
         self._steps = self.annealing._replace(strings=self._schedule.final.strings * self.annealing.strings)
         self._fittest = duplicate(self._newcomer.tours)
         self._begin, self.end = now, self._fitting(self._newcomer.length, now)
@@ -137,13 +138,6 @@ class Population:
                 merge(self.data.costs, part.nodes, found, part.whole)
                 self._remember(part.whole)
         return part.whole
-
-    def _intensify(self, tours: Tours) -> None:
-        """Give every tour a better order."""
-        kicks = self.parameters.population.kicks
-        if kicks > 0:
-            intensify(self.data.costs, tours, self.rng, kicks, self.parameters.local_search)
-            self._remember(tours)
 
     def _remember(self, tours: Tours) -> None:
         """Keep a copy of tours whose longest is shorter than that of the best."""
@@ -170,10 +164,6 @@ class Population:
             del self.members[worst]
         self.members.append(duplicate(newcomer))
         return True
-
-    def _founded(self) -> Newcomer:
-        """Return a newcomer from scratch."""
-        return Newcomer(self._constructed(), self.parameters.schedule.founder, self.founder)
 
     def _renewed(self) -> Newcomer:
         """Return a newcomer made from members."""
@@ -212,15 +202,14 @@ class Population:
         return tours
 
     def _perturb(self, data: ProblemData, tours: Tours) -> None:
-        recreation = self.parameters.annealing.recreate
-        perturb(data, tours, self.parameters.perturbation, recreation, self.rng)
+        perturb(data, tours, self.parameters.perturbation, self.parameters.annealing.recreate, self.rng)
 
     def child(self) -> Tours:
         """Return the child of two random members."""
         i = below(self.rng, len(self.members))
         j = (i + 1 + below(self.rng, len(self.members) - 1)) % len(self.members)
-        child, recreation = duplicate(self.members[i]), self.parameters.annealing.recreate
-        crossover(self.data, child, self.members[j], recreation, self.rng)
+        child = duplicate(self.members[i])
+        crossover(self.data, child, self.members[j], self.parameters.annealing.recreate, self.rng)
         return child
 
     def _constructed(self) -> Tours:

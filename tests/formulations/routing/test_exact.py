@@ -78,8 +78,8 @@ def test_stopped_early_gives_routes() -> None:
 def test_linked_recorders_share_incumbent_bound_and_proof() -> None:
     instance = random_instance(4, 2, 0)
     here, there = multiprocessing.Pipe()
-    first = LinkedRecorder(instance, Limits(), ignore, None, here)
-    second = LinkedRecorder(instance, Limits(), ignore, None, there)
+    first, second = (LinkedRecorder(instance, Limits(), ignore) for _ in range(2))
+    first.link, second.link = here, there
     first.incumbent(((0, 1), (2, 3)))
     first.raise_bound(1.0)
     assert second.remaining > 0
@@ -95,7 +95,8 @@ def test_linked_recorders_share_incumbent_bound_and_proof() -> None:
 def test_a_peer_that_ends_leaves_what_it_said() -> None:
     instance = random_instance(4, 2, 0)
     here, there = multiprocessing.Pipe()
-    recorder = LinkedRecorder(instance, Limits(), ignore, ((0, 1, 2, 3), ()), here)
+    recorder = LinkedRecorder(instance, Limits(), ignore, ((0, 1, 2, 3), ()))
+    recorder.link = here
     there.send(("bound", 1.5))
     there.close()
     assert recorder.remaining > 0

@@ -109,23 +109,20 @@ class BranchAndCut(ModelSolver):
         report_bound(shared)
         tolerance = 2 * margin
         proved = status == "optimal" and recorder.objective - recorder.bound <= tolerance
-        nodes = scip.getNTotalNodes()
-        return recorder.result(
-            "proof" if proved else _STOPPED.get(status, "time" if recorder.remaining == 0 else "finished"),
-            proved=proved,
-            tolerance=tolerance,
-            **{"nodes": nodes, **shared.counts},
-        )
+        limit = _STOPPED.get(status, "time" if recorder.remaining == 0 else "finished")
+        counts = {"nodes": scip.getNTotalNodes(), **shared.counts}
+        return recorder.result("proof" if proved else limit, proved=proved, tolerance=tolerance, **counts)
 
     def _set_up(self, shared: Shared, seed: int) -> None:
         """Set SCIP's parameters, add the rows asked for, the plugins and the routes known."""
         model, recorder = shared.model, shared.recorder
         scip = model.scip
-        model.keep_visits()
         if self.symmetry:
             model.symmetry()
-        if self.branch_on_visits:
-            model.branch_on_visits()
+        for y in model.y.values():
+            scip.markDoNotMultaggrVar(y)  # presolving must not replace y by sums of θ
+            if self.branch_on_visits:
+                scip.chgVarBranchPriority(y, 1)  # before θ: it settles many θ at once
         scip.setParams(
             {
                 "numerics/feastol": _FEASTOL,

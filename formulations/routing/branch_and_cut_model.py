@@ -51,9 +51,11 @@ class ScipModel:
         self.y = {(i, k): self.scip.addVar(f"y_{i}_{k}", "B") for i in self.T for k in self.D}
         self.C_max = self.scip.addVar("C_max", lb=0.0, ub=self.upper)
         self.scip.setObjective(self.C_max)
-        for k in self.D:
-            self.const3_const4(k)
-            self.const5(k)
+        for k, theta in zip(self.D, self.theta, strict=True):
+            out, back = self.sum_theta(k, ((k, i) for i in self.T)), self.sum_theta(k, ((i, k) for i in self.T))
+            self.scip.addCons(out <= 1, "const3")
+            self.scip.addCons(out - back == 0, "const4")
+            self.scip.addCons(quicksum(self.cost[arc] * v for arc, v in theta.items()) <= self.C_max, "const5")
             for i in self.T:
                 self.const2(i, k)
         for i in self.T:
@@ -84,17 +86,6 @@ class ScipModel:
         self.scip.addCons(self.sum_theta(k, ((j, i) for j in others)) == self.y[i, k], "visit")
         self.scip.addCons(self.sum_theta(k, ((i, j) for j in others)) == self.y[i, k], "const2")
 
-    def const3_const4(self, k: int) -> None:
-        """Eqs. const3 and const4: at most one route per UAV, out and back."""
-        out, back = self.sum_theta(k, ((k, i) for i in self.T)), self.sum_theta(k, ((i, k) for i in self.T))
-        self.scip.addCons(out <= 1, "const3")
-        self.scip.addCons(out - back == 0, "const4")
-
-    def const5(self, k: int) -> None:
-        """Eq. const5: no tour is longer than C_max."""
-        theta = self.theta[k - self.instance.n_tasks]
-        self.scip.addCons(quicksum(self.cost[arc] * v for arc, v in theta.items()) <= self.C_max, "const5")
-
     def reach(self) -> None:
         """C_max is at least the cheapest way to a task and back, of the UAV that visits it."""
         for i in self.T:
@@ -107,20 +98,9 @@ class ScipModel:
             for i in self.T:
                 self.scip.addCons(self.y[i, k] <= quicksum(self.y[j, before] for j in range(i)), "symmetry")
         if is_symmetric(self.instance):
-            for k in self.D:
-                theta = self.theta[k - self.instance.n_tasks]
+            for k, theta in zip(self.D, self.theta, strict=True):
                 ends = quicksum(i * v for (h, i), v in theta.items() if h == k)
                 self.scip.addCons(ends <= quicksum(i * v for (i, h), v in theta.items() if h == k), "symmetry")
-
-    def branch_on_visits(self) -> None:
-        """Branch on y before θ: it settles many θ at once."""
-        for y in self.y.values():
-            self.scip.chgVarBranchPriority(y, 1)
-
-    def keep_visits(self) -> None:
-        """Let presolving not replace y by sums of θ."""
-        for y in self.y.values():
-            self.scip.markDoNotMultaggrVar(y)
 
     def lock(self, locktype: Any, down: int, up: int) -> None:
         """Tell SCIP that rows it does not see may be violated by moving θ or y either way."""

@@ -61,5 +61,5 @@ def search(
         raise RuntimeError(f"CP-SAT ended {solver.status_name(status)} on a model that has a solution")
     bound = solver.best_objective_bound
     if math.isfinite(bound):
-        recorder.raise_bound(scaled.bound(bound))
+        on_bound(bound)
     return bool(status == cp_model.OPTIMAL)

@@ -125,10 +125,5 @@ class _Rounds:
 
     def result(self, stopped_by: str, rounds: int) -> Result:
         """Write the Result."""
-        return self.recorder.result(
-            stopped_by,
-            proved=stopped_by == "proof",
-            tolerance=self.scaled.tolerance,
-            rounds=rounds,
-            cuts=len(self.cuts),
-        )
+        proved, tolerance, cuts = stopped_by == "proof", self.scaled.tolerance, len(self.cuts)
+        return self.recorder.result(stopped_by, proved=proved, tolerance=tolerance, rounds=rounds, cuts=cuts)

@@ -62,10 +62,5 @@ def scale_costs(instance: Instance, incumbent: float) -> ScaledCosts:
     cut = np.minimum(instance.cost, 2.0 * incumbent)  # keeps ldexp from overflowing
     cost = np.minimum(np.floor(np.ldexp(cut, exponent)), upper + 1).astype(np.int64)
     rounding = (arcs + 1) * UNIT_ROUNDOFF
-    return ScaledCosts(
-        cost=cost,
-        exponent=exponent,
-        upper=upper,
-        tolerance=math.ldexp(float(arcs), -exponent) + 4 * rounding * incumbent,
-        rounding=rounding,
-    )
+    tolerance = math.ldexp(float(arcs), -exponent) + 4 * rounding * incumbent
+    return ScaledCosts(cost, exponent, upper, tolerance, rounding)

@@ -12,8 +12,6 @@ or subtracts more than (n+m)² such numbers one after another.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
@@ -57,11 +55,7 @@ def arborescence(instance: Instance, upper: float) -> float:
     return _down(best, instance, upper)
 
 
-SIMPLE: dict[str, Callable[[Instance, float], float]] = {
-    "farthest": farthest,
-    "assignment": assignment,
-    "arborescence": arborescence,
-}
+SIMPLE = {"farthest": farthest, "assignment": assignment, "arborescence": arborescence}
 
 
 def cheapest_arborescence(cost: Floats) -> float:

@@ -54,11 +54,11 @@ def choose(master: Master, allowed: Bools, far: Floats, gap: float, out_of_time:
     k = duals.bottleneck
     if k is not None and np.abs(share[k] - share[k].round()).max() < _WHOLE and kinds[0].size > 0:
         # one whole tour alone makes the relaxation as long as it is: no branch on the others raises it
-        return _pair(int(kinds[0][0]), master.n)
+        return divmod(int(kinds[0][0]), master.n)
     trials = _Trials(master, value, gap, out_of_time)
     roughly = trials.best(_each_once(*kinds), _GLANCE, _TRIED)
     thoroughly = _each_once(*(kind[:_TRIED] for kind in kinds), roughly)
-    return _pair(int(trials.best(thoroughly, _TRIAL, 1)[0]), master.n)
+    return divmod(int(trials.best(thoroughly, _TRIAL, 1)[0]), master.n)
 
 
 def _each_once(*candidates: Ints) -> Ints:
@@ -81,7 +81,7 @@ class _Trials:
             for c, candidate in enumerate(candidates):
                 if self.out_of_time():
                     break
-                scores[c] = self._score(*_pair(int(candidate), self.master.n), pivots)
+                scores[c] = self._score(*divmod(int(candidate), self.master.n), pivots)
         return candidates[np.argsort(-scores, kind="stable")[:most]]
 
     def _score(self, k: int, i: int, pivots: int) -> float:
@@ -106,7 +106,3 @@ def _promising(promise: Floats) -> Ints:
     """Return the few places, in the flat array, of greatest promise > 0."""
     best = np.argsort(-promise.ravel(), kind="stable")[:_GLANCED]
     return best[promise.ravel()[best] > 0.0]
-
-
-def _pair(flat: int, n: int) -> tuple[int, int]:
-    return flat // n, flat % n

@@ -67,7 +67,9 @@ def generate(
         priced = _price_all(pricers[level], duals, cap, out_of_time)
         if priced is None:
             return Relaxation(Ended.INTERRUPTED, best, weight, rounds)
-        found = _lagrangian(duals, priced, cap)
+        least = np.array([min(0.0, p.least) for p in priced])
+        value_at = duals.offset + float(least.sum()) - duals.margin(cap, len(priced))  # L(σ, π), less its rounding
+        found = DualBound(value_at, duals, least)
         if found.value > best.value:
             best = found
         if best.value > cap:
@@ -98,9 +100,3 @@ def _price_all(pricer: Prices, duals: Duals, cap: float, out_of_time: Clock) -> 
             return None
         priced.append(pricer.price(k, duals, -duals.rent[k] - _EXACT * cap))
     return priced
-
-
-def _lagrangian(duals: Duals, priced: Sequence[Priced], cap: float) -> DualBound:
-    """Return the Lagrangian bound L(σ, π) of `pricing`, less the rounding it may hold."""
-    least = np.array([min(0.0, p.least) for p in priced])
-    return DualBound(duals.offset + float(least.sum()) - duals.margin(cap, len(priced)), duals, least)

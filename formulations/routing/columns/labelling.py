@@ -88,15 +88,9 @@ class Found(NamedTuple):
 def make_store(n_tasks: int, room: int) -> Store:
     """Make room for `room` labels over `n_tasks` tasks."""
     slots = 1 << int(2 * room - 1).bit_length()
-    return Store(
-        np.zeros((room, (n_tasks + 63) // 64), np.uint64),
-        np.zeros(room, np.int16),
-        np.zeros(room),
-        np.zeros(room),
-        np.zeros(room),
-        np.zeros(room, np.int32),
-        np.full(slots, -1, np.int32),
-    )
+    visited, last = np.zeros((room, (n_tasks + 63) // 64), np.uint64), np.zeros(room, np.int16)
+    cost, gain, bound = np.zeros(room), np.zeros(room), np.zeros(room)
+    return Store(visited, last, cost, gain, bound, np.zeros(room, np.int32), np.full(slots, -1, np.int32))
 
 
 def path(labels: Orders | Store, label: int) -> tuple[int, ...]:

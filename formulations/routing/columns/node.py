@@ -75,10 +75,6 @@ class Node:
         columns = [c for c in self.columns if c.uav not in uavs or task not in c.tasks]
         return replace(self, legs=self.legs.without(task, uavs), columns=columns, pool=self.pool.without(task, uavs))
 
-    def restrict(self, cap: float) -> None:
-        """Drop the legs and listed tours that no tour of cost ≤ `cap` needs."""
-        self.legs, self.pool = self.legs.under(cap), self.pool.under(cap)
-
     def lighten(self, cap: float) -> None:
         """Drop the cuts that nothing pays for, and the columns that are in no routes of cost ≤ `cap`."""
         if self.centre is None:

@@ -77,7 +77,7 @@ Outcome = Pruned | Improved | Branch | Stuck | Interrupted | Overtaken
 
 def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     """Raise the node's bound until it passes `cap` [s], routes are found, or nothing but branching helps."""
-    node.restrict(cap)
+    node.legs, node.pool = node.legs.under(cap), node.pool.under(cap)
     master = node.restricted_master(cap)
     stalled, dived = 0, node.centre is not None
     while True:

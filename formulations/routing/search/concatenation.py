@@ -35,9 +35,8 @@ class Segments(NamedTuple):
 @njit(cache=True, nogil=True)
 def empty_segments(n_tasks: int) -> Segments:
     """Return room for a tour of up to n_tasks tasks."""
-    return Segments(
-        np.empty(n_tasks + 2, np.int32), np.empty(n_tasks + 2), np.empty(n_tasks + 2), np.zeros(2, np.int64)
-    )
+    size = n_tasks + 2
+    return Segments(np.empty(size, np.int32), np.empty(size), np.empty(size), np.zeros(2, np.int64))
 
 
 @njit(cache=True, nogil=True)

@@ -69,22 +69,13 @@ def closed_tour(cost: Floats, parameters: LocalSearchParameters) -> ClosedTour:
     for v in range(size):
         keep_nearest(costs.out[v], costs.out[v], v, 0, ahead[v])
         keep_nearest(costs.into[v], costs.into[v], v, 0, behind[v])
-    tour = ClosedTour(
-        costs,
-        concatenation.empty_segments(size - 1),
-        ahead,
-        behind,
-        np.arange(size),
-        np.zeros(size + 1, np.int32),
-        np.zeros(size, np.int64),
-        np.zeros(size, np.bool_),
-        np.zeros(2, np.int64),
-        parameters,
-    )
-    tour.segments.shape[1] = size - 1
-    tour.segments.nodes[:size] = np.arange(size)
-    tour.segments.nodes[size] = 0
-    tour.segments.forward[0] = tour.segments.backward[0] = 0.0
+    segments, position, spare = concatenation.empty_segments(size - 1), np.arange(size), np.zeros(size + 1, np.int32)
+    queue, queued, ring = np.zeros(size, np.int64), np.zeros(size, np.bool_), np.zeros(2, np.int64)
+    tour = ClosedTour(costs, segments, ahead, behind, position, spare, queue, queued, ring, parameters)
+    segments.shape[1] = size - 1
+    segments.nodes[:size] = position
+    segments.nodes[size] = 0
+    segments.forward[0] = segments.backward[0] = 0.0
     book(tour, 1)
     return tour
 

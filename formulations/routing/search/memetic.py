@@ -61,16 +61,10 @@ class Memetic(RecordedSolver):
     parameters: ClassVar[SearchParameters] = _DEFAULT
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("removals", 1, self.parameters.neighbourhood.tasks),
-            ("strings", 0, 1),
-            ("cuts", 0, 1),
-            ("powers", 1, len(GUIDES)),
-            ("focuses", 0, 1),
-            ("reliefs", 0, 1),
-            ("kicks", 0, 1000),
-            ("depth", 0.01, float("inf")),
-        ):
+        ranges: dict[str, tuple[float, float]] = dict.fromkeys(("strings", "cuts", "focuses", "reliefs"), (0, 1))
+        ranges |= {"removals": (1, self.parameters.neighbourhood.tasks), "powers": (1, len(GUIDES))}
+        ranges |= {"kicks": (0, 1000), "depth": (0.01, float("inf"))}
+        for name, (low, high) in ranges.items():
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
                 raise InputError(f"memetic: {name} must lie in {low}..{high}, got {value!r}")
@@ -131,11 +125,8 @@ class Memetic(RecordedSolver):
         annealing = self.parameters.annealing._replace(
             removals=self.removals, strings=float(self.strings), moves=float(self.cuts), guides=self.powers
         )
-        population = replace(
-            self.parameters.population,
-            decompositions=float(self.focuses),
-            perturbations=float(self.reliefs),
-            kicks=float(self.kicks),
-            depth=self.depth,
+        shares = replace(
+            self.parameters.population, decompositions=float(self.focuses), perturbations=float(self.reliefs)
         )
+        population = replace(shares, kicks=float(self.kicks), depth=self.depth)
         return replace(self.parameters, annealing=annealing, population=population)

@@ -17,7 +17,7 @@ import numpy as np
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around_longest, merge, subproblem
-from formulations.routing.search.energy import Measure, fitness
+from formulations.routing.search.energy import Measure, MeasureKind, excess, fitness
 from formulations.routing.search.local_search import intensify
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
@@ -87,7 +87,8 @@ class Population:
     @property
     def measure(self) -> Measure:
         """The measure of fitness at present."""
-        return self.strategy.fitness_measure(self.incumbent)
+        measure = self.strategy.measure
+        return measure if measure.kind == MeasureKind.P_NORM else excess(self.incumbent)
 
     def advance(self, now: float, steps: int) -> None:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`."""

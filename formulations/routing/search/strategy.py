@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from formulations.routing.search.energy import Measure, MeasureKind, excess, p_norm
+from formulations.routing.search.energy import Measure, excess, p_norm
 from formulations.routing.search.problem_data import NeighbourhoodParameters
 from formulations.routing.search.randomness import Rng, uniform
 from formulations.routing.search.recreate import RecreateParameters
@@ -55,10 +55,6 @@ class Strategy:
     fine_share: float
     fine_first: float
     reheating: Reheating | None
-
-    def fitness_measure(self, incumbent: float) -> Measure:
-        """Return the measure of fitness while the longest of the best tours known is `incumbent` [s]."""
-        return self.measure if self.measure.kind == MeasureKind.P_NORM else excess(incumbent)
 
     def draw_reheating(self, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule | None:
         """Return the schedule of a reheating, with probability staleness / 2 but reheating.share at most, else None."""

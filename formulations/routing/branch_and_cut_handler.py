@@ -66,25 +66,18 @@ class SubtourHandler(Conshdlr):
 
     def __init__(self, shared: Shared, *, fractional: bool, two_cycles: bool) -> None:
         self.shared, self.fractional, self.two_cycles = shared, fractional, two_cycles
-        self.seen = [
-            (np.array([self._place(k, arc) for arc in theta], dtype=int), list(theta.values()))
-            for k, theta in enumerate(shared.model.theta)
-        ]
-
-    def _place(self, k: int, arc: tuple[int, int]) -> int:
-        """Return where an arc of UAV k lies in its flat (n+1) × (n+1) matrix, the depot last."""
-        n = self.shared.model.instance.n_tasks
-        i, j = (min(node, n) for node in arc)
-        return i * (n + 1) + j
+        # of each UAV, where its arcs lie in a matrix (n+1, n+1), the depot last
+        arcs = [np.array(list(theta), dtype=int).reshape(-1, 2) for theta in shared.model.theta]
+        self.places = [np.minimum(nodes, shared.model.instance.n_tasks).T for nodes in arcs]
 
     def theta(self, solution: Solution | None) -> list[Floats]:
         """Return θ of each UAV in a solution (None: of the relaxation), shape (n+1, n+1), its depot last."""
         size, value = self.shared.model.instance.n_tasks + 1, self.shared.model.scip.getSolVal
         matrices = []
-        for places, variables in self.seen:
-            matrix = np.zeros(size * size)
-            matrix[places] = [value(solution, variable) for variable in variables]
-            matrices.append(matrix.reshape(size, size))
+        for (i, j), variables in zip(self.places, self.shared.model.theta, strict=True):
+            matrix = np.zeros((size, size))
+            matrix[i, j] = [value(solution, variable) for variable in variables.values()]
+            matrices.append(matrix)
         return matrices
 
     @guarded({"result": PY_SCIP_RESULT.INFEASIBLE})
@@ -129,8 +122,10 @@ class SubtourHandler(Conshdlr):
         return {"result": PY_SCIP_RESULT.SEPARATED if found else PY_SCIP_RESULT.DIDNOTFIND}
 
     def conslock(self, constraint: Any, locktype: Any, nlockspos: int, nlocksneg: int) -> None:
-        """Lock every θ and y both ways."""
-        self.shared.model.lock(locktype, nlockspos, nlocksneg)
+        """Tell SCIP that rows it does not see may be violated by moving θ or y either way."""
+        model, both = self.shared.model, nlockspos + nlocksneg
+        for variable in [*model.y.values(), *(v for theta in model.theta for v in theta.values())]:
+            model.scip.addVarLocksType(variable, locktype, both, both)
 
     def subtours_of(self, theta: list[Floats]) -> list[list[int]]:
         """Return the subtours of an integer solution and offer its routes, subtours spliced into tours."""
@@ -162,9 +157,8 @@ class SubtourHandler(Conshdlr):
         model = self.shared.model
         scip, theta, n = model.scip, model.theta[k], model.instance.n_tasks
         inside = len(S) * len(S) <= len(S) * (n + 1 - len(S))
-        row = scip.createEmptyRowUnspec(
-            "subtour", lhs=None if inside else 0.0, rhs=0.0 if inside else None, local=False, removable=True
-        )
+        lhs, rhs = (None, 0.0) if inside else (0.0, None)
+        row = scip.createEmptyRowUnspec("subtour", lhs=lhs, rhs=rhs, local=False, removable=True)
         scip.cacheRowExtensions(row)
         members = set(S)
         sources = S if inside else [i for i in (*model.T, n + k) if i not in members]

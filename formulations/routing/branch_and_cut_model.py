@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 from pyscipopt import Model, Variable, quicksum
@@ -101,11 +100,6 @@ class ScipModel:
             for k, theta in zip(self.D, self.theta, strict=True):
                 ends = quicksum(i * v for (h, i), v in theta.items() if h == k)
                 self.scip.addCons(ends <= quicksum(i * v for (i, h), v in theta.items() if h == k), "symmetry")
-
-    def lock(self, locktype: Any, down: int, up: int) -> None:
-        """Tell SCIP that rows it does not see may be violated by moving θ or y either way."""
-        for variable in [*self.y.values(), *(v for theta in self.theta for v in theta.values())]:
-            self.scip.addVarLocksType(variable, locktype, down + up, down + up)
 
     def fill(self, solution: Solution, routes: Routes) -> None:
         """Write `routes` into a SCIP solution; raises KeyError where they use an arc that is left out."""

@@ -132,19 +132,9 @@ class LinkedRecorder(Recorder):
         self.listen()
         return 0.0 if self.met_by_peer else super().remaining
 
-    def incumbent(self, routes: Routes) -> bool:
-        """Keep better routes and pass them on."""
-        better = super().incumbent(routes)
-        if better:
-            self._tell(("routes", self.routes))
-        return better
-
-    def raise_bound(self, bound: float) -> bool:
-        """Keep a higher bound and pass it on."""
-        better = super().raise_bound(bound)
-        if better:
-            self._tell(("bound", bound))
-        return better
+    def _stream(self, routes: Routes | None) -> None:
+        super()._stream(routes)
+        self._tell(("bound", self.bound) if routes is None else ("routes", routes))
 
     def listen(self) -> None:
         """Take in what the peer has sent."""
@@ -153,9 +143,9 @@ class LinkedRecorder(Recorder):
             while link is not None and link.poll():
                 kind, value = link.recv()
                 if kind == "routes":
-                    super().incumbent(value)
+                    self.incumbent(value)
                 elif kind == "bound":
-                    super().raise_bound(value)
+                    self.raise_bound(value)
                 elif kind == "proof":
                     self.tolerance, self.met_by_peer = value, True
         except (EOFError, OSError):  # the peer has ended; what it said stays

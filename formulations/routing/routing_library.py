@@ -13,7 +13,7 @@ Search: guided local search, the documentation's advice, from the greedy routes 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
@@ -70,19 +70,15 @@ class _Search:
 
     def run(self) -> int:
         """Search until a limit; return the number of accepted solutions."""
-        parameters = self._parameters()
-        self.routing.CloseModelWithParameters(parameters)
-        first = self.routing.ReadAssignmentFromRoutes([list(route) for route in self.recorder.routes or ()], True)
-        self.routing.SolveFromAssignmentWithParameters(first, parameters)
-        return self.solutions
-
-    def _parameters(self) -> Any:
         parameters = pywrapcp.DefaultRoutingSearchParameters()
         parameters.local_search_metaheuristic = routing_enums_pb2.LocalSearchMetaheuristic.GUIDED_LOCAL_SEARCH
         parameters.time_limit.FromMilliseconds(max(1, int(1000 * self.recorder.remaining)))
         if self.recorder.limits.iterations is not None:
             parameters.solution_limit = self.recorder.limits.iterations
-        return parameters
+        self.routing.CloseModelWithParameters(parameters)
+        first = self.routing.ReadAssignmentFromRoutes([list(route) for route in self.recorder.routes or ()], True)
+        self.routing.SolveFromAssignmentWithParameters(first, parameters)
+        return self.solutions
 
     def _on_solution(self) -> None:
         self.solutions += 1

@@ -118,6 +118,5 @@ def used_arcs(instance: Instance, routes: Sequence[Sequence[int]]) -> set[tuple[
     used = set()
     for k, route in zip(instance.depots, routes, strict=True):
         if route:
-            stops = [k, *route, k]
-            used |= {(i, j, k) for i, j in pairwise(stops)}
+            used |= {(i, j, k) for i, j in pairwise([k, *route, k])}
     return used

@@ -216,16 +216,12 @@ def cheapest_order(instance: Instance, k: int, tasks: list[int]) -> tuple[int, .
     between = np.ascontiguousarray(instance.cost[np.ix_(tasks, tasks)].T)
     path, tour = np.empty((1 << len(tasks), len(tasks))), np.zeros(1 << len(tasks))
     _extend_paths(1, 1 << len(tasks), to_task, between, home, path, tour)
-    order, rest = [], (1 << len(tasks)) - 1
-    j = min(range(len(tasks)), key=lambda a: float(path[rest, a] + home[a]))
+    order, rest, following = [], (1 << len(tasks)) - 1, home
     while rest:
+        members, before = [i for i in range(len(tasks)) if rest >> i & 1], path[rest]
+        j = min(members, key=lambda i: float(before[i] + following[i]))
         order.append(tasks[j])
-        rest ^= 1 << j
-        members = [i for i in range(len(tasks)) if rest >> i & 1]
-        if members:
-            following = between[j]
-            before = path[rest]
-            j = min(members, key=lambda i: float(before[i] + following[i]))
+        rest, following = rest ^ 1 << j, between[j]
     return tuple(reversed(order))
 
 

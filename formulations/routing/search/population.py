@@ -173,7 +173,8 @@ class Population:
             part, how = self.decomposed(), self.parameters.decomposition
             tours, length = duplicate(part.tours), self._step_length * max(how.least, how.depth * part.data.crowding)
             if uniform(self.rng) < how.perturbed:
-                self._perturb(part.data, tours)
+                recreate = self.parameters.annealing.recreate
+                perturb(part.data, tours, self.parameters.perturbation, recreate, self.rng)
                 return Newcomer(tours, schedule.perturbed, parameters.child * length, part)
             return Newcomer(tours, schedule.founder, length, part)
         if uniform(self.rng) < parameters.perturbations:
@@ -199,11 +200,8 @@ class Population:
     def perturbed(self) -> Tours:
         """Return a copy of a random member, one of its UAVs relocated."""
         tours = duplicate(self.members[below(self.rng, len(self.members))])
-        self._perturb(self.data, tours)
+        perturb(self.data, tours, self.parameters.perturbation, self.parameters.annealing.recreate, self.rng)
         return tours
-
-    def _perturb(self, data: ProblemData, tours: Tours) -> None:
-        perturb(data, tours, self.parameters.perturbation, self.parameters.annealing.recreate, self.rng)
 
     def child(self) -> Tours:
         """Return the child of two random members."""

@@ -28,14 +28,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.destructive import destructive_bounds
-from formulations.routing.columns.labelling import make_store
+from formulations.routing.columns.fixing import fix_legs
+from formulations.routing.columns.labelling import keep_best, make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
-from formulations.routing.columns.pricing import Column, efforts
+from formulations.routing.columns.pool import Pool, list_tours
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer, efforts
 from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.tree import StoppedBy, Tree
-from formulations.routing.columns.warming import warm_up
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.simple_bounds import SIMPLE
@@ -80,9 +82,21 @@ class BranchAndPrice(RecordedSolver):
         return f"columns take at most {MOST_TASKS} tasks and {_MOST_LEGS} legs (m·n²), not {n} and {m * n * n}"
 
     def prepare(self, instance: Instance) -> None:
-        """Compile the kernels (about a minute the first time, then cached)."""
+        """Compile the kernels (about a minute the first time, then cached): use each once, on six tasks in a circle."""
         Memetic().prepare(instance)
-        warm_up()
+        keep_best(make_store(3, 8), 2, 0, 4)
+        angle = np.arange(7.0)
+        place = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        place[6] = 0.0
+        circle = Instance("circle", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 6, 1)
+        cap, tours = 10.0, [(0, 1, 2), (2, 3, 4), (0, 4, 5)]
+        cuts = tuple(separate(tours, np.full(3, 0.9), 6, set(), 5)) or ((0, 2, 4),)
+        duals = Duals(np.ones(6), np.ones(1), np.zeros(1), np.full(len(cuts), 0.1), cuts)
+        pricer = Pricer(Legs.of(circle).under(cap), cap, Effort(2, 10, 5, 2), make_store(6, 10_000))
+        at = DualBound(0.0, duals, np.array([pricer.price(0, duals, 0.0).least]))
+        fix_legs(pricer, [0], at)
+        pool, _ = list_tours(Pool.empty(1, 6), pricer, at, 10_000, 10_000)
+        pool.needed(at, cap)
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of the tree. Deterministic but for the clock."""

@@ -109,7 +109,9 @@ class GiantCircuit(Form):
         self.following = {k: D[(p + 1) % len(D)] for p, k in enumerate(D)}
         self.t = {i: model.new_int_var(0, scaled.upper, f"t[{i}]") for i in T}
         self.z = model.new_int_var(0, scaled.upper, "z")
-        self.x = {(i, j): model.new_bool_var(f"x[{i},{j}]") for i, j in self._arcs()}
+        arcs = [(i, j) for i in T for j in T if i != j] + [(k, i) for k in D for i in T]
+        arcs += [(i, k) for k in D for i in T] + [(k, after) for k, after in self.following.items() if k != after]
+        self.x = {(i, j): model.new_bool_var(f"x[{i},{j}]") for i, j in arcs}
         model.add_circuit([(i, j, x) for (i, j), x in self.x.items()])
         for i in T:
             model.add_exactly_one(self.y[i, k] for k in D)
@@ -118,12 +120,6 @@ class GiantCircuit(Form):
         if average:
             self._average()
         model.minimize(self.z)
-
-    def _arcs(self) -> list[tuple[int, int]]:
-        T, D = self.instance.tasks, self.instance.depots
-        inner = [(i, j) for i in T for j in T if i != j]
-        outer = [(k, i) for k in D for i in T] + [(i, k) for k in D for i in T]
-        return inner + outer + [(k, after) for k, after in self.following.items() if k != after]
 
     def _same_uav(self) -> None:
         T, D = self.instance.tasks, self.instance.depots

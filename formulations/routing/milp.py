@@ -22,7 +22,7 @@ from formulations.routing.paper_model import PaperModel, why_too_large
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import scale_costs
 from formulations.routing.solver import Result
-from formulations.routing.subtours import Arc, find_subtours, repair
+from formulations.routing.subtours import find_subtours, repair
 from instances import Instance
 
 MOST_THETA = 60_000
@@ -99,18 +99,11 @@ class _Rounds:
 
     def on_solution(self, value: Values) -> None:
         """Offer the repaired routes of a solution and keep its subtours for the next round."""
-        arcs_of = [self.arcs(value, k) for k in self.instance.depots]
-        subtours = [
-            S
-            for k, arcs in zip(self.instance.depots, arcs_of, strict=True)
-            for S in find_subtours(arcs, k, self.instance.n_tasks)
-        ]
+        theta, depots, n = self.paper.theta, self.instance.depots, self.instance.n_tasks
+        arcs_of = [[(i, j) for i, j in self.paper.edges(k) if value(theta[i, j, k])] for k in depots]
+        subtours = [S for k, arcs in zip(depots, arcs_of, strict=True) for S in find_subtours(arcs, k, n)]
         self.found = [*self.found, *subtours] if self.options.every_solution else subtours
         self.recorder.incumbent(repair(self.instance, arcs_of))
-
-    def arcs(self, value: Values, k: int) -> list[Arc]:
-        """Return the arcs UAV k uses in a solution."""
-        return [(i, j) for i, j in self.paper.edges(k) if value(self.paper.theta[i, j, k])]
 
     def add_cuts(self, sets: Sequence[Sequence[int]]) -> None:
         """Add const6 for each set S that has none yet."""

@@ -124,7 +124,7 @@ def search(
     while end > begin:
         if beam is not None and end - begin > beam:
             complete = False
-            end = _keep_best(store, beam, begin, end)
+            end = keep_best(store, beam, begin, end)
         layer_ends, layer_values = _tours(problem, store, threshold, begin, end)
         ends.append(layer_ends)
         values.append(layer_values)
@@ -162,11 +162,6 @@ def _projected(layers: list[int]) -> float:
         size *= growth
         total += size
     return total
-
-
-def compile_beam() -> None:
-    """Compile what only a search wider than its beam calls, so that no timed search waits for it."""
-    _keep_best(make_store(3, 8), 2, 0, 4)
 
 
 @njit(cache=True)
@@ -310,7 +305,7 @@ def _clear(store: Store, begin: int, end: int) -> None:
 
 
 @njit(cache=True)
-def _keep_best(store: Store, beam: int, begin: int, end: int) -> int:
+def keep_best(store: Store, beam: int, begin: int, end: int) -> int:
     """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
     limit = np.partition(store.bound[begin:end], beam - 1)[beam - 1]
     free = begin

@@ -100,7 +100,9 @@ def reversal_gain(tour: ClosedTour, i: int, j: int) -> float:
 
 @njit(cache=True, nogil=True)
 def reverse(tour: ClosedTour, i: int, j: int) -> None:
-    """Reverse positions i..j."""
+    """Reverse positions i..j and queue the nodes at their ends."""
+    for p in (i - 1, i, j, j + 1):
+        _enqueue(tour, p)
     low, nodes = i, tour.segments.nodes
     while i < j:
         nodes[i], nodes[j] = nodes[j], nodes[i]
@@ -117,7 +119,9 @@ def exchange_gain(tour: ClosedTour, p: int, q: int, r: int) -> float:
 
 @njit(cache=True, nogil=True)
 def exchange(tour: ClosedTour, p: int, q: int, r: int) -> None:
-    """Exchange positions p+1..q and q+1..r."""
+    """Exchange positions p+1..q and q+1..r and queue the nodes at their ends."""
+    for i in (p, p + 1, q, q + 1, r, r + 1):
+        _enqueue(tour, i)
     spare, nodes = tour.spare, tour.segments.nodes
     spare[: q - p] = nodes[p + 1 : q + 1]
     for i in range(q + 1, r + 1):
@@ -145,22 +149,16 @@ def _improve_by_two_opt(tour: ClosedTour, v: int, least: float) -> bool:
         j = tour.position[x] if x > 0 else last + 1
         for low, high in ((i + 1, j), (i, j - 1)):
             if 1 <= low < high <= last and reversal_gain(tour, low, high) > least:
-                return _reversed(tour, low, high)
+                reverse(tour, low, high)
+                return True
     i = i if v > 0 else last + 1
     for x in tour.behind[v]:
         j = tour.position[x]
         for low, high in ((j + 1, i), (j, i - 1)):
             if 1 <= low < high <= last and reversal_gain(tour, low, high) > least:
-                return _reversed(tour, low, high)
+                reverse(tour, low, high)
+                return True
     return False
-
-
-@njit(cache=True, nogil=True)
-def _reversed(tour: ClosedTour, low: int, high: int) -> bool:
-    for i in (low - 1, low, high, high + 1):
-        _enqueue(tour, i)
-    reverse(tour, low, high)
-    return True
 
 
 @njit(cache=True, nogil=True)
@@ -187,26 +185,21 @@ def _improve_by_exchange(tour: ClosedTour, v: int, least: float) -> bool:
                         break
                     t = position[y] if y > 0 else last + 1
                     if t > j and exchange_gain(tour, i, j - 1, t - 1) > least:
-                        return _exchanged(tour, i, j - 1, t - 1)
+                        exchange(tour, i, j - 1, t - 1)
+                        return True
             for z in tour.behind[after]:
                 if position[z] < i and exchange_gain(tour, position[z], i, j - 1) > least:
-                    return _exchanged(tour, position[z], i, j - 1)
+                    exchange(tour, position[z], i, j - 1)
+                    return True
         elif 1 <= j < i:
             for y in tour.ahead[nodes[j - 1]]:
                 if gain - cost[nodes[j - 1], y] <= 0.0:
                     break
                 t = position[y]
                 if j < t <= i and exchange_gain(tour, j - 1, t - 1, i) > least:
-                    return _exchanged(tour, j - 1, t - 1, i)
+                    exchange(tour, j - 1, t - 1, i)
+                    return True
     return False
-
-
-@njit(cache=True, nogil=True)
-def _exchanged(tour: ClosedTour, p: int, q: int, r: int) -> bool:
-    for i in (p, p + 1, q, q + 1, r, r + 1):
-        _enqueue(tour, i)
-    exchange(tour, p, q, r)
-    return True
 
 
 @njit(cache=True, nogil=True)

@@ -22,8 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.columns.cuts import Watch
 from formulations.routing.columns.legs import UavLegs
-from formulations.routing.columns.watching import Watch
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
@@ -122,7 +122,7 @@ def _successors(legs: Ints, most: int) -> tuple[Ints, Ints]:
 
 @njit(cache=True)
 def completion(uav: UavLegs, bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: float) -> Floats:
-    """Return B, shape (n, most + 1, 2^q (2^g + 1)): for each state of the cuts watched (`watching.py`) one block.
+    """Return B, shape (n, most + 1, 2^q (2^g + 1)): for each state of the cuts watched (`cuts.py`) one block.
 
     The last entry of a block is infinite, for forbidden steps.
     """

@@ -19,9 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.completion import Bins, Memory, bins_left
-from formulations.routing.columns.cuts import TaskCuts
+from formulations.routing.columns.cuts import TaskCuts, Watch
 from formulations.routing.columns.legs import UavLegs
-from formulations.routing.columns.watching import Watch
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 

@@ -21,10 +21,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from formulations.routing.columns.completion import Bins, Memory, completion
-from formulations.routing.columns.cuts import Cut, TaskCuts, by_task, incidence
+from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task, incidence
 from formulations.routing.columns.labelling import Clock, Store, Subproblem, least_of_all, never, path, search
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.watching import Watch
 from instances.arrays import Floats
 
 _MOST_ENDS = 50_000

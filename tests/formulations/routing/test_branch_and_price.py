@@ -9,6 +9,7 @@ from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.branching import choose
 from formulations.routing.columns.completion import Bins, Memory, completion
+from formulations.routing.columns.cuts import Watch
 from formulations.routing.columns.generation import generate
 from formulations.routing.columns.labelling import least_of_all, make_store, path, search
 from formulations.routing.columns.legs import Legs, UavLegs
@@ -17,7 +18,6 @@ from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer
 from formulations.routing.columns.tree import Tree
-from formulations.routing.columns.watching import Watch
 from formulations.routing.solver import Status
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes, check_routes, tour_costs

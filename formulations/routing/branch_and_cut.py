@@ -139,16 +139,10 @@ class BranchAndCut(ModelSolver):
         )
         if recorder.limits.iterations is not None:
             scip.setParam("limits/totalnodes", recorder.limits.iterations)
+        handler = SubtourHandler(shared, fractional=self.fractional, two_cycles=self.two_cycles)
+        last = -5_000_000  # after all rows: they see integer solutions of const1–const5 only
         scip.includeConshdlr(
-            SubtourHandler(shared, fractional=self.fractional, two_cycles=self.two_cycles),
-            "subtours",
-            "const6",
-            sepapriority=1_000_000,
-            # after all rows: they see integer solutions of const1–const5 only
-            enfopriority=-5_000_000,
-            chckpriority=-5_000_000,
-            sepafreq=1,
-            needscons=False,
+            handler, "subtours", "const6", 1_000_000, enfopriority=last, chckpriority=last, sepafreq=1, needscons=False
         )
         scip.includeEventhdlr(Messenger(shared), "bounds", "reports bounds")
         offers = Offers(shared)

@@ -90,12 +90,16 @@ class GeneticAlgorithm(RecordedSolver):
         instance, limits, rng = recorder.instance, recorder.limits, np.random.default_rng(seed)
         people = self._first_population(instance, rng, recorder.routes)
         candidates = border_line(instance, self.border)
+        elite = round(self.elite * self.population)
+        rates_of_all = float(self.tournament_rate), float(self.crossover_rate)
         last = self.generations if limits.iterations is None else min(self.generations, limits.iterations)
         recorder.incumbent(_fittest(people))
         generation = 0
         while generation < last and recorder.remaining > 0:
             generation += 1
-            people = self._next(people, instance.cost, candidates, rng, generation)
+            inter = generation % self.inter_every == 0
+            rates = *rates_of_all, float(self.inter_rate if inter else self.intra_rate)
+            people = next_generation(instance.cost, rng, people, candidates, self.tournament, elite, inter, rates)
             if people.fitness.min() < recorder.objective:
                 recorder.incumbent(_fittest(people))
         stopped_by = "time" if generation < last else "finished" if generation == self.generations else "iterations"
@@ -111,17 +115,6 @@ class GeneticAlgorithm(RecordedSolver):
         for row in range(self.population):
             people.fitness[row] = evaluate(instance.cost, chromosome(people, row))
         return people
-
-    def _next(
-        self, people: Population, cost: Floats, candidates: Bools, rng: np.random.Generator, generation: int
-    ) -> Population:
-        inter, elite = generation % self.inter_every == 0, round(self.elite * self.population)
-        rates = (
-            float(self.tournament_rate),
-            float(self.crossover_rate),
-            float(self.inter_rate if inter else self.intra_rate),
-        )
-        return next_generation(cost, rng, people, candidates, self.tournament, elite, inter, rates)
 
 
 def _fittest(people: Population) -> Routes:

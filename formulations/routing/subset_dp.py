@@ -189,9 +189,8 @@ def _recover(instance: Instance, tours: list[Floats], best: list[Floats]) -> Rou
         parts[k] = int(_best_part(rest, best[k - 1], tours[k]))
         rest ^= parts[k]
     parts[0] = rest
-    return tuple(
-        cheapest_order(instance, k, [i for i in instance.tasks if part >> i & 1]) for k, part in enumerate(parts)
-    )
+    sets = [[i for i in instance.tasks if part >> i & 1] for part in parts]
+    return tuple(cheapest_order(instance, k, tasks) for k, tasks in enumerate(sets))
 
 
 @njit(cache=True)

@@ -68,8 +68,7 @@ def generate(
         if priced is None:
             return Relaxation(Ended.INTERRUPTED, best, weight, rounds)
         least = np.array([min(0.0, p.least) for p in priced])
-        value_at = duals.offset + float(least.sum()) - duals.margin(cap, len(priced))  # L(σ, π), less its rounding
-        found = DualBound(value_at, duals, least)
+        found = DualBound(duals.offset + float(least.sum()) - duals.margin(cap, len(priced)), duals, least)
         if found.value > best.value:
             best = found
         if best.value > cap:

@@ -49,10 +49,7 @@ class Bound:
 
 
 def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0) -> Iterator[Bound]:
-    """Yield every bound of `instance` as it is ready.
-
-    time_limit [s] : of each bound.
-    """
+    """Yield every bound of `instance` as it is ready; `time_limit` [s] is that of each."""
     upper = makespan(instance, greedy_routes(instance))
     for name, bound in SIMPLE.items():
         began = time.perf_counter()

@@ -37,10 +37,7 @@ _LOOKS = 4_000_000
 
 @dataclass(frozen=True)
 class Greedy(RecordedSolver):
-    """Greedy construction; no randomness.
-
-    variant : regret, cheapest, shortest or nearest.
-    """
+    """Greedy construction, without randomness; `variant` is regret, cheapest, shortest or nearest."""
 
     variant: str = "regret"
 

@@ -86,9 +86,7 @@ def _violated(holds: Bools, weight: Floats, least: float) -> tuple[Ints, Floats]
 
 
 class TaskCuts(NamedTuple):
-    """The cuts of each task that have a price: their other two tasks, `partners` (n, q, 2), −1 where none; `rho` (n, q)
-    [s], 0 where none.
-    """
+    """A task's priced cuts: `rho` (n, q) [s], 0 where none; their other tasks `partners` (n, q, 2), −1 where none."""
 
     partners: Ints
     rho: Floats

@@ -99,9 +99,7 @@ class Duals:
 
 @dataclass(frozen=True)
 class DualBound:
-    """A Lagrangian bound: its `value` L [s], rounding margin taken off, the `duals` it holds at, and its terms r_k ≤ 0
-    [s], `least`, shape (m,).
-    """
+    """A Lagrangian bound: `value` L [s] less the margin, the `duals` it holds at, terms r_k ≤ 0 [s] in `least` (m,)."""
 
     value: float
     duals: Duals
@@ -114,9 +112,7 @@ class DualBound:
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard to price: `near` tasks remembered and `watch` cuts watched at each task, `bins` of time, `beam` labels
-    a layer.
-    """
+    """How hard to price: `near` tasks and `watch` cuts remembered at a task, `bins` of time, `beam` labels a layer."""
 
     near: int
     bins: int

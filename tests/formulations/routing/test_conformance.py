@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
-from formulations.routing.registry import make_solver, solver_targets, why_unavailable
+from formulations.routing.registry import SOLVERS, make_solver
 from formulations.routing.solver import Event, Result, Solver, Status
 from instances import Instance, Routes, check_routes, makespan
 
@@ -33,9 +33,9 @@ RELATIVE = 1e-9
 """Rounding allowed where one optimum is computed in two ways."""
 
 
-@pytest.fixture(params=sorted(solver_targets()))
+@pytest.fixture(params=sorted(SOLVERS.targets()))
 def solver(request: pytest.FixtureRequest) -> Solver:
-    reason = why_unavailable(request.param)
+    reason = SOLVERS.why_unavailable(request.param)
     if reason:
         pytest.skip(reason)
     return make_solver(request.param)

@@ -41,8 +41,9 @@ class AnnealingParameters(NamedTuple):
 @njit(cache=True, nogil=True)
 def undo(costs: Costs, tours: Tours, count: int, removed: Removed, costs_before: Floats) -> None:
     """Return to the tours as they were before a ruin of `count` tasks and its recreation."""
+    tasks = removed.tasks
     for i in range(count):
-        unlink(costs, tours, removed.tasks[i])
+        unlink(costs, tours, tasks[i])
     restore(costs, tours, count, removed)
     tours.cost[:] = costs_before
 
@@ -86,7 +87,7 @@ def anneal(
     removed = Removed(np.empty(most, np.int32), np.empty(most, np.int32), np.zeros(m, np.bool_))
     costs, near = data.costs, data.near  # once: in the loop each access would count references
     nearest = near.tasks
-    queue, costs_before = np.empty(most, np.int32), np.empty(m)
+    tasks, queue, costs_before = removed.tasks, np.empty(most, np.int32), np.empty(m)
     sum_costs(tours)
     now = energy(tours.cost, objective)
     lowest = fitness(fittest.cost, measure)
@@ -101,7 +102,7 @@ def anneal(
             count = remove_strings(costs, nearest, tours, removed, rng)
         else:
             count = remove_adjacent(costs, nearest, tours, removed, rng)
-        queue[:count] = removed.tasks[:count]
+        queue[:count] = tasks[:count]
         shuffle(queue, count, rng)
         guide = GUIDES[below(rng, parameters.guides)]
         recreate(costs, near, tours, queue, count, guide, parameters.recreate, rng)

@@ -84,23 +84,29 @@ def best_insertion(
     1 / scale [s] is the longest tour that is left: the unit of the guide, which keeps powers in range.
     blink: instead of that of the parameters.
     """
-    n_depots, nearest = near.depots.shape[1], parameters.depots
-    n_tasks_seen = min(parameters.width, near.tasks.shape[1])
+    tasks, depots, tour, cost = (
+        near.tasks,
+        near.depots,
+        tours.tour,
+        tours.cost,
+    )  # once: in a loop references are counted
+    n_depots, nearest = depots.shape[1], parameters.depots
+    n_tasks_seen = min(parameters.width, tasks.shape[1])
     n_seen = n_tasks_seen + min(2 * nearest, n_depots)
     overlooked = below(rng, int(n_seen / blink)) if blink > 0.0 else -1
     best, best_u, best_change = np.inf, -1, 0.0
     for j in range(n_seen):
         if j < n_tasks_seen:
-            node = near.tasks[v, j]
+            node = tasks[v, j]
         elif j < n_tasks_seen + nearest or n_depots <= 2 * nearest:
-            node = near.depots[v, j - n_tasks_seen]
+            node = depots[v, j - n_tasks_seen]
         else:
-            node = near.depots[v, nearest + below(rng, n_depots - nearest)]
-        k = tours.tour[node]
+            node = depots[v, nearest + below(rng, n_depots - nearest)]
+        k = tour[node]
         if k < 0 or j == overlooked:
             continue
         u, change = _better_side(costs, tours, v, node)
-        value = growth(tours.cost[k] * scale, change * scale, guide, parameters.tie)
+        value = growth(cost[k] * scale, change * scale, guide, parameters.tie)
         if value < best or best_u < 0:
             best, best_u, best_change = value, u, change
     return best_u, best_change

@@ -25,11 +25,11 @@ class Removed(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def remove(costs: Costs, tours: Tours, v: int, count: int, removed: Removed) -> int:
+def remove(costs: Costs, tours: Tours, v: int, count: int, tasks: Nodes, behind: Nodes) -> int:
     """Take task v out, book its cost and place, and return the new count of removed tasks."""
     tours.cost[tours.tour[v]] += removal_change(costs, tours, v)
-    removed.tasks[count] = v
-    removed.behind[count] = tours.before[v]
+    tasks[count] = v
+    behind[count] = tours.before[v]
     unlink(costs, tours, v)
     return count + 1
 
@@ -37,19 +37,20 @@ def remove(costs: Costs, tours: Tours, v: int, count: int, removed: Removed) -> 
 @njit(cache=True, nogil=True)
 def restore(costs: Costs, tours: Tours, count: int, removed: Removed) -> None:
     """Undo `count` removals, last first; costs are the caller's business."""
+    tasks, behind = removed.tasks, removed.behind  # once: in a loop each access would count references
     for i in range(count - 1, -1, -1):
-        link(costs, tours, removed.tasks[i], removed.behind[i])
+        link(costs, tours, tasks[i], behind[i])
 
 
 @njit(cache=True, nogil=True)
 def remove_adjacent(costs: Costs, near: Nodes, tours: Tours, removed: Removed, rng: Rng) -> int:
     """Remove a random task and its nearest neighbours, 1 to as many as there is room for; return how many."""
-    n = near.shape[0]
-    wanted = 1 + below(rng, min(removed.tasks.size, near.shape[1] + 1))
+    n, tasks, behind = near.shape[0], removed.tasks, removed.behind
+    wanted = 1 + below(rng, min(tasks.size, near.shape[1] + 1))
     v = below(rng, n)
-    count = remove(costs, tours, v, 0, removed)
+    count = remove(costs, tours, v, 0, tasks, behind)
     for j in range(wanted - 1):
-        count = remove(costs, tours, near[v, j], count, removed)
+        count = remove(costs, tours, near[v, j], count, tasks, behind)
     return count
 
 
@@ -70,18 +71,18 @@ def remove_strings(costs: Costs, near: Nodes, tours: Tours, removed: Removed, rn
 
     Half of the strings keep a run of tasks in their middle (split strings).
     """
-    n = near.shape[0]
+    n, tasks, behind, ruined = near.shape[0], removed.tasks, removed.behind, removed.ruined
     seed = below(rng, n)
-    wanted = 1 + below(rng, removed.tasks.size)
+    wanted = 1 + below(rng, tasks.size)
     longest = 1 + below(rng, wanted)
-    removed.ruined[:] = False
+    ruined[:] = False
     count = 0
     for j in range(-1, near.shape[1]):
         v = seed if j < 0 else near[seed, j]
         k = tours.tour[v]
-        if k < 0 or removed.ruined[k]:
+        if k < 0 or ruined[k]:
             continue
-        removed.ruined[k] = True
+        ruined[k] = True
         length = min(longest, wanted - count, tours.size[k])
         kept = 0
         if length > 1 and uniform(rng) < 0.5:
@@ -94,7 +95,7 @@ def remove_strings(costs: Costs, near: Nodes, tours: Tours, removed: Removed, rn
             if taken >= skip_from and skipped < kept:
                 skipped += 1
             else:
-                count = remove(costs, tours, u, count, removed)
+                count = remove(costs, tours, u, count, tasks, behind)
                 taken += 1
             u = after
         if count >= wanted:

@@ -31,7 +31,8 @@ BUILT_IN = {
     ),
     "wind-uniform": (
         "instances.families.wind_missions:WIND_UNIFORM",
-        "a steady wind with turbulence (stream function) and no-fly zones; turbulence=0 changes no tour",
+        "a steady wind with turbulence (stream function), no-fly zones; "
+        "turbulence=0 leaves a wind that changes no tour",
     ),
     "wind-vortices": (
         "instances.families.wind_missions:WIND_VORTICES",

@@ -47,14 +47,14 @@ def scaling_table(frame: pd.DataFrame) -> pd.DataFrame:
     "one query a pair" is extrapolated from the trees of two starts alone. Empty where a stage was not run.
     """
     least = frame.dropna(subset=["mean_cost"]).groupby(["starts", "method"])["cpu_seconds"].min().unstack("method")
-    alone = [name for name in map(str, least) if name.startswith("fmt-star") and "share=false" in name]
-    shared = [name for name in map(str, least) if name.startswith("fmt-star") and "share=false" not in name]
-    if not alone or not shared or "refined" not in least:
+    alone = next((name for name in map(str, least) if name.startswith("fmt-star") and "share=false" in name), "")
+    shared = alone.replace(", share=false", "").replace("share=false, ", "").replace(" (share=false)", "")
+    if not {alone, shared, "refined"} <= set(least):
         return pd.DataFrame()
     n = least.index.to_numpy()
-    pair = least[alone[0]].iloc[0] / n[0]
+    pair = least[alone].iloc[0] / n[0]
     table = pd.DataFrame({"starts": n, "one query a pair": pair * n * (n - 1)})
-    for stage, method in (("one tree a start", alone[0]), ("shared edges", shared[0]), ("refined", "refined")):
+    for stage, method in (("one tree a start", alone), ("shared edges", shared), ("refined", "refined")):
         table[stage] = least[method].to_numpy()
     return table[1:] if len(table) > 1 else table
 

@@ -140,7 +140,7 @@ def _written(job: Job, witness: _Witness, ending: Ending) -> Run:
         claimed_objective=_finite(claimed),
         prepare_elapsed=ending.prepare,
         wall_elapsed=ending.wall,
-        cpu_seconds=ending.cpu,
+        cpu_seconds=min(ending.cpu, last.get("cpu", ending.cpu)),  # without what telling the result took
         peak_memory=ending.peak_memory,
         environment=environment_digest(environment()),
         code=code_digest(),

@@ -78,7 +78,8 @@ def _carry_out(assignment: Assignment, channel: Channel) -> None:
         channel.say("declined", reason=reason)
         return
     problem.prepare(method, item)
-    channel.say("prepared", cpu=time.process_time())
+    before = cpu_time()
+    channel.say("prepared", cpu=before)
     began = time.perf_counter()
 
     def tell(claim: Claim) -> None:
@@ -86,7 +87,7 @@ def _carry_out(assignment: Assignment, channel: Channel) -> None:
         channel.say("event", elapsed=elapsed, claim={"product": claim.product} | _numbers(claim))
 
     claim = problem.solve(method, item, assignment.limits, assignment.seed, tell, assignment.start)
-    elapsed, cpu = time.perf_counter() - began, time.process_time()
+    elapsed, cpu = time.perf_counter() - began, cpu_time() - before
     words = {name: str(getattr(claim, name)) for name in ("status", "stopped_by", "message")}
     more = {"tolerance": float(claim.tolerance), "statistics": _storable(dict(claim.statistics))}
     told = {"product": claim.product, **_numbers(claim), **words, **more}
@@ -96,6 +97,12 @@ def _carry_out(assignment: Assignment, channel: Channel) -> None:
 def _numbers(claim: Claim) -> dict[str, float | None]:
     values = {"objective": claim.objective, "bound": claim.bound}
     return {name: None if value is None else float(value) for name, value in values.items()}
+
+
+def cpu_time() -> float:
+    """Return the processor time [s] of this process and of its children that have ended."""
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + ended.ru_utime + ended.ru_stime
 
 
 def peak_memory() -> int:

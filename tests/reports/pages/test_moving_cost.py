@@ -13,6 +13,7 @@ from instances.scenario import Scenario
 from reports.figures.paths import draw_claim, draw_methods, draw_paths
 from reports.figures.svg import save_figure
 from reports.figures.wind import draw_wind
+from reports.moving_costs import scaling_table
 from reports.pages.moving_cost import Case, write_moving_cost_page
 
 METHODS = pd.DataFrame(
@@ -75,3 +76,18 @@ def test_the_page_is_one_file(scenario: Scenario, paths: Paths, tmp_path: Path) 
     for words in ("wind: &lt;much&gt;", "30 ordered pairs", "a &amp; b", "8.00 GB", "000000000000 (abc)"):
         assert words in page
     assert "1 of 1 runs were made by other code than today" in page
+
+
+def test_the_scaling_claim_compares_what_differs_in_sharing_alone() -> None:
+    rows = [
+        (starts, method, 1.0, seconds * starts)
+        for starts in (2, 4)
+        for method, seconds in (("fmt-star", 9.0), ("fmt-star (samples=3000)", 0.5), ("refined", 0.7),
+                                ("fmt-star (samples=3000, share=false)", 1.0))
+    ]  # fmt: skip
+    frame = pd.DataFrame(rows, columns=["starts", "method", "mean_cost", "cpu_seconds"])
+    table = scaling_table(frame)
+    assert table.to_dict("records") == [
+        {"starts": 4, "one query a pair": 12.0, "one tree a start": 4.0, "shared edges": 2.0, "refined": 2.8}
+    ]
+    assert scaling_table(frame[frame["method"] != "refined"]).empty

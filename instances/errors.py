@@ -6,12 +6,38 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 
+LONGEST_VALUE = 80
+"""Characters of a value that a sentence repeats."""
+LONGEST_SENTENCE = 1000
+"""Characters of a sentence about an input."""
+
 
 class InputError(ValueError):
     """A file, field or value given by the user cannot be used; the message is one sentence naming it.
 
-    The command line prints the message and exits with code 2.
+    The message is one line of printable characters, cut where it is very long: what it repeats of a file may be
+    anything. The command line prints the message and exits with code 2.
     """
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(one_line(sentence, LONGEST_SENTENCE))
+
+
+def one_line(text: str, longest: int) -> str:
+    """Return `text` on one line: unprintable characters escaped, the end cut where it is longer than `longest`."""
+    cut = text if len(text) <= longest else f"{text[: longest - 1]}…"
+    if cut.isprintable():
+        return cut
+    return "".join(c if c.isprintable() else " " if c in "\n\r\t" else ascii(c)[1:-1] for c in cut)
+
+
+def shown(value: object) -> str:
+    """Return `value` as a sentence repeats it: as Python writes it, one line of at most LONGEST_VALUE characters."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # a whole number of thousands of digits; something nested without end
+        text = f"a {type(value).__name__} too large to be written"
+    return one_line(text, LONGEST_VALUE)
 
 
 def suggestion(wrong: str, known: Iterable[str]) -> str:

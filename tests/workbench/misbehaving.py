@@ -163,3 +163,145 @@ class EatsMemory(Honest):
 class Declines(Honest):
     def accepts(self, instance):
         return "it only likes prime numbers of tasks"
+
+
+class StreamsAFalseBound(Honest):
+    proves: ClassVar[bool] = True
+
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        routes, value = told(instance, observe)
+        observe(Event(0.0, value, 1.5 * value, None))
+        return Result(Status.FEASIBLE, value, None, 0.0, routes, stopped_by="time")
+
+
+class ClaimsInfeasible(Honest):
+    """Says that there are no routes, beside routes where `routes`."""
+
+    proves: ClassVar[bool] = True
+
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        return Result(Status.INFEASIBLE, None, None, 0.0, None, stopped_by="proof")
+
+
+class ClaimsInfeasibleBesideRoutes(Honest):
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        routes, value = told(instance, observe)
+        return Result(Status.INFEASIBLE, value, None, 0.0, routes, stopped_by="proof")
+
+
+@dataclass(frozen=True)
+class Says(Honest):
+    """Writes `line` into the pipe of messages, after its routes, as often as `times`."""
+
+    line: str = ""
+    times: int = 1
+
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        routes, value = told(instance, observe)
+        line = self.line.encode("utf-8", "surrogateescape") + b"\n"
+        for descriptor in range(3, 64):
+            with contextlib.suppress(OSError):
+                if not os.isatty(descriptor) and os.path.realpath(f"/proc/self/fd/{descriptor}").startswith("/proc"):
+                    for _ in range(self.times):
+                        os.write(descriptor, line)
+        return Result(Status.FEASIBLE, value, None, 0.0, routes, stopped_by="finished")
+
+
+@dataclass(frozen=True)
+class Returns(Honest):
+    """Returns honest routes with a field that is not."""
+
+    field: str = ""
+    value: str = ""
+
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        routes, value = told(instance, observe)
+        result = Result(Status.FEASIBLE, value, None, 0.0, routes, stopped_by="finished")
+        values = {"deep": nested(100_000), "large": {"x": "y" * 3_000_000}, "digits": 10**400, "lone": "\ud800"}
+        object.__setattr__(result, self.field, values[self.value] if self.value in values else float(self.value))
+        return result
+
+
+def nested(depth: int) -> dict:
+    table: dict = {}
+    for _ in range(depth):
+        table = {"in": table}
+    return table
+
+
+class LeavesProcesses(Honest):
+    """Starts a process in a session of its own, and one whose parent has ended; both hold memory and spin."""
+
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        routes, value = told(instance, observe)
+        ready, tell = os.pipe()
+        if os.fork() == 0:
+            os.setsid()
+            if os.fork() == 0:
+                os.setsid()
+                os.write(tell, f"left {os.getpid()}\n".encode())
+                spin()
+            os.write(tell, f"left {os.getpid()}\n".encode())
+            os._exit(0) if self.delay else spin()
+        said = b""
+        while said.count(b"\n") < 2:
+            said += os.read(ready, 100)
+        print(said.decode(), flush=True)
+        time.sleep(self.delay)
+        return Result(Status.FEASIBLE, value, None, 0.0, routes, stopped_by="finished")
+
+
+def spin():
+    held = b"x" * 100_000_000
+    while held:
+        pass
+
+
+class GrandchildEatsMemory(Honest):
+    """A process in another session, whose parent has ended, takes more and more."""
+
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        told(instance, observe)
+        if os.fork() == 0:
+            os.setsid()
+            if os.fork():
+                os._exit(0)
+            eaten = []
+            while True:
+                eaten.append(os.urandom(20_000_000))
+                time.sleep(0.01)
+        os.wait()
+        time.sleep(3600)
+
+
+class KillsItsParent(Honest):
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        told(instance, observe)
+        if os.fork() == 0:
+            os.setsid()
+            print("left", os.getpid(), flush=True)
+            time.sleep(3600)
+        time.sleep(0.2)
+        os.kill(os.getppid(), 9)
+        time.sleep(3600)
+
+
+class StopsItsParent(Honest):
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        told(instance, observe)
+        os.kill(os.getppid(), 19)
+        time.sleep(3600)
+
+
+class TurnsClocksBack(Honest):
+    def solve(self, instance, *, limits, seed=0, observe=None, start=None):
+        time.perf_counter = time.monotonic = time.time = lambda: -5000.0
+        routes, value = told(instance, observe)
+        time.sleep(0.3)
+        return Result(Status.FEASIBLE, value, None, -5000.0, routes, stopped_by="finished")
+
+
+class SpinsWhilePreparing(Honest):
+    def prepare(self, instance):
+        while True:
+            pass

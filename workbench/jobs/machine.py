@@ -13,6 +13,7 @@ from typing import Any
 
 import psutil
 
+CGROUPS = Path("/sys/fs/cgroup")
 PACKAGES = ("mmmdmtsp-workbench", "numpy", "scipy", "numba", "ortools", "highspy", "pyscipopt", "cvxpy", "casadi")
 
 
@@ -42,10 +43,25 @@ def available_cores() -> int:
 
 def usable_memory() -> int:
     """Return the memory runs may share [bytes]: 80 % of the machine's, or of the control group's where that is less."""
-    total = psutil.virtual_memory().total
-    limit = Path("/sys/fs/cgroup/memory.max")
-    text = limit.read_text().strip() if limit.exists() else "max"
-    return int(0.8 * (min(total, int(text)) if text.isdigit() else total))
+    return int(0.8 * min([psutil.virtual_memory().total, *_group_limits()]))
+
+
+def _group_limits() -> list[int]:
+    """Return the memory limits [bytes] of this process's control group and of those above it, of version 1 and 2."""
+    groups = Path("/proc/self/cgroup")
+    found = []
+    for line in groups.read_text().splitlines() if groups.exists() else ():
+        _, controllers, path = line.split(":", 2)
+        if controllers and "memory" not in controllers.split(","):
+            continue
+        root = CGROUPS / "memory" if controllers else CGROUPS
+        file = "memory.limit_in_bytes" if controllers else "memory.max"
+        own = root / path.lstrip("/")
+        for folder in (own, *own.parents):
+            if folder.is_relative_to(root) and (folder / file).exists():
+                text = (folder / file).read_text().strip()
+                found += [int(text)] if text.isdigit() else []  # else "max"
+    return found
 
 
 def _processor() -> str:

@@ -115,6 +115,10 @@ class Problem(Protocol[Item]):
     """Time limit [s] where a study names none."""
     outputs: tuple[str, ...] = ()
     """Flags of `workbench report` beyond --out and --csv that it has."""
+    product: Any
+    """Type of a product, as msgspec decodes it from a message."""
+    found: str
+    """What a product is, in a sentence: routes, points, paths."""
     statuses: tuple[str, ...]
     """How a method may end on its own; the machinery adds KILLED, ERROR and NO_SOLUTION."""
 
@@ -168,8 +172,11 @@ class Problem(Protocol[Item]):
         """
         ...
 
-    def refute_ending(self, claim: Claim, objective: float | None) -> str:
-        """Return what is wrong with the last claim beside its product, a sentence or ""; `objective` is verified."""
+    def refute_ending(self, item: Item, claim: Claim, objective: float | None) -> str:
+        """Return what is wrong with the last claim beside its product, a sentence or ""; `objective` is verified.
+
+        A bound above the objective is refuted by the machinery, whatever the problem.
+        """
         return ""
 
     def own_columns(self, item: Item, product: Any) -> dict[str, Any]:

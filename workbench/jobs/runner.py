@@ -6,7 +6,6 @@ happens to the child (crash, kill, hang, nonsense) into a Run with what had been
 
 from __future__ import annotations
 
-import math
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,11 +15,24 @@ from typing import Any
 from formulations.limits import Limits
 from instances.code import code_digest, revision
 from reports.record import Run
-from workbench.jobs.child import Ending, run_child
 from workbench.jobs.job import Job
 from workbench.jobs.machine import environment, environment_digest, usable_memory
 from workbench.jobs.problem import Claim, Problem
-from workbench.jobs.worker import Assignment
+from workbench.jobs.process.child import Ending, run_child
+from workbench.jobs.process.messages import (
+    Claimed,
+    Declined,
+    Ended,
+    Event,
+    Failed,
+    Message,
+    Result,
+    Started,
+    UnreadableError,
+    read_product,
+    text,
+)
+from workbench.jobs.process.worker import Assignment
 
 Observer = Callable[[float, float | None, float | None], None]
 """Told elapsed [s], objective and bound of each verified event."""
@@ -54,6 +66,8 @@ def run(
 
 AT_ONCE = 1e-3
 """Events closer than this [s], after the first second this share of the elapsed time, are stored as one."""
+ROUNDING = 1e-9
+"""Relative difference between a bound and the cost of routes that floating point may explain."""
 
 
 @dataclass
@@ -64,6 +78,7 @@ class _Witness:
     item: Any
     observe: Observer
     bound: float | None = None
+    highest: float | None = None
     proves: bool = False
     product: Any = None
     objective: float | None = None
@@ -71,54 +86,80 @@ class _Witness:
     refuted_claim: float | None = None
     elapsed: float = 0.0
     trace: list[tuple[float, float | None, float | None]] = field(default_factory=list)
-    last: dict[str, Any] = field(default_factory=dict)
+    last: Message | None = None
 
-    def hear(self, message: dict[str, Any]) -> None:
-        """Take one message of the child."""
-        kind = message["kind"]
-        self.proves = message.get("proves", self.proves)
-        if kind == "rubbish":
-            self._refute(f"sent an unreadable message: {message['line']!r}", None)
-        if kind in ("event", "result"):
-            claim = Claim(**message["claim"])
-            self._believe(claim, message["elapsed"])
-            if kind == "result":
-                self._refute(self.problem.refute_ending(claim, self.objective), claim.objective)
-        if kind in ("result", "declined", "error"):
+    def hear(self, elapsed: float, message: Message | UnreadableError) -> None:
+        """Take what the child said `elapsed` seconds after the solve began."""
+        self.elapsed = elapsed
+        if isinstance(message, UnreadableError):
+            self._refute(f"sent an unreadable message: {message}", None)
+        elif isinstance(message, Started):
+            self.proves = message.proves
+        elif isinstance(message, (Event, Result)):
+            self._believe(message.claim)
+        if isinstance(message, (Declined, Failed, Result)):
             self.last = message
 
-    def _believe(self, claim: Claim, elapsed: float) -> None:
+    def _believe(self, claimed: Claimed) -> None:
         """Verify what is claimed; keep products that are better and bounds that are higher."""
-        self.elapsed = max(self.elapsed, elapsed)
-        news = False
-        if claim.product is not None:
-            objective, wrong = self.problem.judge(self.item, claim.product, claim.objective)
-            if objective is not None and (self.objective is None or objective < self.objective):
-                self.product, self.objective, news = claim.product, objective, True
-            self._refute(wrong, claim.objective)
-        bound = claim.bound
-        if bound is not None and math.isfinite(bound) and (self.bound is None or bound > self.bound):
-            self.bound, news = bound, True
+        try:
+            product = read_product(claimed.product, self.problem.product)
+            news = product is not None and self._judge(product, claimed.objective)
+        except Exception as error:  # whatever a product does to those who judge it is a finding about the product
+            self._refute(f"gave {self.problem.found} that cannot be judged ({type(error).__name__}: {error})", None)
+            return
+        if claimed.bound is not None:
+            self.highest = claimed.bound if self.highest is None else max(self.highest, claimed.bound)
+            if self.bound is None or claimed.bound > self.bound:
+                self.bound, news = claimed.bound, True
+        self._refute(refute_bound(self.highest, self.objective), claimed.objective)
+        if isinstance(claimed, Ended):
+            self._refute(self._refuted_ending(claimed, product), claimed.objective)
         if news:
-            if self.trace and self.elapsed - self.trace[-1][0] < AT_ONCE * max(1.0, self.elapsed):
-                del self.trace[-1]
-            self.trace.append((self.elapsed, self.objective, self.bound))
-            self.observe(self.elapsed, self.objective, self.bound)
+            self._remember()
+
+    def _refuted_ending(self, claimed: Ended, product: Any) -> str:
+        if claimed.status not in self.problem.statuses:
+            return f"claimed to be {claimed.status}, which no {self.problem.methods.kind} can say"
+        claim = Claim(product, claimed.objective, claimed.bound, claimed.status, tolerance=claimed.tolerance)
+        return self.problem.refute_ending(self.item, claim, self.objective)
+
+    def _judge(self, product: Any, claimed: float | None) -> bool:
+        """Return whether `product` is the best so far."""
+        objective, wrong = self.problem.judge(self.item, product, claimed)
+        self._refute(wrong, claimed)
+        if objective is None or (self.objective is not None and objective >= self.objective):
+            return False
+        self.product, self.objective = product, objective
+        return True
+
+    def _remember(self) -> None:
+        if self.trace and self.elapsed - self.trace[-1][0] < AT_ONCE * max(1.0, self.elapsed):
+            del self.trace[-1]
+        self.trace.append((self.elapsed, self.objective, self.bound))
+        self.observe(self.elapsed, self.objective, self.bound)
 
     def _refute(self, sentence: str, claimed: float | None) -> None:
         if sentence and not self.refuted:
-            self.refuted, self.refuted_claim = sentence, claimed
+            self.refuted, self.refuted_claim = text(sentence), claimed
+
+
+def refute_bound(bound: float | None, objective: float | None) -> str:
+    """Return why `bound` cannot be one, given the verified `objective` of the run's own product, or ""."""
+    if bound is None or objective is None or bound <= objective + ROUNDING * abs(objective):
+        return ""
+    return f"claimed a bound of {bound!r}, but what it found itself has {objective!r}"
 
 
 def _written(job: Job, witness: _Witness, ending: Ending) -> Run:
     status, stopped_by, message = _verdict(witness, ending)
     problem, item, last = witness.problem, witness.item, witness.last
-    claim = last.get("claim", {})
-    claimed = witness.refuted_claim if witness.refuted else claim.get("objective")
+    claim = last.claim if isinstance(last, Result) else None
+    claimed = witness.refuted_claim if witness.refuted or claim is None else claim.objective
     # A refuted run proves nothing: its product is worth what it is worth, the bounds it claimed are dropped.
     bound = problem.bound(item) if witness.refuted else witness.bound
     if bound is not None and witness.objective is not None:
-        bound = min(bound, witness.objective)  # a hair above within the tolerance, by rounding
+        bound = min(bound, witness.objective)  # a hair above, by rounding
     return Run(
         problem=problem.name,
         instance=problem.describe(item),
@@ -133,21 +174,21 @@ def _written(job: Job, witness: _Witness, ending: Ending) -> Run:
         status=status,
         objective=witness.objective,
         bound=bound,
-        elapsed=last.get("elapsed", witness.elapsed if not ending.killed else max(0.0, ending.wall - ending.prepare)),
+        elapsed=witness.elapsed if last or not ending.killed else max(0.0, ending.wall - ending.prepare),
         stopped_by=stopped_by,
         message=message,
-        tolerance=claim.get("tolerance", 0.0),
-        claimed_objective=_finite(claimed),
+        tolerance=claim.tolerance if claim else 0.0,
+        claimed_objective=claimed,
         prepare_elapsed=ending.prepare,
         wall_elapsed=ending.wall,
-        cpu_seconds=min(ending.cpu, last.get("cpu", ending.cpu)),  # without what telling the result took
+        cpu_seconds=ending.cpu,
         peak_memory=ending.peak_memory,
         environment=environment_digest(environment()),
         code=code_digest(),
         revision=revision(),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         trace=[(t, cost, problem.bound(item) if witness.refuted else low) for t, cost, low in witness.trace],
-        statistics=dict(claim.get("statistics", {})),
+        statistics=dict(claim.statistics) if claim else {},
         log=ending.log,
         own=problem.own_columns(item, witness.product),
     )
@@ -156,15 +197,14 @@ def _written(job: Job, witness: _Witness, ending: Ending) -> Run:
 def _verdict(witness: _Witness, ending: Ending) -> tuple[str, str, str]:
     """Return status, what stopped the run, and a sentence."""
     last = witness.last
-    kind = last.get("kind")
     if witness.refuted:
         return "ERROR", "error", witness.refuted
-    if kind == "error":
-        return "ERROR", "error", last["message"]
-    if kind == "declined":
-        return "NO_SOLUTION", "declined", f"does not take this {witness.problem.item}: {last['reason']}"
-    if kind == "result":
-        return last["claim"]["status"], last["claim"]["stopped_by"], last["claim"]["message"]
+    if isinstance(last, Failed):
+        return "ERROR", "error", last.message
+    if isinstance(last, Declined):
+        return "NO_SOLUTION", "declined", f"does not take this {witness.problem.item}: {last.reason}"
+    if isinstance(last, Result):
+        return last.claim.status, last.claim.stopped_by, last.claim.message
     if ending.killed:
         return "KILLED", "memory" if ending.out_of_memory else "killed", ending.killed
     if ending.exit_code == -signal.SIGKILL:
@@ -172,7 +212,3 @@ def _verdict(witness: _Witness, ending: Ending) -> tuple[str, str, str]:
     if ending.exit_code < 0:
         return "ERROR", "error", f"crashed with {signal.Signals(-ending.exit_code).name}"
     return "ERROR", "error", f"ended with exit code {ending.exit_code} and without a result"
-
-
-def _finite(value: Any) -> float | None:
-    return float(value) if isinstance(value, (int, float)) and abs(value) < float("inf") else None

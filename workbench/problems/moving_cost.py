@@ -113,6 +113,8 @@ class MovingCostStudy(Problem[MovingCostItem]):
     entries = "methods"
     keys = ("scenarios", "families", "starts")
     default_limit = 60.0
+    product = dict[str, list[Any]]
+    found = "paths"
     statuses = ("FEASIBLE",)
 
     def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[MovingCostItem]]:
@@ -181,7 +183,7 @@ class MovingCostStudy(Problem[MovingCostItem]):
         faults = check_paths(paths, cost, query.terminals, query.region, query.wind, query.v0)
         return (None, " ".join(faults)) if faults else (mean_cost(cost), "")
 
-    def refute_ending(self, claim: Claim, objective: float | None) -> str:
+    def refute_ending(self, item: MovingCostItem, claim: Claim, objective: float | None) -> str:
         """Return that there are no paths where there are none."""
         return "" if claim.product is not None else "ended without costs and paths"
 

@@ -93,6 +93,8 @@ class PlacementStudy(Problem[PlacementItem]):
     entries = "methods"
     keys = ("regions", "tasks", *KERNEL_KEYS)
     default_limit = 60.0
+    product = list[tuple[float, float]]
+    found = "points"
     statuses = tuple(status.value for status in PlacementStatus)
 
     def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[PlacementItem]]:

@@ -18,7 +18,6 @@ one, and the claimed bound does not contradict them; stored claims are looked at
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -56,6 +55,8 @@ class Routing(Problem[Instance]):
     keys = ("files", "families")
     limits = ("threads", "iterations")
     outputs = ("latex", "markdown", "parquet", "against")
+    product = list[list[int]]
+    found = "routes"
     statuses = tuple(status.value for status in Status)
 
     def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[Instance]]:
@@ -134,12 +135,14 @@ class Routing(Problem[Instance]):
         cost = makespan(item, routes)
         return cost, refute_cost(claimed, cost)
 
-    def refute_ending(self, claim: Claim, objective: float | None) -> str:
-        """Return what is wrong with status, bound and tolerance."""
-        status, bound, tolerance = Status(claim.status), claim.bound, claim.tolerance
+    def refute_ending(self, item: Instance, claim: Claim, objective: float | None) -> str:
+        """Return what is wrong with status and tolerance."""
+        status = Status(claim.status)
         if claim.product is None and (claim.objective is not None or status is Status.FEASIBLE):
             return f"claimed {status} with a longest tour of {claim.objective!r} s, but gave no routes"
-        return refute_bound(bound, objective, tolerance) or refute_proof(status, bound, objective, tolerance)
+        if status is Status.INFEASIBLE:
+            return refute_infeasible(item, objective)
+        return refute_proof(status, claim.bound, objective, claim.tolerance)
 
     def own_columns(self, item: Instance, product: Any) -> dict[str, Any]:
         """Return the routes and the cost of each tour."""
@@ -266,15 +269,15 @@ def refute_cost(claimed: float | None, actual: float) -> str:
     return f"claimed a longest tour of {claimed!r} s, but its routes cost {actual!r} s"
 
 
-def refute_bound(bound: float | None, objective: float | None, tolerance: float) -> str:
-    """Return why `bound` [s] cannot be one, given the verified `objective` [s] of some routes, or ""."""
-    if bound is None:
-        return ""
-    if not math.isfinite(bound):
-        return f"claimed a bound of {bound!r} s, which is not a number"
-    if objective is not None and bound > objective + max(tolerance, ROUNDING * objective):
-        return f"claimed that no routes are shorter than {bound!r} s, but its own routes cost {objective!r} s"
-    return ""
+def refute_infeasible(instance: Instance, objective: float | None) -> str:
+    """Return why a claim that no routes exist does not hold: its own routes, or those on which one UAV flies all.
+
+    Every cost of an Instance is finite, so that there always are routes.
+    """
+    if objective is not None:
+        return f"claimed INFEASIBLE, but gave routes of {objective!r} s itself"
+    routes = [list(instance.tasks), *([] for _ in range(instance.n_depots - 1))]
+    return f"claimed INFEASIBLE, but one UAV can fly all tasks in {makespan(instance, routes)!r} s"
 
 
 def refute_proof(status: Status, bound: float | None, objective: float | None, tolerance: float) -> str:

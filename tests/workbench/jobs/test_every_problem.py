@@ -15,8 +15,8 @@ from typing import Any
 import psutil
 import pytest
 
-from workbench.jobs import child
 from workbench.jobs.job import Job
+from workbench.jobs.process import child
 from workbench.jobs.runner import run
 from workbench.jobs.study import load_tables, study_from
 from workbench.problems import PROBLEMS

@@ -15,11 +15,11 @@ from formulations.limits import Limits
 from formulations.routing.solver import Status
 from instances import Instance, makespan
 from reports.record import Run, run_from
-from workbench.jobs import child
-from workbench.jobs.child import InterruptedRunError, grace
 from workbench.jobs.job import Job, folder_of
-from workbench.jobs.runner import run
-from workbench.problems.routing import ROUTING, refute_bound, refute_cost, refute_proof
+from workbench.jobs.process import child
+from workbench.jobs.process.child import InterruptedRunError, grace
+from workbench.jobs.runner import refute_bound, run
+from workbench.problems.routing import ROUTING, refute_cost, refute_proof
 
 
 @pytest.fixture
@@ -102,7 +102,7 @@ def ends(pid: int) -> bool:
         ("LiesWhileStreaming", "claimed a longest tour of 1.0 s, but its routes cost"),
         ("ForgetsATask", "Task 0 is visited by no route"),
         ("ClaimsOptimalWithGap", "claimed OPTIMAL, but its routes cost"),
-        ("BoundAboveRoutes", "claimed that no routes are shorter than"),
+        ("BoundAboveRoutes", "claimed a bound of"),
         ("NoRoutes", "gave no routes"),
         ("WritesIntoEveryPipe", "sent an unreadable message: 'rubbish'"),
         ("ReturnsRubbish", "TypeError: solve returned str 'banana', not a Result"),
@@ -151,7 +151,7 @@ def test_a_solver_that_declines_says_why(finish):
 
 
 def test_preparation_has_a_limit_of_its_own(finish, monkeypatch):
-    monkeypatch.setattr(child, "PREPARE_LIMIT", 0.01)
+    monkeypatch.setattr(child, "PREPARE_WALL", 0.01)
     monkeypatch.setattr(child, "TICK", 0.001)  # a start takes longer than a look at the clock, however fast the machine
     found = finish("Honest")
     assert (found.status, found.own["routes"]) == (Status.KILLED, None)
@@ -194,9 +194,9 @@ def test_verification_forgives_rounding_only():
     assert refute_cost(100.0 + 1e-6, 100.0)
     assert refute_cost(float("nan"), 100.0)
     assert refute_cost(1e-6, 1.1e-6)
-    assert not refute_bound(100.0 + 1e-8, 100.0, tolerance=0.0)
-    assert refute_bound(101.0, 100.0, tolerance=0.5)
-    assert refute_bound(float("inf"), None, tolerance=0.0)
+    assert not refute_bound(100.0 + 1e-8, 100.0)
+    assert refute_bound(100.0 + 1e-6, 100.0)
+    assert refute_bound(-99.0, -100.0)
     assert not refute_proof(Status.OPTIMAL, 99.95, 100.0, tolerance=0.05)
     assert refute_proof(Status.OPTIMAL, 99.94, 100.0, tolerance=0.05)
     assert refute_proof(Status.OPTIMAL, 99.5, 100.0, tolerance=0.5)  # 0.5 % is no proof
@@ -216,3 +216,54 @@ def test_costs_of_any_size(monkeypatch):
 def test_limits_are_checked_before_a_process_is_started(instance):
     with pytest.raises(ValueError, match="time limit must be positive"):
         Limits(time=0)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("StreamsAFalseBound", "claimed a bound of"),
+        ("ClaimsInfeasible", "claimed INFEASIBLE, but one UAV can fly all tasks in"),
+        ("ClaimsInfeasibleBesideRoutes", "claimed INFEASIBLE, but gave routes of"),
+    ],
+)
+def test_a_false_proof_becomes_an_error(finish, name, words):
+    found = finish(name)
+    assert (found.status, found.bound) == (Status.ERROR, None)
+    assert words in found.message
+
+
+CLAIM = '{"kind": "event", "claim": {"product": PRODUCT, "objective": 1.0, "bound": BOUND}}'
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        CLAIM.replace("PRODUCT", "null").replace("BOUND", "Infinity"),
+        CLAIM.replace("PRODUCT", "null").replace("BOUND", "NaN"),
+        CLAIM.replace("PRODUCT", "null").replace("BOUND", "9" * 400),
+        CLAIM.replace("PRODUCT", "[[Infinity]]").replace("BOUND", "1"),
+        CLAIM.replace("PRODUCT", "[[1e300]]").replace("BOUND", "1"),
+        CLAIM.replace("PRODUCT", f"[[{'9' * 400}]]").replace("BOUND", "1"),
+        CLAIM.replace("PRODUCT", "{}").replace("BOUND", "1"),
+        CLAIM.replace("PRODUCT", "[" * 60_000).replace("BOUND", "1"),
+        CLAIM.replace("PRODUCT", r'"\ud800"').replace("BOUND", "1"),
+        "[" * 60_000,
+        '{"kind": "prepared"}',
+        '{"kind": "started", "proves": true}',
+        '{"kind": "event"}',
+        '{"kind": "result", "claim": {}}',
+        '{"kind": "banana"}',
+        "\udcff\udcfe",
+        "",
+    ],
+    ids=lambda line: line[:30],
+)
+def test_a_forged_message_becomes_an_error(finish, all_with_first, monkeypatch, line):
+    monkeypatch.setattr(sys.modules[__name__], "Job", lambda folder, name, **rest: _said(folder, name, line, **rest))
+    found = finish("Says")
+    assert (found.status, found.objective) == (Status.ERROR, all_with_first)
+    assert "unreadable message" in found.message or "cannot be judged" in found.message
+
+
+def _said(folder: str, name: str, line: str, **rest) -> Job:
+    return Job(folder, name, {"line": line}, **rest)

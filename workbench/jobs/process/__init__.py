@@ -1,0 +1,1 @@
+"""The processes of one run: started, watched, heard and ended; nothing of what they say is believed here."""

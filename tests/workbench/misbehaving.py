@@ -217,7 +217,7 @@ class Returns(Honest):
     def solve(self, instance, *, limits, seed=0, observe=None, start=None):
         routes, value = told(instance, observe)
         result = Result(Status.FEASIBLE, value, None, 0.0, routes, stopped_by="finished")
-        values = {"deep": nested(100_000), "large": {"x": "y" * 3_000_000}, "digits": 10**400, "lone": "\ud800"}
+        values = {"deep": nested(100_000), "large": {"x": [0.5] * 100_000}, "digits": 10**400, "lone": "\ud800"}
         object.__setattr__(result, self.field, values[self.value] if self.value in values else float(self.value))
         return result
 

@@ -18,6 +18,7 @@ from reports.record import Run, run_from
 from workbench.jobs.job import Job, folder_of
 from workbench.jobs.process import child
 from workbench.jobs.process.child import InterruptedRunError, grace
+from workbench.jobs.process.tree import Tree
 from workbench.jobs.runner import refute_bound, run
 from workbench.problems.routing import ROUTING, refute_cost, refute_proof
 
@@ -27,8 +28,8 @@ def finish(instance, monkeypatch):
     """Run a misbehaving solver, with the grace shortened to one second."""
     monkeypatch.setattr(child, "grace", lambda limit: 1.0)
 
-    def go(name: str, time_limit: float = 0.5, **kwargs) -> Run:
-        job = Job(folder_of(instance), f"misbehaving:{name}", time_limit=time_limit)
+    def go(name: str, time_limit: float = 0.5, options: dict | None = None, **kwargs) -> Run:
+        job = Job(folder_of(instance), f"misbehaving:{name}", options or {}, time_limit=time_limit)
         found = run(ROUTING, job, instance, **kwargs)
         assert run_from(json.loads(found.to_json())) == found  # whatever happened can be stored
         return found
@@ -232,38 +233,89 @@ def test_a_false_proof_becomes_an_error(finish, name, words):
     assert words in found.message
 
 
-CLAIM = '{"kind": "event", "claim": {"product": PRODUCT, "objective": 1.0, "bound": BOUND}}'
+@pytest.mark.parametrize("product", ["[[Infinity]]", "[" * 60_000, "{}", f"[[{'9' * 400}], []]"], ids=lambda p: p[:9])
+def test_a_forged_message_becomes_an_error(finish, all_with_first, product):
+    """All other forgeries: test_messages.py; they take the same way."""
+    line = '{"kind": "event", "claim": {"product": PRODUCT, "objective": 1.0}}'.replace("PRODUCT", product)
+    found = finish("Says", options={"line": line})
+    assert (found.status, found.objective) == (Status.ERROR, all_with_first)
+    assert len(found.message) < 2100
+
+
+def test_a_message_out_of_turn_becomes_an_error(finish):
+    """Said again and again, "prepared" would put off the end of the run."""
+    found = finish("Says", options={"line": '{"kind": "prepared"}', "times": 3})
+    assert (found.status, found.message[:50]) == (Status.ERROR, "sent an unreadable message: 'prepared', which cann")
 
 
 @pytest.mark.parametrize(
-    "line",
+    ("field", "value", "words"),
     [
-        CLAIM.replace("PRODUCT", "null").replace("BOUND", "Infinity"),
-        CLAIM.replace("PRODUCT", "null").replace("BOUND", "NaN"),
-        CLAIM.replace("PRODUCT", "null").replace("BOUND", "9" * 400),
-        CLAIM.replace("PRODUCT", "[[Infinity]]").replace("BOUND", "1"),
-        CLAIM.replace("PRODUCT", "[[1e300]]").replace("BOUND", "1"),
-        CLAIM.replace("PRODUCT", f"[[{'9' * 400}]]").replace("BOUND", "1"),
-        CLAIM.replace("PRODUCT", "{}").replace("BOUND", "1"),
-        CLAIM.replace("PRODUCT", "[" * 60_000).replace("BOUND", "1"),
-        CLAIM.replace("PRODUCT", r'"\ud800"').replace("BOUND", "1"),
-        "[" * 60_000,
-        '{"kind": "prepared"}',
-        '{"kind": "started", "proves": true}',
-        '{"kind": "event"}',
-        '{"kind": "result", "claim": {}}',
-        '{"kind": "banana"}',
-        "\udcff\udcfe",
-        "",
+        ("tolerance", "nan", "claimed a tolerance of nan, which is not a finite number"),
+        ("tolerance", "inf", "claimed a tolerance of inf"),
+        ("bound", "inf", "claimed a bound of inf"),
+        ("objective", "nan", "claimed a objective of nan"),
+        ("bound", "digits", "OverflowError"),
+        ("statistics", "large", "statistics of 400007 bytes"),
+        ("status", "lone", "'\\ud800' is not a valid Status"),
     ],
-    ids=lambda line: line[:30],
 )
-def test_a_forged_message_becomes_an_error(finish, all_with_first, monkeypatch, line):
-    monkeypatch.setattr(sys.modules[__name__], "Job", lambda folder, name, **rest: _said(folder, name, line, **rest))
-    found = finish("Says")
+def test_a_result_with_a_field_that_is_none_becomes_an_error(finish, all_with_first, field, value, words):
+    found = finish("Returns", options={"field": field, "value": value})
     assert (found.status, found.objective) == (Status.ERROR, all_with_first)
-    assert "unreadable message" in found.message or "cannot be judged" in found.message
+    assert words in found.message
 
 
-def _said(folder: str, name: str, line: str, **rest) -> Job:
-    return Job(folder, name, {"line": line}, **rest)
+def test_statistics_are_spelled_out(finish):
+    assert "{'in': " in str(finish("Returns", options={"field": "statistics", "value": "deep"}).statistics)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.7])
+def test_nothing_a_run_started_outlives_it(finish, delay):
+    """A process in another session and one whose parent has ended, while the run ends well."""
+    found = finish("LeavesProcesses", options={"delay": delay})
+    assert found.status == Status.FEASIBLE
+    left = [int(pid) for pid in found.log.split() if pid.isdigit()]
+    assert len(left) == 2
+    assert not any(psutil.pid_exists(pid) for pid in left)
+    assert found.cpu_seconds > 0.1 * delay  # theirs counts, and the run itself slept
+
+
+def test_memory_of_a_process_in_another_session_counts(finish):
+    found = finish("GrandchildEatsMemory", 60, memory_limit=400 * 2**20)
+    assert (found.status, found.stopped_by) == (Status.KILLED, "memory")
+    assert 400e6 < found.peak_memory < 2e9
+
+
+def test_a_run_that_kills_its_keeper_leaves_nothing(finish):
+    found = finish("KillsItsParent", 60)
+    assert (found.status, found.stopped_by) == (Status.KILLED, "killed")
+    assert found.message == "was killed from outside (SIGKILL)"
+    assert ends(int(found.log.split("left")[1]))
+
+
+def test_a_run_that_stops_its_keeper_is_killed(finish, all_with_first):
+    found = finish("StopsItsParent")
+    assert (found.status, found.objective) == (Status.KILLED, all_with_first)
+    assert "ignored its time limit" in found.message
+
+
+def test_the_clock_is_ours(finish):
+    found = finish("TurnsClocksBack")
+    assert 0.3 <= found.elapsed < 5
+    assert all(0 <= elapsed < 5 for elapsed, _, _ in found.trace)
+
+
+def test_preparing_has_a_limit_of_processor_time(finish, monkeypatch):
+    monkeypatch.setattr(child, "PREPARE_CPU", 1.0)
+    found = finish("SpinsWhilePreparing")
+    assert found.status == Status.KILLED
+    assert "s of processor time" in found.message
+
+
+def test_a_run_killed_together_with_its_study_is_not_stored(finish, monkeypatch):
+    """The run's processes are killed first, its parent is told to stop a moment later."""
+    ended: list[float] = []
+    monkeypatch.setattr(Tree, "close", lambda tree: ended.append(time.monotonic()))
+    with pytest.raises(InterruptedRunError):
+        finish("KillsItsParent", 60, stop=lambda: bool(ended) and time.monotonic() - ended[0] > 0.3)

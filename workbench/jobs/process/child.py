@@ -73,12 +73,12 @@ def run_child(assignment: Assignment, hear: Hear, *, memory_limit: int, stop: Ca
     """
     child = _Child(assignment, hear, memory_limit)
     try:
-        while child.tree.alive():
+        while child.tree.alive() and not child.tree.ordered:
             _stop_if(stop)
             child.watch()
     finally:
         child.end()
-    if child.working and child.tree.ended_from_outside():  # perhaps with us: who is being ended too stores nothing
+    if child.working and child.tree.ended_from_outside:  # perhaps with us: who is being ended too stores nothing
         until = time.monotonic() + KILLER_GRACE
         while time.monotonic() < until:
             _stop_if(stop)
@@ -168,13 +168,13 @@ class _Child:
                 self._messages(data)
 
     def _messages(self, data: bytes) -> None:
-        now = time.monotonic()
         *lines, self.unread = (self.unread + data).split(b"\n")
         if len(self.unread) > LONGEST_MESSAGE:
             lines, self.unread = [self.unread], b""
         for line in lines:
             if not self.working:
                 return
+            now = time.monotonic()
             try:
                 message = read_message(line)
                 if not isinstance(message, FOLLOWS[self.heard]):

@@ -38,13 +38,13 @@ def main() -> None:
         os.set_blocking(end, False)
     signal.set_wakeup_fd(woken)
     signal.signal(signal.SIGCHLD, lambda number, frame: None)  # before the fork: the worker may end at once
-    worker = os.fork()
+    keeper, worker = os.getpid(), os.fork()
     if worker == 0:
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         for descriptor in (life, wake, woken):
             os.close(descriptor)
-        _work(messages)
+        _work(messages, keeper)
         return
     os.close(messages)
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
@@ -57,11 +57,13 @@ def main() -> None:
     _end_like(status)
 
 
-def _work(messages: int) -> None:
+def _work(messages: int, keeper: int) -> None:
     """Be the worker: in a session of its own, killed when the keeper is."""
     os.setsid()
     if LINUX:
         _process_control(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
+        if os.getppid() != keeper:  # it was killed before we asked
+            os._exit(1)
         Path("/proc/self/oom_score_adj").write_text("1000")  # the kernel's first choice to free memory
     from workbench.jobs.process.worker import main as work  # here: numpy and all it takes are not the keeper's
 

@@ -9,6 +9,7 @@ here; the product is decoded by the type its problem names. Whatever is wrong is
 from __future__ import annotations
 
 import math
+import reprlib
 from typing import Annotated, Any
 
 import msgspec
@@ -151,7 +152,7 @@ def figure(value: Any, deep: int = DEEPEST) -> Any:
         return {text(key): figure(each, deep - 1) for key, each in value.items()}
     if isinstance(value, (list, tuple)) and deep:
         return [figure(each, deep - 1) for each in value]
-    return text(value)
+    return text(value if isinstance(value, str) else reprlib.repr(value))
 
 
 def _plain(value: Any) -> Any:

@@ -35,14 +35,16 @@ FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 class Tree:
     """A keeper, its worker and all they start, from the moment of construction.
 
-    messages, output : descriptors to read what the worker says and what is printed; the caller closes neither.
-    wall, usage [s] : wall clock and processor time of all, once `alive` is false. exit_code : of the worker then,
-    negative for a signal. peak_memory : the most that was seen held [bytes].
+    messages, output : descriptors to read what the worker says and what is printed; `close` closes both.
+    ordered : whether we have ended it. ended_from_outside : whether a signal of somebody else has, known after `end`.
+    wall, usage [s] : wall clock and processor time of all, once `alive` is false. peak_memory : the most that was seen
+    held [bytes].
     """
 
     def __init__(self, assignment: Assignment) -> None:
         self.wall, self.usage, self.peak_memory = 0.0, 0.0, 0
-        self._ordered, self._next_search, self._found = False, 0.0, list[psutil.Process]()
+        self.ordered, self.ended_from_outside = False, False
+        self._next_search, self._found = 0.0, list[psutil.Process]()
         self._mark = uuid.uuid4().hex
         self.messages, childs_end = os.pipe()
         life, self._life = os.pipe()
@@ -77,10 +79,6 @@ class Tree:
             self.wall, self.usage = time.monotonic() - self.began, usage.ru_utime + usage.ru_stime
         return False
 
-    def ended_from_outside(self) -> bool:
-        """Return whether a signal that we did not send ended it."""
-        return -self.exit_code in FROM_OUTSIDE and not self._ordered
-
     def processor_time(self, *, afresh: bool = True) -> float:
         """Return the processor time of all processes so far [s]; those that have just begun only where `afresh`."""
         return processes.processor_time(self._all(afresh))
@@ -98,26 +96,24 @@ class Tree:
 
     def order_end(self) -> None:
         """Have the keeper kill all the others and end; returns at once."""
-        if not self._ordered:
-            self._ordered = True
+        if not self.ordered:
+            self.ordered = True
             os.close(self._life)
 
     def end(self) -> None:
         """End what is left and wait until it is gone."""
-        from_outside = not self.alive() and self.ended_from_outside()
-        ordered = self._ordered
+        self.ended_from_outside = not self.alive() and not self.ordered and -self.exit_code in FROM_OUTSIDE
         self.order_end()
         until = time.monotonic() + ENDING
         while self.alive() and time.monotonic() < until:
             with contextlib.suppress(ProcessLookupError):
                 self._keeper.send_signal(signal.SIGCONT)  # should the run have stopped it
             time.sleep(0.001)
-        if self.alive() or from_outside:  # it hangs, or was killed itself and could not end the others
+        if self.alive() or self.ended_from_outside:  # it hangs, or was killed itself and could not end the others
             processes.kill([*processes.marked(MARK, self._mark), *self._all(afresh=True)])
             self._keeper.kill()
             while self.alive():
                 time.sleep(0.001)
-        self._ordered = ordered
 
     def close(self) -> None:
         """Close the pipes."""

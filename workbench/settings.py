@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from instances.errors import InputError
+from instances.errors import InputError, shown
+
+LARGEST_MEMORY = 2**62
+"""Bytes; no machine has more."""
 
 
 def key_values(given: Iterable[str], flag: str) -> dict[str, Any]:
@@ -38,6 +42,18 @@ def shard(text: str) -> tuple[int, int]:
     if not (number.isdigit() and count.isdigit() and 1 <= int(number) <= int(count)):
         raise InputError(f"--shard: must be i/n with 1 ≤ i ≤ n, got '{text}'")
     return int(number), int(count)
+
+
+MEMORY = re.compile(r"(\d{1,18}(?:\.\d{1,9})?)\s*([kKMGT]?)B?")
+
+
+def memory(text: str, flag: str) -> int:
+    """Return the bytes of a size such as ``2GB``, ``500M`` or ``1500000000``; kB, MB, GB are powers of 1000."""
+    found = MEMORY.fullmatch(text.strip())
+    size = int(float(found[1]) * 1000 ** "_KMGT".index(found[2].upper() or "_")) if found else 0
+    if not 1 <= size <= LARGEST_MEMORY:
+        raise InputError(f"{flag}: must be a size such as 2GB, 500MB or a number of bytes, got {shown(text)}")
+    return size
 
 
 def make_folder(folder: Path, what: str = "a folder") -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,12 @@ if TYPE_CHECKING:
 @click.option("--threads", type=int, help="Threads of each solver, in place of the study's.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the runs.  [default: runs/<study>]")
 @click.option("--jobs", type=int, help="Runs at once.  [default: the cores of this machine]")
-@click.option("--retry", help="Run again what ended so: error, killed, no_solution; or stale: made by other code.")
+@click.option(
+    "--memory-limit", help="Of each run with its processes, such as 2GB.  [default: 80 % of the machine / JOBS]"
+)
+@click.option(
+    "--retry", help="Run again what ended so: error, killed, no_solution; or is stale: made by other code; or damaged."
+)
 @click.option("--shard", help="Run only part i of n: i/n. The parts may share a folder.")
 @click.option("--scheduler", metavar="tcp://...", help="Run on a dask.distributed cluster.")
 @click.option("--report/--no-report", default=True, help="Whether to write results.csv and report.html at the end.")
@@ -36,6 +42,7 @@ def command(
     solvers: str | None,
     out: Path | None,
     jobs: int | None,
+    memory_limit: str | None,
     retry: str | None,
     shard: str | None,
     scheduler: str | None,
@@ -45,24 +52,31 @@ def command(
 ) -> None:
     """Run a study and report on it: STUDY.toml, the name of a shipped study, or INSTANCES with --solvers.
 
-    Without arguments the shipped study `quick`. What is already stored is not run again. Exit code 1 where files in
-    the folder are damaged or a claim in it is false.
+    Without arguments the shipped study `quick`. What is already stored is not run again. Several may work on one
+    folder at once and share the runs. Exit code 1 where a run ended in ERROR, files in the folder are damaged or a
+    claim in it is false.
     """
+    from workbench.jobs.execute import shortfall
     from workbench.jobs.machine import available_cores
+    from workbench.settings import memory
 
     parallel = available_cores() if jobs is None else jobs
     if parallel < 1:
         raise InputError(f"--jobs: must be at least 1, got {jobs}")
+    limit = None if memory_limit is None else memory(memory_limit, "--memory-limit")
     study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
     folder = out or Path("runs") / study.name
+    if scheduler is not None and not dry_run:
+        _reach(scheduler)
     plan, store = _planned(study, folder, retry, shard, dry_run)
     if scheduler is None:
         _warn_of_crowding(study, parallel)
     if dry_run:
         _tell_plan(plan, parallel)
         return
-    problems = _execute(study, plan, store, parallel, scheduler)
+    problems = _execute(study, plan, store, Means(parallel, limit, scheduler))
     problems += _publish(folder) if report else plan.damaged
+    problems += shortfall(plan.jobs, store)
     for problem in problems:
         click.echo(problem, err=True)
     context.exit(1 if problems else 0)
@@ -106,7 +120,10 @@ def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, obj
 
 
 def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, dry_run: bool) -> tuple[Plan, Store]:
-    """Make the items, state what is asked in the store (unless only a dry run), and return what is to do."""
+    """Make the items, state what is asked in the store (unless only a dry run), and return what is to do.
+
+    The store is begun once every item has been made and every setting read: what cannot be run leaves nothing behind.
+    """
     from workbench.jobs.execute import jobs_of, plan, statuses_to_retry
     from workbench.jobs.store import Store
     from workbench.settings import names
@@ -115,11 +132,10 @@ def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, d
     again = statuses_to_retry(study.problem, [] if retry is None else names(retry, "--retry"))
     part = shard_of(shard) if shard else (1, 1)
     store = Store(folder)
-    if dry_run:
-        jobs = jobs_of(study)
-    else:
+    jobs, sources = jobs_of(study)
+    if not dry_run:
         store.create()
-        jobs = jobs_of(study, keep=lambda item: store.put_item(study.problem, item))
+        store.keep_items(study.problem, sources)
         store.put_study(study.asked, [job.path for job in jobs])
     return plan(jobs, store, again).shard(*part), store
 
@@ -146,8 +162,18 @@ def _tell_plan(plan: Plan, parallel: int) -> None:
     )
 
 
-def _execute(study: Study, plan: Plan, store: Store, parallel: int, scheduler: str | None) -> list[str]:
+@dataclass(frozen=True)
+class Means:
+    """What the runs are given: how many at once, the memory limit of each [bytes], or a cluster's scheduler."""
+
+    parallel: int
+    memory_limit: int | None
+    scheduler: str | None
+
+
+def _execute(study: Study, plan: Plan, store: Store, means: Means) -> list[str]:
     """Run what is to do; return what could not be, a sentence each."""
+    from workbench.jobs.backlog import Backlog
     from workbench.jobs.execute import run_locally
     from workbench.jobs.progress import StudyProgress
 
@@ -159,10 +185,20 @@ def _execute(study: Study, plan: Plan, store: Store, parallel: int, scheduler: s
         )
     if not plan.todo:
         return []
-    with StudyProgress(plan.todo, parallel, study.problem.spell) as progress:
-        if scheduler is None:
-            run_locally(study.problem, plan.todo, store, parallel, progress.finished)
-            return []
+    with (
+        StudyProgress(plan.todo, means.parallel, study.problem.spell) as progress,
+        Backlog(plan.todo, store, plan.seen) as backlog,
+    ):
+        if means.scheduler is None:
+            return run_locally(backlog, study.problem, means.parallel, progress, means.memory_limit)
         from workbench.jobs.cluster import run_on_cluster  # here: an extra
 
-        return run_on_cluster(study.problem, plan.todo, store, scheduler, progress.finished)
+        return run_on_cluster(backlog, study.problem, means.scheduler, progress, means.memory_limit)
+
+
+def _reach(scheduler: str) -> None:
+    """Refuse a cluster that is not there before anything is stored."""
+    from workbench.jobs.cluster import connected, threads_of  # here: an extra
+
+    with connected(scheduler) as client:
+        threads_of(client, scheduler)

@@ -60,6 +60,7 @@ def _compare(scenario: Scenario, page: Path) -> None:
     """Run the shipped studies of moving costs on this scenario alone, and write their page."""
     from tempfile import TemporaryDirectory
 
+    from workbench.jobs.backlog import Backlog
     from workbench.jobs.execute import jobs_of, run_locally
     from workbench.jobs.problem import Outputs
     from workbench.jobs.progress import StudyProgress
@@ -78,9 +79,10 @@ def _compare(scenario: Scenario, page: Path) -> None:
             tables = load_tables(shipped_studies()[name])
             study = study_from(tables, MOVING_COST, name=scenario.name, base=Path())
             study = replace(study, sources=tuple(MovingCostItem(scenario, count) for count in counts))
-            jobs = jobs_of(study, keep=lambda item: store.put_item(MOVING_COST, item))
-            with StudyProgress(jobs, 1, MOVING_COST.spell) as progress:
-                run_locally(MOVING_COST, jobs, store, 1, progress.finished)
+            jobs, sources = jobs_of(study)
+            store.keep_items(MOVING_COST, sources)
+            with StudyProgress(jobs, 1, MOVING_COST.spell) as progress, Backlog(jobs, store) as backlog:
+                run_locally(backlog, MOVING_COST, 1, progress)
         store.put_study({"name": scenario.name}, [])
         for problem in MOVING_COST.publish([store.root], Outputs(page)).problems:
             click.echo(problem, err=True)

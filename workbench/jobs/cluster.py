@@ -8,20 +8,19 @@ that dies takes its runs with it (they are killed with their parent) and the sch
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Iterator
-from itertools import islice
+from collections.abc import Iterator
+from queue import SimpleQueue
 from typing import Any
 
 import distributed
 
 from instances.errors import InputError
 from reports.record import Run
-from workbench.jobs.execute import Finished
+from workbench.jobs.backlog import Backlog, Progress
 from workbench.jobs.job import Job
 from workbench.jobs.machine import environment, usable_memory
 from workbench.jobs.problem import Problem
 from workbench.jobs.runner import run
-from workbench.jobs.store import Store
 
 dask: Any = distributed  # it has no type stubs
 CONNECT = 10
@@ -31,55 +30,69 @@ AHEAD = 2
 
 
 def run_on_cluster(
-    problem: Problem[Any], jobs: Iterable[Job], store: Store, address: str, finished: Finished
+    backlog: Backlog, problem: Problem[Any], address: str, progress: Progress, memory_limit: int | None = None
 ) -> list[str]:
-    """Run `jobs` on the cluster at `address`, storing each as it ends.
+    """Run the jobs of `backlog` on the cluster at `address`, storing each as it ends.
 
-    Return what the scheduler gave up, a sentence each: jobs whose workers died one after the other. Raises
-    InputError where the scheduler cannot be reached or has no workers.
+    memory_limit [bytes]: of each run, by default its share of what its machine can spare. Return what could not be
+    run or stored, a sentence each: jobs whose workers died one after the other among them. InputError where the
+    scheduler cannot be reached, has no workers, or the store cannot be written to.
     """
-    given_up = []
-    with _connected(address) as client:
-        workers = client.scheduler_info(n_workers=-1)["workers"].values()
-        threads = sum(worker["nthreads"] for worker in workers)
-        if not threads:
-            raise InputError(f"--scheduler: {address} has no workers")
-        waiting = iter(jobs)
-        given: dict[str, Job] = {}
+    store, given_up = backlog.store, []
+    ended: SimpleQueue[tuple[Job, Any]] = SimpleQueue()
+    with connected(address) as client:
+        given: dict[str, Any] = {}
 
-        def hand_over(count: int) -> list[Any]:
-            futures = []
-            for job in islice(waiting, count):
-                # Keyed by its path and pure=False: asked for once, and never taken from another study's results.
-                future = client.submit(run_there, problem, job, problem.read(store.root / job.folder), pure=False)
-                given[future.key] = job
-                futures.append(future)
-            return futures
+        def begin(job: Job) -> None:
+            try:
+                item = store.item(job.folder)
+            except InputError as error:
+                ended.put((job, error))
+                return
+            # pure=False: asked for once, and never taken from another study's results.
+            given[job.path] = client.submit(run_there, problem, job, item, memory_limit, pure=False)
+            given[job.path].add_done_callback(lambda future: ended.put((job, future)))
 
-        ending = dask.as_completed(hand_over(AHEAD * threads), loop=client.loop)
-        for future in ending:
-            job = given.pop(future.key)
-            if future.status != "finished":
-                given_up.append(f"{job.path}: given up by the cluster ({future.exception()})")
-            else:
-                result, machine = future.result()
+        def take(job: Job, how: Any) -> None:
+            given.pop(job.path, None)
+            try:
+                if isinstance(how, InputError):
+                    raise how
+                if how.status != "finished":
+                    given_up.append(f"{job.path}: given up by the cluster ({how.exception()})")
+                    return
+                result, machine = how.result()
                 store.put_environment(result.environment, machine)
                 store.put(job.path, result)
-                finished(job, result)
-            future.release()
-            for more in hand_over(1):
-                ending.add(more)
+            except InputError as error:
+                if not store.usable():
+                    raise
+                given_up.append(str(error))
+            else:
+                progress.finished(job, result)
+
+        backlog.work_off(AHEAD * threads_of(client, address), begin, ended, take, progress)
+    store.restore()
     return given_up
 
 
-def run_there(problem: Problem[Any], job: Job, item: Any) -> tuple[Run, dict[str, Any]]:
+def threads_of(client: Any, address: str) -> int:
+    """Return how many runs the cluster takes at once; InputError where it has no workers."""
+    threads = sum(worker["nthreads"] for worker in client.scheduler_info(n_workers=-1)["workers"].values())
+    if not threads:
+        raise InputError(f"--scheduler: {address} has no workers")
+    return int(threads)
+
+
+def run_there(problem: Problem[Any], job: Job, item: Any, memory_limit: int | None) -> tuple[Run, dict[str, Any]]:
     """Run `job` in a process of its own on this worker's machine; return the run and this machine's description."""
-    memory_limit = usable_memory() // dask.get_worker().state.nthreads
-    return run(problem, job, item, memory_limit=memory_limit), environment()
+    limit = memory_limit or usable_memory() // dask.get_worker().state.nthreads
+    return run(problem, job, item, memory_limit=limit), environment()
 
 
 @contextlib.contextmanager
-def _connected(address: str) -> Iterator[Any]:
+def connected(address: str) -> Iterator[Any]:
+    """Give a client of the scheduler at `address`; InputError where it cannot be reached."""
     try:
         client = dask.Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:

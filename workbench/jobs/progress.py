@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from types import TracebackType
@@ -11,6 +10,7 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from reports.numbers import counted
 from reports.record import Run
 from workbench.jobs.job import Job
 
@@ -26,10 +26,11 @@ class Estimate:
         self._parallel = parallel
         self._seen: dict[tuple[str, float], list[float]] = defaultdict(list)
 
-    def finished(self, job: Job, wall: float) -> None:
-        """Take note that `job` took `wall` [s]."""
+    def finished(self, job: Job, wall: float | None) -> None:
+        """Take note that `job` took `wall` [s]; None where another process ran it."""
         self._waiting.pop(job.path, None)
-        self._seen[job.label, job.time_limit].append(wall)
+        if wall is not None:
+            self._seen[job.label, job.time_limit].append(wall)
 
     def left(self) -> float:
         """Return the time left [s]."""
@@ -47,7 +48,7 @@ class StudyProgress:
         jobs = list(jobs)
         self._spell = spell
         self._estimate = Estimate(jobs, parallel)
-        self._total, self._done, self._began = len(jobs), 0, time.monotonic()
+        self._total, self._done, self._waited_for = len(jobs), 0, 0
         self._bar: Progress | None = None
         if sys.stderr.isatty():
             columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
@@ -65,10 +66,28 @@ class StudyProgress:
 
     def finished(self, job: Job, run: Run) -> None:
         """Show that `job` has ended as `run`."""
-        self._done += 1
-        self._estimate.finished(job, run.wall_elapsed or 0.0)
         value = self._spell(run)
         line = f"{run.instance['name']} {job.label} seed {job.seed}: {run.status} {value} in {run.elapsed:.1f} s"
+        self._show(job, run.wall_elapsed or 0.0, line)
+
+    def elsewhere(self, job: Job) -> None:
+        """Show that another process has run `job`."""
+        self._show(job, None, f"{job.path}: run by another process")
+
+    def waiting(self, count: int) -> None:
+        """Show that only runs of other processes are left; once for each number of them."""
+        if count == self._waited_for:
+            return
+        self._waited_for = count
+        words = f"waiting for {counted(count, 'run')} of another process"
+        if self._bar:
+            self._bar.update(self._task, description=words)
+        else:
+            print(words, file=sys.stderr, flush=True)
+
+    def _show(self, job: Job, wall: float | None, line: str) -> None:
+        self._done += 1
+        self._estimate.finished(job, wall)
         left = f"about {duration(self._estimate.left())} left"
         if self._bar:
             self._bar.console.print(line, highlight=False, markup=False, soft_wrap=True)

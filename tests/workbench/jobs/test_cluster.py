@@ -10,10 +10,6 @@ import time
 
 import pytest
 
-from instances import InputError
-from workbench.jobs.store import Store
-from workbench.problems.routing import ROUTING
-
 distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
 
 STUDY = """
@@ -59,8 +55,11 @@ def test_a_worker_killed_half_way_loses_nothing(tmp_path, instance_folder, clust
     ]
 
 
-def test_a_scheduler_that_is_not_there(tmp_path, monkeypatch):
+def test_a_scheduler_that_is_not_there_leaves_no_store(cli, tmp_path, instance_folder, monkeypatch):
     cluster = pytest.importorskip("workbench.jobs.cluster")
     monkeypatch.setattr(cluster, "CONNECT", 0.5)
-    with pytest.raises(InputError, match=r"^--scheduler: tcp://127.0.0.1:1 cannot be reached"):
-        cluster.run_on_cluster(ROUTING, [], Store(tmp_path), "tcp://127.0.0.1:1", lambda job, run: None)
+    (tmp_path / "study.toml").write_text(STUDY)
+    code, _, told = cli("compare", "study.toml", "--out", "runs", "--scheduler", "tcp://127.0.0.1:1")
+    assert code == 2
+    assert told.startswith("workbench: --scheduler: tcp://127.0.0.1:1 cannot be reached")
+    assert not (tmp_path / "runs").exists()

@@ -1,13 +1,17 @@
 """The command line: `workbench COMMAND`. Each command is imported only when it is called.
 
-Exit codes: 0 fine, 1 a problem was found, 2 unusable input, 130 interrupted.
+Exit codes: 0 fine, 1 a problem was found, 2 unusable input, 130 interrupted (143 by SIGTERM, 129 by SIGHUP).
 """
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
+import signal
 import sys
+import threading
+from collections.abc import Iterator
 from typing import NoReturn
 
 import click
@@ -68,12 +72,31 @@ def commands() -> None:
     """Plan tours for several UAVs in wind, and compare the solvers that do it."""
 
 
+@contextlib.contextmanager
+def _signals_as_exits() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP end what runs as Ctrl-C does, children included; where ignored (nohup) they stay so."""
+
+    def leave(number: int, frame: object) -> NoReturn:
+        sys.exit(128 + number)
+
+    numbers = (signal.SIGTERM, signal.SIGHUP) if threading.current_thread() is threading.main_thread() else ()
+    taken = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
+    for number in taken:
+        signal.signal(number, leave)
+    try:
+        yield
+    finally:
+        for number in taken:
+            signal.signal(number, signal.SIG_DFL)
+
+
 def main(args: list[str] | None = None) -> NoReturn:
     """Run the command line and exit; an InputError becomes one sentence on stderr and exit code 2."""
     keep_to_one()
     try:
-        # click's own standalone mode would turn Ctrl-C into exit code 1
-        code = commands.main(args=args, standalone_mode=False)
+        with _signals_as_exits():
+            # click's own standalone mode would turn Ctrl-C into exit code 1
+            code = commands.main(args=args, standalone_mode=False)
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)

@@ -30,7 +30,8 @@ def command(context: click.Context, folder: Path, as_json: bool) -> None:
             told = ", ".join(f"{counts[status]} {status}" for status in seen if counts[status])
             click.echo(f"{label:{width}}  {sum(counts.values()):6d} stored: {told}")
         stale = f", {found.stale} of them stale (made by other code)" if found.stale else ""
-        click.echo(f"{found.stored} of {found.planned} runs stored{stale}, {found.missing} missing")
+        damaged = f", {len(found.damaged)} damaged" if found.damaged else ""
+        click.echo(f"{found.stored} of {found.planned} runs stored{stale}{damaged}, {found.missing} missing")
         for sentence in found.damaged:
             click.echo(sentence, err=True)
     context.exit(1 if found.damaged else 0)

@@ -16,7 +16,7 @@ class Census:
     """Counts of a store.
 
     planned : runs asked for; missing : of these not stored; by_solver : label → status → stored runs; stale : stored
-    runs that other code than today's made; damaged : a sentence for each file that is no run.
+    runs that other code than today's made; damaged : a sentence for each file that is not the run its name says.
     """
 
     planned: int

@@ -177,6 +177,9 @@ def _create(path: Path, content: bytes) -> None:
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
     try:
         os.write(descriptor, content)
+    except OSError:  # the disk is full: an empty claim would keep others waiting
+        path.unlink(missing_ok=True)
+        raise
     finally:
         os.close(descriptor)
 

@@ -27,7 +27,7 @@ STALE = "STALE"
 """What `plan` is asked to run again where other code than today's made the stored run."""
 DAMAGED = "DAMAGED"
 """What `plan` is asked to run again where what is stored cannot be read as the run it should be."""
-SWIFT = 1.5
+SWIFT = 1.0
 """Seconds an interrupted study waits for what it runs to be killed; what is left then dies with this process."""
 
 

@@ -164,7 +164,8 @@ class Store:
                 _move_aside(self.root / "study.json")
                 self.put_study(*self._asked)
             for folder in self._sources:
-                self._keep_item(folder)
+                with contextlib.suppress(InputError):  # its source is gone too: its rows are kept all the same
+                    self._keep_item(folder)
             for path in self._rows:
                 if not (target := self.root / path).is_file():
                     self._make_way(target.parent)
@@ -196,12 +197,13 @@ class Store:
 
     def _make_way(self, folder: Path) -> None:
         """Make `folder`; what is no folder in its place is moved aside, the permission to write there is taken back."""
-        if not folder.is_dir():
-            _move_aside(folder)
-            make_folder(folder, KIND)
-        if not os.access(folder, os.W_OK | os.X_OK):
-            with contextlib.suppress(OSError):
-                folder.chmod(folder.stat().st_mode | 0o700)
+        for place in (self.root, folder):
+            if not place.is_dir():
+                _move_aside(place)
+                make_folder(place, KIND)
+            if not os.access(place, os.W_OK | os.X_OK):
+                with contextlib.suppress(OSError):
+                    place.chmod(place.stat().st_mode | 0o700)
 
 
 def _path_of(run: Run) -> str:
@@ -218,7 +220,7 @@ def _move_aside(path: Path) -> None:
     """Give whatever lies at `path` a hidden name beside it; nothing where nothing lies there."""
     try:
         path.rename(path.with_name(f".{path.name}.{secrets.token_hex(4)}.displaced"))
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return
     except OSError as error:
         raise InputError(f"{path}: cannot be moved aside ({error.strerror or error})") from None

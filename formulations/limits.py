@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from instances.errors import InputError
+from instances.errors import InputError, shown
+from instances.registry import LARGEST_WHOLE
+
+LONGEST = 1e9
+"""Longest time limit [s], thirty years: engines and clocks wait no longer."""
+MOST_THREADS = 1024
+LARGEST_SEED = 2**31 - 1
+"""The largest seed that every engine takes."""
 
 
 @dataclass(frozen=True)
 class Limits:
     """What a solve may use.
 
-    time : seconds of wall clock, > 0.
-    threads : worker threads, ≥ 1.
+    time : seconds of wall clock, > 0 and at most LONGEST, or infinite for no limit.
+    threads : worker threads, from 1 to MOST_THREADS.
     iterations : the method's own iterations (GA generations, search steps), or None for no limit. A solve ended
         by it is deterministic for a seed; one ended by the clock need not be.
     """
@@ -22,9 +30,9 @@ class Limits:
     iterations: int | None = None
 
     def __post_init__(self) -> None:
-        if not self.time > 0:
-            raise InputError(f"time limit must be positive [s], got {self.time}")
-        if self.threads < 1:
-            raise InputError(f"threads must be at least 1, got {self.threads}")
-        if self.iterations is not None and self.iterations < 0:
-            raise InputError(f"iterations must not be negative, got {self.iterations}")
+        if not (0 < self.time <= LONGEST or self.time == math.inf):
+            raise InputError(f"time limit must be positive and at most {LONGEST:g} [s], got {shown(self.time)}")
+        if not 1 <= self.threads <= MOST_THREADS:
+            raise InputError(f"threads must be from 1 to {MOST_THREADS}, got {shown(self.threads)}")
+        if self.iterations is not None and not 0 <= self.iterations <= LARGEST_WHOLE:
+            raise InputError(f"iterations must be from 0 to {LARGEST_WHOLE}, got {shown(self.iterations)}")

@@ -33,24 +33,30 @@ FORMATS: Registry[Format] = Registry(
         ".vrp": _TSPLIB,
     },
     group="mmmdmtsp_workbench.formats",
+    having=("read", "write"),
 )
 """Ending of an instance file → its format."""
 
 
 def endings(*, written: bool = False) -> tuple[str, ...]:
-    """Return the endings of instance files, all that are read or only those that are `written`."""
-    return tuple(ending for ending in FORMATS.targets() if not written or FORMATS.load(ending).write is not None)
+    """Return the endings of instance files, all that are read or only those that are `written`.
+
+    Formats of third parties are not imported to be asked: they count as written.
+    """
+    unwritten = {ending for ending in FORMATS.built_in if written and FORMATS.load(ending).write is None}
+    return tuple(ending for ending in FORMATS.targets() if ending.startswith(".") and ending not in unwritten)
 
 
 def read_instance(path: Path | str) -> Instance:
     """Read an instance of any known format; InputError names the file, the field and the value."""
-    return FORMATS.load(_ending(path, endings(), "instance")).read(Path(path))
+    return FORMATS.load(_format(path)).read(Path(path))
 
 
 def write_instance(instance: Instance, path: Path | str) -> None:
     """Write an instance; InputError where the ending is unknown or the file cannot be written."""
-    write = FORMATS.load(_ending(path, endings(written=True), "instance")).write
-    assert write is not None
+    write = FORMATS.load(_format(path, written=True)).write
+    if write is None:
+        raise InputError(f"{path}: files of this format are only read")
     write(instance, Path(path))
 
 
@@ -64,6 +70,15 @@ def write_routes(routes: Sequence[Sequence[int]], instance: Instance, path: Path
     """Write feasible routes of `instance` with their cost."""
     _ending(path, (".sol",), "routes")
     sol.write_solution(routes, instance, Path(path))
+
+
+def _format(path: Path | str, *, written: bool = False) -> str:
+    """Return the ending by which an instance file's format is registered; what is built in comes first."""
+    name = Path(path).name.lower()
+    found = next((ending for ending in FORMATS.built_in if name.endswith(ending)), None)
+    if found is None or (written and FORMATS.load(found).write is None):
+        return _ending(path, endings(written=written), "instance")
+    return found
 
 
 def _ending(path: Path | str, known: Collection[str], what: str) -> str:

@@ -1,7 +1,8 @@
 """Registry: name → something of one kind, imported only when asked for; and the one check of options.
 
 What is built in is a table of names and targets ``"module:attribute"``. Others add to it through an entry-point group,
-or name the target itself wherever a name is asked for.
+or name the target itself wherever a name is asked for. A target that is not built in is code of others: looking at its
+name imports nothing, and what its import raises is told in a sentence.
 """
 
 from __future__ import annotations
@@ -12,16 +13,20 @@ import math
 import sys
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from importlib.metadata import entry_points
+from importlib.metadata import distributions
 from typing import Any, Generic, TypeVar
 
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
 
 T = TypeVar("T")
 
 LARGEST = sys.float_info.max
+LARGEST_WHOLE = 2**63 - 1
+"""The largest whole number that compiled code takes."""
 KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}
 """Type of an option → what its value must be, in words."""
+PLAIN = "a finite number, a text, true or false, or a list of these"
+"""What every option is, whatever its default."""
 
 
 @dataclass(frozen=True)
@@ -32,33 +37,57 @@ class Registry(Generic[T]):
     built_in : name → (``"module:attribute"``, one line on what it is).
     group : entry-point group of third parties, or "" where the kind is closed.
     listing : the command that lists them, or "".
+    having : attributes without which something is none of this kind.
     """
 
     kind: str
     built_in: Mapping[str, tuple[str, str]]
     group: str = ""
     listing: str = ""
+    having: tuple[str, ...] = ()
 
     def targets(self) -> dict[str, tuple[str, str]]:
-        """Return every registered one, built in or third party: name → (target, one line)."""
-        found = dict(self.built_in)
-        for entry in entry_points(group=self.group) if self.group else ():
-            found.setdefault(entry.name, (entry.value, f"third party ({entry.value})"))
-        return found
+        """Return every registered one, built in or third party: name → (target, one line); nothing is imported."""
+        others = _third_party(self.group)[0] if self.group else {}
+        return {name: (value, f"third party ({value})") for name, value in others.items()} | dict(self.built_in)
+
+    def target(self, name: str) -> str:
+        """Return the ``module:attribute`` of the one registered as `name`, or named so; nothing is imported.
+
+        Raises InputError for an unknown name (with the near miss) and for a target that cannot be one.
+        """
+        if name in self.built_in:
+            return self.built_in[name][0]
+        others, damaged = ({name: name}, 0) if ":" in name else _third_party(self.group)
+        if not self.group or name not in others:
+            names = [*self.built_in, *others] if self.group else [*self.built_in]
+            known = f"{self.listing} lists them" if self.listing else f"known: {', '.join(names)}"
+            more = f"; the entry points of {damaged} installed packages cannot be read" if damaged else ""
+            raise InputError(f"unknown {self.kind} {shown(name)}{suggestion(name, names)} ({known}){more}")
+        module, _, attribute = others[name].partition(":")
+        if not all(part.isidentifier() for part in (*module.split("."), attribute)):
+            raise InputError(
+                f"{self.kind} {shown(name)}: must be a name or module:attribute, got {shown(others[name])}"
+            )
+        return others[name]
 
     def load(self, name: str) -> T:
         """Import and return the one registered as `name`, or named as ``module:attribute``.
 
-        Raises InputError for an unknown name (with the near miss), ImportError where its package is not installed.
+        Raises what `target` raises, ImportError where the package of a built-in one is not installed, and InputError
+        where code of others cannot be imported or is nothing of this kind.
         """
-        targets = self.targets()
-        if name not in targets and not (self.group and ":" in name):
-            known = f"{self.listing} lists them" if self.listing else f"known: {', '.join(targets)}"
-            raise InputError(f"unknown {self.kind} '{name}'{suggestion(name, targets)} ({known})")
-        module, _, attribute = (targets[name][0] if name in targets else name).partition(":")
-        found: T | None = getattr(importlib.import_module(module), attribute, None)
-        if found is None:
-            raise InputError(f"{self.kind} {name}: module {module} has no '{attribute}'")
+        target = self.target(name)
+        module, _, attribute = target.partition(":")
+        if name in self.built_in:
+            built_in: T = getattr(importlib.import_module(module), attribute)
+            return built_in
+        try:
+            found: T = getattr(importlib.import_module(module), attribute)
+        except (Exception, SystemExit) as error:  # the boundary to foreign code, which may raise anything
+            raise InputError(f"{self.kind} {name} cannot be imported ({type(error).__name__}: {error})") from error
+        if missing := [each for each in self.having if not hasattr(found, each)]:
+            raise InputError(f"{self.kind} {name}: {target} is no {self.kind} (it has no '{missing[0]}')")
         return found
 
     def why_unavailable(self, name: str) -> str | None:
@@ -86,19 +115,46 @@ class MethodRegistry(Registry[type[T]]):
     def make(self, name: str, options: Mapping[str, Any] | None = None) -> T:
         """Return the method registered as `name` with `options`; InputError for an unknown one or an unfit value."""
         cls = self.load(name)
+        if not isinstance(cls, type):
+            raise InputError(f"{self.kind} {name}: must be a class, but is a {type(cls).__name__}")
         known = option_defaults(cls)
         given = dict(options or {})
         refuse_unknown(f"{self.kind} {name}", "option", given, known)
         for key, value in given.items():
             if fault := unfit(value, known[key], self.at_least):
-                raise InputError(f"{self.kind} {name}: option {key} must be {fault}, got {value!r}")
+                raise InputError(f"{self.kind} {name}: option {key} must be {fault}, got {shown(value)}")
         return cls(**given)
 
-    def changed(self, name: str, options: Mapping[str, Any]) -> dict[str, Any]:
-        """Return those of the checked `options` that differ from the default; raises what `make` raises."""
+    def asked(self, name: str, options: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the options that say what is asked for: of a built-in method those that differ from the default.
+
+        Raises what `make` raises, for a method that is not built in only what can be told without importing it: its
+        options are returned as they are given.
+        """
+        self.target(name)
+        for key, value in options.items():
+            if not is_plain(value):
+                raise InputError(f"{self.kind} {name}: option {shown(key)} must be {PLAIN}, got {shown(value)}")
+        if name not in self.built_in:
+            return dict(options)
         self.make(name, options)
         defaults = self.defaults(name)
         return {key: value for key, value in options.items() if value != defaults[key]}
+
+
+def _third_party(group: str) -> tuple[dict[str, str], int]:
+    """Return what installed packages register, name → target, and how many of them cannot be read."""
+    found: dict[str, str] = {}
+    damaged = 0
+    for package in distributions():
+        try:
+            entries = [(entry.name, entry.value) for entry in package.entry_points if entry.group == group]
+        except (OSError, TypeError, ValueError):  # another package's file: what it would add cannot be known
+            damaged += 1
+            continue
+        for name, value in entries:
+            found.setdefault(name, value.partition("[")[0].strip())
+    return found, damaged
 
 
 def refuse_unknown(owner: str, what: str, given: Collection[str], known: Collection[str]) -> None:
@@ -115,9 +171,22 @@ def unfit(value: Any, default: Any, at_least: float = -math.inf) -> str:
     if kind not in KINDS:
         return ""
     fits = type(value) is kind or (kind is float and type(value) is int)
-    if fits and (kind not in (int, float) or max(at_least, -LARGEST) <= value <= LARGEST):
+    if fits and (kind not in (int, float) or (value >= at_least and in_range(value))):
         return ""
+    if fits and kind is int and value > LARGEST_WHOLE:
+        return f"{KINDS[kind]} of at most {LARGEST_WHOLE}"
     return KINDS[kind] + (f" of at least {at_least:g}" if at_least > -math.inf else "")
+
+
+def in_range(value: float) -> bool:
+    """Return whether a number is finite and, where it is whole, one that compiled code takes."""
+    return abs(value) <= (LARGEST_WHOLE if isinstance(value, int) else LARGEST)
+
+
+def is_plain(value: Any) -> bool:
+    """Return whether `value` is PLAIN."""
+    parts = value if isinstance(value, list) else [value]
+    return all(type(part) in KINDS and (isinstance(part, str) or in_range(part)) for part in parts)
 
 
 def option_defaults(cls: type[Any]) -> dict[str, Any]:

@@ -119,12 +119,15 @@ def test_a_placement_method_by_an_entry_point_is_one_file_and_one_line(folder, c
     assert call("compare", "sites.toml", "--out", "runs/sites") == 0
     assert "first-sites (skip=5)" in capsys.readouterr().out
     assert {run["label"]: run["status"] for run in runs_in(folder / "runs" / "sites")} == {
-        "first-sites": "heuristic",
+        "first-sites (skip=0)": "heuristic",
         "first-sites (skip=5)": "heuristic",
         "greedy": "heuristic",
     }
     assert call("check", "runs/sites") == 0
     assert "first-sites" in (folder / "runs" / "sites" / "report.html").read_text()
     Path("sites.toml").write_text(Path("sites.toml").read_text().replace("skip", "skipp"))
-    assert call("compare", "sites.toml", "--out", "runs/other") == 2
-    assert "did you mean 'skip'" in capsys.readouterr().err
+    assert call("compare", "sites.toml", "--out", "runs/other", "--no-plugins") == 2
+    assert "'first-sites', which is not built in" in capsys.readouterr().err
+    assert call("compare", "sites.toml", "--out", "runs/other", "--no-report") == 0
+    told = {run["solver"]: run["message"] for run in runs_in(folder / "runs" / "other") if run["status"] == "ERROR"}
+    assert "did you mean 'skip'" in told["first-sites"]

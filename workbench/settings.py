@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -20,10 +21,10 @@ def key_values(given: Iterable[str], flag: str) -> dict[str, Any]:
     for text in given:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
-            raise InputError(f"{flag}: must be key=value, got '{text}'")
+            raise InputError(f"{flag}: must be key=value, got {shown(text)}")
         try:
             settings[key.strip()] = json.loads(value)
-        except ValueError:
+        except (ValueError, RecursionError):
             settings[key.strip()] = value.strip()
     return settings
 
@@ -32,15 +33,15 @@ def names(text: str, flag: str) -> list[str]:
     """Return the parts of a comma-separated list; InputError where there is none."""
     parts = [part.strip() for part in text.split(",") if part.strip()]
     if not parts:
-        raise InputError(f"{flag}: must be a comma-separated list, got '{text}'")
+        raise InputError(f"{flag}: must be a comma-separated list, got {shown(text)}")
     return parts
 
 
 def shard(text: str) -> tuple[int, int]:
     """Return (i, n) of ``i/n`` with 1 ≤ i ≤ n."""
     number, _, count = text.partition("/")
-    if not (number.isdigit() and count.isdigit() and 1 <= int(number) <= int(count)):
-        raise InputError(f"--shard: must be i/n with 1 ≤ i ≤ n, got '{text}'")
+    if not (re.fullmatch(r"\d{1,9}/\d{1,9}", text) and 1 <= int(number) <= int(count)):
+        raise InputError(f"--shard: must be i/n with 1 ≤ i ≤ n, got {shown(text)}")
     return int(number), int(count)
 
 
@@ -71,5 +72,5 @@ def check_target(path: Path | None, endings: tuple[str, ...]) -> None:
         return
     if not path.name.endswith(endings):
         raise InputError(f"{path}: must end in {' or '.join(endings)}")
-    if not path.parent.is_dir():
+    if not os.path.isdir(path.parent):
         raise InputError(f"{path}: there is no folder {path.parent}")

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from formulations.moving_cost.families import generate
+from formulations.moving_cost.families import costed, generate
 from instances import InputError, Instance
-from instances.files import read_instance
+from instances.files import FORMATS, read_instance
+from workbench.making import make_elsewhere, plugin_family
 
 ENDINGS = (".json", ".json.gz", ".mdm", ".mtsp", ".tsp", ".atsp", ".vrp")
 """Endings by which instance files are found in a folder."""
@@ -20,6 +21,11 @@ class FileSource:
     """An instance file."""
 
     path: Path
+
+    @property
+    def plugin(self) -> str:
+        """The ending, where no built-in format reads it, else ""."""
+        return "" if self.path.name.lower().endswith(tuple(FORMATS.built_in)) else self.path.suffix
 
     def load(self) -> Instance:
         """Read the file."""
@@ -36,9 +42,17 @@ class FamilySource:
     seed: int
     parameters: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def plugin(self) -> str:
+        """The family, where it is not built in, else ""."""
+        return plugin_family(self.family)
+
     def load(self) -> Instance:
         """Generate the instance."""
-        return generate(self.family, self.n_tasks, self.n_depots, self.seed, **self.parameters)
+        made = (self.family, self.n_tasks, self.n_depots, self.seed)
+        if self.plugin:
+            return costed(*make_elsewhere(*made, self.parameters))[0]
+        return generate(*made, **self.parameters)
 
 
 def instance_files(given: Path) -> list[Path]:
@@ -46,19 +60,25 @@ def instance_files(given: Path) -> list[Path]:
 
     JSON files without the field n_tasks at their head, as others keep beside instances, are left out of a search.
     """
-    if given.is_dir():
-        found = sorted(path for path in given.rglob("*") if path.name.endswith(ENDINGS) and _may_be_instance(path))
-    elif any(sign in str(given) for sign in "*?["):
-        found = sorted(Path(path) for path in glob.glob(str(given), recursive=True))
-    else:
-        found = [given] if given.is_file() else []
+    try:
+        found = _found(given)
+    except (OSError, ValueError) as error:  # no file can have this name: too long, a zero byte
+        raise InputError(f"{given}: cannot be looked for ({getattr(error, 'strerror', None) or error})") from None
     if not found:
         raise InputError(f"{given}: there is no instance file ({', '.join(ENDINGS)})")
     return found
 
 
+def _found(given: Path) -> list[Path]:
+    if given.is_dir():
+        return sorted(path for path in given.rglob("*") if path.name.endswith(ENDINGS) and _may_be_instance(path))
+    if any(sign in str(given) for sign in "*?["):
+        return sorted(Path(path) for path in glob.glob(str(given), recursive=True))
+    return [given] if given.is_file() else []
+
+
 def _may_be_instance(path: Path) -> bool:
-    if path.suffix != ".json":
+    if path.suffix != ".json" or not path.is_file():  # a pipe would be waited for
         return path.is_file()
     try:
         with path.open("rb") as file:

@@ -65,16 +65,23 @@ def all_pairs(query: Query, method: MovingCostMethod, progress: Progress = silen
 def instance_of(
     scenario: Scenario, method: str = DEFAULT, options: dict[str, Any] | None = None, progress: Progress = silent
 ) -> tuple[Instance, Paths]:
-    """Return the Instance `scenario` becomes and the paths behind its costs.
-
-    Where a tail wind makes a leg's cost negative, node potentials make all costs positive: cost[i, j] = C(σ) + p_j
-    − p_i, which changes no closed tour; p [s] is then kept as ``provenance["node_potential"]``.
+    """Return the Instance `scenario` becomes and the paths behind its costs, planned by the method of this name.
 
     Raises InputError for tasks still to be placed, a wind that does not cover the region or is as strong as the
     airspeed, and a node that cannot be reached.
     """
+    return instance_with(scenario, solve_query(query_of(scenario), method, options, progress), method, options)
+
+
+def instance_with(
+    scenario: Scenario, found: MovingCosts, method: str, options: dict[str, Any] | None = None
+) -> tuple[Instance, Paths]:
+    """Return the Instance `scenario` becomes with the moving costs that `method` found, and the paths behind them.
+
+    Where a tail wind makes a leg's cost negative, node potentials make all costs positive: cost[i, j] = C(σ) + p_j
+    − p_i, which changes no closed tour; p [s] is then kept as ``provenance["node_potential"]``.
+    """
     query = query_of(scenario)
-    found = solve_query(query, method, options, progress)
     cost = found.cost.copy()
     provenance: dict[str, Any] = {**scenario.provenance, "moving_cost": {"method": method, **(options or {})}}
     provenance["wind_effect"] = dataclasses.asdict(wind_effect(query, cost))

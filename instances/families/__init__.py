@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from instances.errors import InputError
+from instances.errors import InputError, shown
 from instances.families.family import Family, Legs
 from instances.families.parameter import Parameter
 from instances.instance import check_size
-from instances.registry import Registry
+from instances.registry import PLAIN, Registry, is_plain
 from instances.scenario import Scenario
 
 __all__ = ["FAMILIES", "Family", "Legs", "Parameter", "check_family", "make_scenario"]
@@ -45,14 +45,27 @@ BUILT_IN = {
 }
 
 FAMILIES: Registry[Family] = Registry(
-    "family", BUILT_IN, group="mmmdmtsp_workbench.families", listing="workbench families"
+    "family",
+    BUILT_IN,
+    group="mmmdmtsp_workbench.families",
+    listing="workbench families",
+    having=("values", "scenario", "legs"),
 )
 """Name → family; its `parameters` (name, default, unit, meaning, choices) are there to be listed."""
 
 
 def check_family(name: str, parameters: Mapping[str, Any]) -> None:
-    """Raise InputError for an unknown family, parameter or value, without making anything."""
-    FAMILIES.load(name).values(parameters)
+    """Raise InputError for an unknown family, parameter or value, without making anything.
+
+    A family that is not built in is not imported: whoever makes its scenarios says what is wrong with its parameters.
+    """
+    FAMILIES.target(name)
+    if name in FAMILIES.built_in:
+        FAMILIES.load(name).values(parameters)
+        return
+    for key, value in parameters.items():
+        if not is_plain(value):
+            raise InputError(f"family {name}: {shown(key)} must be {PLAIN}, got {shown(value)}")
 
 
 def make_scenario(name: str, n_tasks: int, n_depots: int, seed: int, **parameters: Any) -> Scenario:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
+from workbench.options import COUNT, JOBS, SECONDS, THREADS
 
 if TYPE_CHECKING:
     from workbench.jobs.execute import Plan
@@ -19,20 +20,21 @@ if TYPE_CHECKING:
 @click.command("compare")
 @click.argument("targets", nargs=-1, metavar="[STUDY] [INSTANCES]...")
 @click.option("--solvers", help="Comma-separated names, in place of those the study runs.")
-@click.option("--time-limit", type=float, help="Seconds for every run, in place of the study's.")
-@click.option("--seeds", type=int, help="So many seeds (0, 1, ...), in place of the study's.")
-@click.option("--threads", type=int, help="Threads of each solver, in place of the study's.")
+@click.option("--time-limit", type=SECONDS, help="Seconds for every run, in place of the study's.")
+@click.option("--seeds", type=COUNT, help="So many seeds (0, 1, ...), in place of the study's.")
+@click.option("--threads", type=THREADS, help="Threads of each solver, in place of the study's.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the runs.  [default: runs/<study>]")
-@click.option("--jobs", type=int, help="Runs at once.  [default: the cores of this machine]")
 @click.option(
     "--memory-limit", help="Of each run with its processes, such as 2GB.  [default: 80 % of the machine / JOBS]"
 )
 @click.option(
     "--retry", help="Run again what ended so: error, killed, no_solution; or is stale: made by other code; or damaged."
 )
+@click.option("--jobs", type=JOBS, help="Runs at once.  [default: the cores of this machine]")
 @click.option("--shard", help="Run only part i of n: i/n. The parts may share a folder.")
 @click.option("--scheduler", metavar="tcp://...", help="Run on a dask.distributed cluster.")
 @click.option("--report/--no-report", default=True, help="Whether to write results.csv and report.html at the end.")
+@click.option("--no-plugins", is_flag=True, help="Refuse a study that names code which is not built in.")
 @click.option("--dry-run", is_flag=True, help="Say what would be run and how long it would take.")
 @click.pass_context
 def command(
@@ -47,10 +49,14 @@ def command(
     shard: str | None,
     scheduler: str | None,
     report: bool,
+    no_plugins: bool,
     dry_run: bool,
     **changes: Any,
 ) -> None:
     """Run a study and report on it: STUDY.toml, the name of a shipped study, or INSTANCES with --solvers.
+
+    A solver, method or family named module:Class is code: STUDY.toml can run whatever lies on Python's path, in a child
+    process of each run; --no-plugins refuses it.
 
     Without arguments the shipped study `quick`. What is already stored is not run again. Several may work on one
     folder at once and share the runs. Exit code 1 where a run ended in ERROR, files in the folder are damaged or a
@@ -61,10 +67,10 @@ def command(
     from workbench.settings import memory
 
     parallel = available_cores() if jobs is None else jobs
-    if parallel < 1:
-        raise InputError(f"--jobs: must be at least 1, got {jobs}")
     limit = None if memory_limit is None else memory(memory_limit, "--memory-limit")
     study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
+    if no_plugins and study.plugins:
+        raise InputError(f"--no-plugins: the study names {', '.join(map(shown, study.plugins))}, which is not built in")
     folder = out or Path("runs") / study.name
     if scheduler is not None and not dry_run:
         _reach(scheduler)
@@ -95,6 +101,7 @@ def _publish(folder: Path) -> list[str]:
 def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, object]) -> Study:
     """Return the study that the arguments name, with the changes that the flags make to it."""
     from workbench.jobs.study import load_tables, shipped_studies, study_from
+    from workbench.jobs.tables import typed
     from workbench.problems import PROBLEMS
     from workbench.settings import names
 
@@ -110,7 +117,7 @@ def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, obj
     tables = load_tables(path) if path else {}
     name, base = (path.stem, path.parent) if path else ("compare", Path())
     try:
-        problem = PROBLEMS.load(str(tables.get("problem", "routing")))
+        problem = PROBLEMS.load(typed(tables.get("problem", "routing"), str, "problem"))
         if solvers is not None:
             tables[problem.entries] = [{"name": name} for name in names(solvers, "--solvers")]
         study = study_from(tables, problem, name=name, base=base, changes=changes)

@@ -13,19 +13,26 @@ import click
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the products.")
 @click.option("--stage", metavar="STAGE", help="Run only this stage, from the stored products of those before it.")
 @click.option("--from", "force_from", metavar="STAGE", help="Make this stage and all after it again.")
-def command(mission_file: Path | None, out: Path, stage: str | None, force_from: str | None) -> None:
+@click.option("--no-plugins", is_flag=True, help="Refuse a mission that names code which is not built in.")
+def command(mission_file: Path | None, out: Path, stage: str | None, force_from: str | None, no_plugins: bool) -> None:
     """Run a whole mission: environment, place, costs, routes, flight, map, compare, report.
 
     Without MISSION.toml, the paper's numerical example. Each stage keeps its products in its own folder below OUT and
     is skipped where they are up to date; the page is OUT/report.html.
+
+    A method named module:Class is code: MISSION.toml can run whatever lies on Python's path, in a child process;
+    --no-plugins refuses it.
     """
     from instances.errors import InputError
     from workbench.mission.file import read_mission, shipped_mission
+    from workbench.mission.fitting import refuse_plugins
     from workbench.mission.pipeline import run_mission
 
     if stage is not None and force_from is not None:
         raise InputError("mission: --stage and --from answer different questions; give one of them")
     began = time.perf_counter()
     mission = read_mission(shipped_mission() if mission_file is None else mission_file)
+    if no_plugins:
+        refuse_plugins(mission)
     run_mission(mission, out, only=stage, force_from=force_from, tell=lambda words: click.echo(words, err=True))
     click.echo(f"{out / 'report.html'} ({time.perf_counter() - began:.0f} s)")

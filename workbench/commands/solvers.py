@@ -11,7 +11,10 @@ import click
 @click.command("solvers")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 def command(as_json: bool) -> None:
-    """List the solvers with their options and defaults, and why one is not available."""
+    """List the solvers with their options and defaults, and why one is not available.
+
+    Those of other packages are named, but not imported.
+    """
     from formulations.routing.registry import SOLVERS
 
     found = {name: _described(name, about) for name, (_, about) in SOLVERS.targets().items()}
@@ -30,8 +33,8 @@ def command(as_json: bool) -> None:
 def _described(name: str, about: str) -> dict[str, Any]:
     from formulations.routing.registry import SOLVERS
 
-    reason = SOLVERS.why_unavailable(name)
-    if reason:
+    reason = SOLVERS.why_unavailable(name) if name in SOLVERS.built_in else None
+    if reason or name not in SOLVERS.built_in:
         return {"about": about, "proves": None, "options": {}, "unavailable": reason}
     proves = bool(SOLVERS.load(name).proves)
     return {"about": about, "proves": proves, "options": SOLVERS.defaults(name), "unavailable": None}

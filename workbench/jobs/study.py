@@ -16,23 +16,22 @@ from __future__ import annotations
 
 import itertools
 import math
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from formulations.limits import Limits
+from formulations.limits import LARGEST_SEED, Limits
+from instances.disk import read_toml
 from instances.errors import InputError
+from instances.instance import check_name
 from workbench.jobs.job import Job
 from workbench.jobs.problem import Problem, Source
-from workbench.jobs.tables import grid, known_keys, listed, seeds_from, tables_of, typed
+from workbench.jobs.tables import MOST_RUNS, grid, known_keys, listed, seeds_from, tables_of, typed
 
 STUDY_KEYS = ("name", "problem", "description", "seeds", "time_limit")
 ENTRY_KEYS = ("name", "options", "seeds", "time_limit", "max_tasks")
-LARGEST_SEED = 2**31 - 1
-"""The largest every engine takes."""
 
 
 @dataclass(frozen=True)
@@ -66,13 +65,30 @@ class Entry:
 
 @dataclass(frozen=True)
 class Study:
-    """What to run: a problem, where its items come from, and the methods' entries; `asked` is what the file says."""
+    """What to run: a problem, where its items come from, and the methods' entries; `asked` is what the file says.
+
+    Raises InputError where these are more than MOST_RUNS runs.
+    """
 
     name: str
     problem: Problem[Any]
     sources: tuple[Source[Any], ...]
     entries: tuple[Entry, ...]
     asked: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        runs = max(1, len(self.sources)) * sum(len(each.seeds) * len(each.time_limits) for each in self.entries)
+        if runs > MOST_RUNS:
+            raise InputError(
+                f"study {self.name}: asks for {runs} runs, more than {MOST_RUNS}; make several studies of it"
+            )
+
+    @property
+    def plugins(self) -> list[str]:
+        """What it names that is not built in: code of others, which running it imports."""
+        methods = [each.method for each in self.entries if each.method not in self.problem.methods.built_in]
+        makers = [getattr(source, "plugin", "") for source in self.sources]
+        return [name for name in dict.fromkeys([*methods, *makers]) if name]
 
     def with_files(self, paths: Iterable[Path]) -> Study:
         """Return the study with more items: files, or folders of them."""
@@ -86,11 +102,8 @@ def shipped_studies() -> dict[str, Path]:
 
 
 def load_tables(path: Path) -> dict[str, Any]:
-    """Return what the TOML file says; InputError where it cannot be read."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a study ({error})") from None
+    """Return what the study file says; InputError where it cannot be read."""
+    return read_toml(path)
 
 
 def study_from(
@@ -105,26 +118,31 @@ def study_from(
     for key in changes:
         if key in ("threads", "iterations") and key not in problem.limits:
             raise InputError(f"compare: --{key} cannot be given with a {problem.name} study")
-    sources = tuple(problem.sources(data, base))
+    asked = {"name": name, **data, **changes}
+    check_name(asked["name"])  # its results go into a folder of this name
+    for key, read in READERS.items():  # also what no method takes, as every one has its own
+        if key in data:
+            read(data[key], key)
+    sources = tuple(itertools.islice(problem.sources(data, base), MOST_RUNS + 1))
     entries: list[Entry] = []
     for number, table in enumerate(tables_of(data, problem.entries), 1):
         entries += _entries(problem, table, data, changes, f"{problem.entries}[{number}]")
     if not entries:
         raise InputError(f"study: names no {problem.entries} ([[{problem.entries}]] with name = …)")
     typed(data.get("description", ""), str, "description")  # for people: it is checked and stored, and no more
-    asked = {"name": name, **data, **changes}
-    return Study(typed(asked["name"], str, "name"), problem, sources, tuple(entries), asked)
+    return Study(asked["name"], problem, sources, tuple(entries), asked)
 
 
 def checked_entry(problem: Problem[Any], method: str, options: dict[str, Any], **rest: Any) -> Entry:
-    """Return an Entry whose method and options are known to exist; InputError, or the reason it is not available."""
+    """Return an Entry whose method and options are known to exist; InputError, or the reason it is not available.
+
+    Code of others is not imported here: the child process that does says what is wrong with it.
+    """
     try:
-        changed = problem.methods.changed(method, options)
+        asked = problem.methods.asked(method, options)
     except ImportError as error:
         raise InputError(f"{problem.methods.kind} {method} is not available here: {error}") from None
-    except TypeError as error:
-        raise InputError(f"{problem.methods.kind} {method}: {error}") from None
-    return Entry(method, changed, **rest)
+    return Entry(method, asked, **rest)
 
 
 def _entries(
@@ -135,22 +153,35 @@ def _entries(
         raise InputError(f"{where}: 'name' is missing")
     name = typed(table["name"], str, f"{where}.name")
 
-    def either(key: str, default: Any, read: Callable[[Any, str], Any]) -> Any:
+    def either(key: str, default: Any) -> Any:
         for holder, place in ((changes, key), (table, f"{where}.{key}"), (study, key)):
             if key in holder:
-                return read(holder[key], place)
+                return READERS[key](holder[key], place)
         return default
 
     given = {
-        "threads": either("threads", 1, lambda value, at: typed(value, int, at)),
-        "iterations": either("iterations", None, lambda value, at: typed(value, int, at)),
-        "time_limits": either("time_limit", (problem.default_limit,), _limits),
-        "seeds": either("seeds", (0,), seeds_from),
+        "threads": either("threads", 1),
+        "iterations": either("iterations", None),
+        "time_limits": either("time_limit", (problem.default_limit,)),
+        "seeds": either("seeds", (0,)),
         "max_tasks": typed(table["max_tasks"], int, f"{where}.max_tasks") if "max_tasks" in table else None,
     }
-    combinations = grid(typed(table.get("options", {}), dict, f"{where}.options"))
+    combinations = grid(typed(table.get("options", {}), dict, f"{where}.options"), f"{where}.options")
     return [checked_entry(problem, name, options, **given) for options in combinations]
 
 
 def _limits(value: Any, where: str) -> tuple[float, ...]:
     return tuple(float(typed(limit, (int, float), where)) for limit in listed(value))
+
+
+def _whole(value: Any, where: str) -> int:
+    return int(typed(value, int, where))
+
+
+READERS: dict[str, Callable[[Any, str], Any]] = {
+    "threads": _whole,
+    "iterations": _whole,
+    "time_limit": _limits,
+    "seeds": seeds_from,
+}
+"""Key that a study and each of its methods may have → how it is read."""

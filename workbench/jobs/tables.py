@@ -3,24 +3,37 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
+from instances.registry import in_range
+
+MOST_RUNS = 1_000_000
+"""Runs of a study, and combinations of what one of its tables lists; asked before any is made."""
 
 
 def seeds_from(value: Any, where: str = "seeds") -> tuple[int, ...]:
     """Return seeds: so many from 0, or those listed."""
     if isinstance(value, int) and not isinstance(value, bool):
-        if value < 1:
-            raise InputError(f"{where}: must be at least 1, got {value}")
+        if not 1 <= value <= MOST_RUNS:
+            raise InputError(f"{where}: must be from 1 to {MOST_RUNS}, got {shown(value)}")
         return tuple(range(value))
     return tuple(typed(seed, int, where) for seed in listed(value))
 
 
-def grid(table: dict[str, Any]) -> list[dict[str, Any]]:
+def grid(table: dict[str, Any], where: str) -> list[dict[str, Any]]:
     """Return every combination of the lists in `table`; what is no list is a list of one."""
-    return [dict(zip(table, values, strict=True)) for values in itertools.product(*map(listed, table.values()))]
+    return [dict(zip(table, values, strict=True)) for values in combined([*map(listed, table.values())], where)]
+
+
+def combined(lists: Sequence[Sequence[Any]], where: str) -> list[tuple[Any, ...]]:
+    """Return every combination of one of each list; InputError where there are too many."""
+    count = math.prod(map(len, lists))
+    if count > MOST_RUNS:
+        raise InputError(f"{where}: its lists have {shown(count)} combinations, more than {MOST_RUNS}")
+    return list(itertools.product(*lists))
 
 
 def listed(value: Any) -> list[Any]:
@@ -49,12 +62,14 @@ def known_keys(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> 
     """Refuse a key that is not `known`, with the near miss."""
     for key in table:
         if key not in known:
-            raise InputError(f"{where}: unknown key '{key}'{suggestion(key, known)} (known: {', '.join(known)})")
+            raise InputError(f"{where}: unknown key {shown(key)}{suggestion(key, known)} (known: {', '.join(known)})")
 
 
 def typed(value: Any, kind: Any, where: str) -> Any:
-    """Return `value` where it is of `kind`; true and false are no numbers."""
-    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        wanted = {str: "a text", int: "a whole number", dict: "a table"}.get(kind, "a number")
-        raise InputError(f"{where}: must be {wanted}, got {value!r}")
+    """Return `value` where it is of `kind`; numbers are finite, true and false are none."""
+    fits = isinstance(value, kind) and (kind is bool or not isinstance(value, bool))
+    if not fits or (isinstance(value, (int, float)) and not in_range(value)):
+        wanted = {str: "a text", int: "a whole number", dict: "a table"}.get(kind, "a finite number")
+        more = " below 2^63" if kind is int and fits else ""
+        raise InputError(f"{where}: must be {wanted}{more}, got {shown(value)}")
     return value

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from formulations.moving_cost.effect import WindEffect
+from formulations.moving_cost.registry import METHODS
 from instances import Instance
 from instances.arrays import Floats
 from instances.files import read_instance, write_instance
@@ -18,8 +19,9 @@ from instances.paths import Paths, paths_file, read_paths, write_paths
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
 from workbench.mission.place import kept_tasks, widened
+from workbench.mission.plugins import costs_by
 from workbench.mission.settings import Mission
-from workbench.planning import plan
+from workbench.planning import plan, require_confirmed
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -41,7 +43,12 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
 def moving_costs(mission: Mission, scenario: Scenario, tasks: Floats) -> tuple[Instance, Paths]:
     """Return the instance with these tasks and its paths, checked independently."""
     planned = widened(replace(scenario, tasks=tasks, n_tasks=len(tasks)), mission.clearance)
-    return plan(planned, mission.costs.method, mission.costs.options)
+    method, options = mission.costs.method, mission.costs.options
+    if method in METHODS.built_in:
+        return plan(planned, method, options)
+    instance, made = costs_by(planned, method, options)
+    require_confirmed(instance, made, planned)
+    return instance, made
 
 
 def kept_costs(folder: Path) -> tuple[Instance, Paths]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from instances.disk import read_toml
-from instances.errors import InputError, naming, suggestion
+from instances.errors import InputError, naming, shown, suggestion
 from instances.geodesy import TangentPlane
 from instances.scenario import KEYS as SCENARIO_KEYS
 from instances.scenario import Scenario, read_scenario, scenario_of
@@ -44,7 +44,7 @@ def mission_of(table: Mapping[str, Any], folder: Path, name: str) -> Mission:
     """Return the mission a parsed TOML table describes, its files relative to `folder`; InputError names the key."""
     for key in table:
         if key not in KEYS:
-            raise InputError(f"unknown key '{key[:40]}'{suggestion(key, KEYS)}")
+            raise InputError(f"unknown key {shown(key)}{suggestion(key, KEYS)}")
     settings = {key: settings_of(cls, table.get(key, {}), key) for key, cls in TABLES.items()}
     mission = Mission(_scenario(table, folder, name), _origin(table), folder, table, **settings)
     check_mission(mission)
@@ -60,7 +60,7 @@ def _scenario(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
             f"'{next(iter(own))}' belongs into the scenario file, which 'scenario' names; give one of them"
         )
     if not isinstance(table["scenario"], str):
-        raise InputError(f"scenario must be the name of a file, got {table['scenario']!r}")
+        raise InputError(f"scenario must be the name of a file, got {shown(table['scenario'])}")
     return read_scenario(folder / table["scenario"])
 
 
@@ -69,5 +69,5 @@ def _origin(table: Mapping[str, Any]) -> TangentPlane | None:
         return None
     origin = table["origin"]
     if not (isinstance(origin, list) and len(origin) == 2 and all(is_number(c) for c in origin)):
-        raise InputError(f"origin must be [latitude, longitude] in degrees, got {origin!r}")
+        raise InputError(f"origin must be [latitude, longitude] in degrees, got {shown(origin)}")
     return TangentPlane(float(origin[0]), float(origin[1]))

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection
+from typing import Any
 
-from formulations.moving_cost.registry import make_method as make_cost_method
-from formulations.routing.registry import make_solver
+from formulations.moving_cost.registry import METHODS as COST_METHODS
+from formulations.routing.registry import SOLVERS
 from formulations.task_location.criterion import convention
-from formulations.task_location.registry import make_method as make_placement_method
+from formulations.task_location.registry import METHODS as PLACEMENT_METHODS
 from instances.environment.propagation import MODELS
 from instances.environment.radio import RadioSource
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
+from instances.instance import check_size
+from instances.registry import MethodRegistry
 from workbench.mission.settings import Mission
 
 BASELINES = ("lawnmower", "random", "greedy")
@@ -24,13 +28,13 @@ def check_mission(mission: Mission) -> None:
     scenario = mission.scenario
     if scenario.n_tasks < scenario.n_depots:
         raise InputError(f"there are more UAVs ({scenario.n_depots} depots) than tasks ({scenario.n_tasks})")
-    make_placement_method(mission.place.method, mission.place.options)
+    check_size(scenario.n_tasks, scenario.n_depots)
     convention(mission.place.criterion)
-    make_cost_method(mission.costs.method, mission.costs.options)
-    try:
-        make_solver(mission.routes.solver, mission.routes.options)
-    except ImportError as error:
-        raise InputError(f"routes.solver: {mission.routes.solver} is not available here: {error}") from None
+    for key, methods, name, options in methods_of(mission):
+        try:
+            methods.asked(name, options)
+        except ImportError as error:
+            raise InputError(f"{key}: {name} is not available here: {error}") from None
     _known("field.model", mission.field.model, MODELS)
     for name in mission.compare.baselines:
         _known("compare.baselines", name, BASELINES)
@@ -38,14 +42,31 @@ def check_mission(mission: Mission) -> None:
         if scenario.radio is None:
             raise InputError('there is nothing to measure: give a table [radio], or [field] with file = "…"')
         RadioSource.from_table(scenario.radio)
-    elif not (mission.folder / mission.field.file).is_file():
+    elif not os.path.isfile(mission.folder / mission.field.file):
         raise InputError(f"field.file: there is no file {mission.folder / mission.field.file}")
     _check_units(mission)
 
 
+def methods_of(mission: Mission) -> list[tuple[str, MethodRegistry[Any], str, dict[str, Any]]]:
+    """Return what the mission says of each sub-problem's method: its key, where it is registered, name and options."""
+    place, costs, routes = mission.place, mission.costs, mission.routes
+    return [
+        ("place.method", PLACEMENT_METHODS, place.method, place.options),
+        ("costs.method", COST_METHODS, costs.method, costs.options),
+        ("routes.solver", SOLVERS, routes.solver, routes.options),
+    ]
+
+
+def refuse_plugins(mission: Mission) -> None:
+    """Raise InputError where a method of the mission is not built in: it would be code of others."""
+    for key, methods, name, _ in methods_of(mission):
+        if name not in methods.built_in:
+            raise InputError(f"--no-plugins: {key} = {shown(name)} is not built in")
+
+
 def _known(key: str, name: str, known: Collection[str]) -> None:
     if name not in known:
-        raise InputError(f"{key}: unknown '{name}'{suggestion(name, known)} (known: {', '.join(known)})")
+        raise InputError(f"{key}: unknown {shown(name)}{suggestion(name, known)} (known: {', '.join(known)})")
 
 
 def _check_units(mission: Mission) -> None:

@@ -33,6 +33,10 @@ from workbench.mission.settings import Mission
 
 TRACK_STEP = 0.2
 """Time between the poses of a track [s]."""
+LONGEST_TOUR = 1e6
+"""Longest tour [s] whose track is written."""
+MOST_SAMPLES = 20_000
+"""More measurements have a covariance of more than 3 GB."""
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -62,6 +66,12 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
             f"sensing.period = {mission.sensing.period:g} s is longer than the longest tour ({longest:.0f} s), "
             "so nothing would be measured"
         )
+    samples = sum(flight.duration for flight in fleet.flights) / mission.sensing.period
+    if samples > MOST_SAMPLES:
+        raise InputError(
+            f"sensing.period = {mission.sensing.period:g} s makes {samples:.3g} samples of these tours; the map can "
+            f"take {MOST_SAMPLES}"
+        )
     write_aside(out / "flights.json", json.dumps([flight.to_json() for flight in fleet.flights]))
     flown = track_frame(fleet.flights)
     write_aside(out / "flown.csv", flown.to_csv(index=False))
@@ -83,6 +93,8 @@ def fly(mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, 
         stops = (depot, *route, depot) if route else ()
         reference = [paths.between(i, j) for i, j in pairwise(stops)]
         flight = plan_flight(reference, speed=mission.speed, radius=mission.flight.turning_radius)
+        if flight.duration > LONGEST_TOUR:
+            raise InputError(f"flight.speed = {mission.speed:g} m/s: a tour would last {flight.duration:.3g} s")
         flights.append(flight)
         legs.append(reference)
         checks.append(check_flight(flight, reference, instance.coordinates[list(route)], zones_of(scenario)))

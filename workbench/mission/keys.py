@@ -6,9 +6,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import field, fields
 from typing import Any, TypeVar
 
-from instances.errors import InputError, suggestion
+from formulations.limits import LARGEST_SEED
+from instances.errors import InputError, shown, suggestion
 
 T = TypeVar("T")
+
+SMALLEST, LARGEST = 1e-100, 1e100
+"""Beyond these the square of a positive number is 0 or infinite in float64."""
+MOST = 10_000
+"""Of whatever is counted, unless the key says otherwise."""
 
 
 def _key(default: Any, wanted: str, fits: Callable[[Any], bool], read: Callable[[Any], Any] = lambda v: v) -> Any:
@@ -19,9 +25,9 @@ def _key(default: Any, wanted: str, fits: Callable[[Any], bool], read: Callable[
     return field(default=default, metadata=metadata)
 
 
-def positive(default: float | None, unit: str = "") -> Any:
-    """Return a key for a positive number."""
-    return _key(default, f"a positive number{_in(unit)}", lambda v: is_number(v) and v > 0, float)
+def positive(default: float | None, unit: str = "", most: float = LARGEST) -> Any:
+    """Return a key for a positive number of at most `most`."""
+    return _key(default, f"a positive number{_in(unit)}", lambda v: is_number(v) and SMALLEST <= v <= most, float)
 
 
 def not_negative(default: float | None, unit: str = "") -> Any:
@@ -34,7 +40,7 @@ def one_or_two(default: float, unit: str) -> Any:
 
     def fits(value: Any) -> bool:
         parts = value if isinstance(value, list) and len(value) == 2 else [value]
-        return all(is_number(v) and v > 0 for v in parts)
+        return all(is_number(v) and v >= SMALLEST for v in parts)
 
     def read(value: Any) -> Any:
         return [float(v) for v in value] if isinstance(value, list) else float(value)
@@ -42,18 +48,23 @@ def one_or_two(default: float, unit: str) -> Any:
     return _key(default, f"a positive number{_in(unit)} or two of them", fits, read)
 
 
-def count(default: int, least: int) -> Any:
-    """Return a key for a whole number of at least `least`."""
-    return _key(default, f"a whole number of at least {least}", lambda v: type(v) is int and v >= least)
+def count(default: int, least: int, most: int = MOST) -> Any:
+    """Return a key for a whole number from `least` to `most`."""
+    return _key(default, f"a whole number from {least} to {most}", lambda v: type(v) is int and least <= v <= most)
+
+
+def seed() -> Any:
+    """Return a key for a seed."""
+    return count(0, 0, LARGEST_SEED)
 
 
 def counts(default: list[int]) -> Any:
-    """Return a key for two whole numbers of at least 1."""
+    """Return a key for two whole numbers from 1 to 1000."""
 
     def fits(value: Any) -> bool:
-        return isinstance(value, list) and len(value) == 2 and all(type(v) is int and v >= 1 for v in value)
+        return isinstance(value, list) and len(value) == 2 and all(type(v) is int and 1 <= v <= 1000 for v in value)
 
-    return _key(default, "two whole numbers of at least 1", fits)
+    return _key(default, "two whole numbers from 1 to 1000", fits)
 
 
 def text(default: str | None) -> Any:
@@ -79,19 +90,19 @@ def options() -> Any:
 def settings_of(cls: type[T], table: Any, name: str) -> T:
     """Return the settings in a table; InputError names the key, the value and what it should be."""
     if not isinstance(table, Mapping):
-        raise InputError(f"[{name}] must be a table, got {table!r}")
+        raise InputError(f"[{name}] must be a table, got {shown(table)}")
     known = {f.name: f.metadata for f in fields(cls)}  # type: ignore[arg-type]
     for key, value in table.items():
         if key not in known:
-            raise InputError(f"[{name}]: unknown key '{key[:40]}'{suggestion(key, known)} (known: {', '.join(known)})")
+            raise InputError(f"[{name}]: unknown key {shown(key)}{suggestion(key, known)} (known: {', '.join(known)})")
         if not known[key]["fits"](value):
-            raise InputError(f"{name}.{key} must be {known[key]['wanted']}, got {value!r}")
+            raise InputError(f"{name}.{key} must be {known[key]['wanted']}, got {shown(value)}")
     return cls(**{key: known[key]["read"](value) for key, value in table.items()})
 
 
 def is_number(value: Any) -> bool:
-    """Return whether `value` is a finite number."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+    """Return whether `value` is a number whose square is finite."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= LARGEST
 
 
 def _in(unit: str) -> str:

@@ -18,13 +18,14 @@ from formulations.kernel import SquaredExponential
 from formulations.task_location.certificate import certificate
 from formulations.task_location.criterion import Convention, Criterion, convention
 from formulations.task_location.placement import Placement, PlacementProblem, place
-from formulations.task_location.registry import make_method
+from formulations.task_location.registry import METHODS
 from instances.arrays import Floats
 from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.errors import InputError
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
+from workbench.mission.plugins import placement_by
 from workbench.mission.settings import Mission
 
 
@@ -67,8 +68,10 @@ def zones_of(scenario: Scenario) -> list[Polygon]:
 
 def place_tasks(mission: Mission, region: Region, count: int, method: str, options: dict[str, Any]) -> Placement:
     """Return `count` tasks in `region` placed by `method` under the mission's planning kernel."""
+    if method not in METHODS.built_in:
+        return placement_by(mission.place, region, count, method, options)
     problem = PlacementProblem(region, criterion_of(mission, region), count)
-    return place(problem, make_method(method, options), method, seed=mission.place.seed)
+    return place(problem, METHODS.make(method, options), method, seed=mission.place.seed)
 
 
 def criterion_of(mission: Mission, region: Region) -> Criterion:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from formulations.limits import LONGEST, MOST_THREADS
 from instances.geodesy import TangentPlane
 from instances.scenario import Scenario
 from workbench.mission import keys
@@ -25,8 +26,8 @@ class FieldSettings:
     model: str = keys.text("diffraction")
     shadowing_sd: float = keys.not_negative(4.0, "dB")
     decorrelation: float = keys.positive(2000.0, "m")
-    cells: int = keys.count(200, 2)
-    seed: int = keys.count(0, 0)
+    cells: int = keys.count(200, 2, 2000)
+    seed: int = keys.seed()
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class PlaceSettings:
     signal_sd: float = keys.positive(30.0)
     length_scale: float | list[float] = keys.one_or_two(4000.0, "m")
     noise_sd: float = keys.positive(1.0)
-    seed: int = keys.count(0, 0)
+    seed: int = keys.seed()
     certificate: bool = keys.switch(True)
 
 
@@ -59,9 +60,9 @@ class RouteSettings:
 
     solver: str = keys.text("memetic")
     options: dict[str, Any] = keys.options()
-    time_limit: float = keys.positive(10.0, "s")
-    threads: int = keys.count(1, 1)
-    seed: int = keys.count(0, 0)
+    time_limit: float = keys.positive(10.0, "s", LONGEST)
+    threads: int = keys.count(1, 1, MOST_THREADS)
+    seed: int = keys.seed()
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class SensingSettings:
 
     period: float = keys.positive(10.0, "s")
     noise_sd: float = keys.positive(1.0)
-    seed: int = keys.count(0, 0)
+    seed: int = keys.seed()
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ class MapSettings:
     signal_sd: float = keys.positive(30.0)
     length_scale: float | list[float] = keys.one_or_two(4000.0, "m")
     refit_every: int = keys.count(10, 0)
-    cells: int = keys.count(100, 4)
+    cells: int = keys.count(100, 4, 1000)
     frames: int = keys.count(30, 2)
 
 
@@ -102,8 +103,8 @@ class CompareSettings:
 
     baselines: list[str] = keys.texts(["lawnmower", "random", "greedy"])
     draws: int = keys.count(1, 1)
-    time_limit: float = keys.positive(3.0, "s")
-    seed: int = keys.count(0, 0)
+    time_limit: float = keys.positive(3.0, "s", LONGEST)
+    seed: int = keys.seed()
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,7 +37,8 @@ from instances.scenario_folder import keep_scenario, kept_scenario
 from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
-from workbench.jobs.tables import listed, tables_of, typed
+from workbench.jobs.tables import counts_from, listed, tables_of, typed
+from workbench.making import make_elsewhere, plugin_family
 from workbench.problems.routing import family_grid
 from workbench.terminal import print_table
 
@@ -98,8 +99,15 @@ class FamilyScenario:
     made_by: tuple[str, int, int, int, dict[str, Any]]
     starts: int | None
 
+    @property
+    def plugin(self) -> str:
+        """The family, where it is not built in, else ""."""
+        return plugin_family(self.made_by[0])
+
     def load(self) -> MovingCostItem:
         """Make the scenario."""
+        if self.plugin:
+            return MovingCostItem(make_elsewhere(*self.made_by)[0], self.starts)
         family, n_tasks, n_depots, seed, parameters = self.made_by
         return MovingCostItem(make_scenario(family, n_tasks, n_depots, seed, **parameters), self.starts)
 
@@ -119,7 +127,7 @@ class MovingCostStudy(Problem[MovingCostItem]):
 
     def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[MovingCostItem]]:
         """Return every scenario with every number of starts."""
-        starts = [typed(count, int, "starts") for count in listed(tables.get("starts", []))] or [None]
+        starts: list[int | None] = [*counts_from(tables.get("starts", []), "starts")] or [None]
         for name, count in itertools.product(listed(tables.get("scenarios", [])), starts):
             yield MovingCostItem(read_scenario(base / typed(name, str, "scenarios")), count)
         for number, table in enumerate(tables_of(tables, "families"), 1):

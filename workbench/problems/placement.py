@@ -43,7 +43,7 @@ from instances.errors import InputError
 from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
-from workbench.jobs.tables import listed, typed
+from workbench.jobs.tables import counts_from, listed, typed
 from workbench.terminal import print_table
 
 KERNEL_KEYS = ("tests", "signal_sd", "length_scale", "noise_sd", "test_noise_sd")
@@ -110,7 +110,7 @@ class PlacementStudy(Problem[PlacementItem]):
             area = region_of(None if typed(region, str, "regions") == "square" else base / region)
             stem = region if region == "square" else Path(region).stem
             polygon = json.loads(json.dumps(mapping(area.polygon)))
-            for count in listed(tables.get("tasks", [40])):
+            for count in counts_from(tables.get("tasks", [40]), "tasks"):
                 item = PlacementItem(f"{stem}-n{count}", polygon, setting, count)
                 _ = item.problem  # refuse now what cannot be built later
                 yield item

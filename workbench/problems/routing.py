@@ -17,7 +17,6 @@ one, and the claimed bound does not contradict them; stored claims are looked at
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,7 +30,7 @@ from instances.families import check_family
 from instances.files import read_instance, write_instance
 from reports.record import ITEM_FILES, Run, code_note
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
-from workbench.jobs.tables import counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
+from workbench.jobs.tables import combined, counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
 from workbench.sources import FamilySource, FileSource, instance_files
 from workbench.terminal import print_table
 
@@ -238,13 +237,13 @@ def family_grid(table: Mapping[str, Any], where: str) -> list[tuple[str, int, in
         if key not in table:
             raise InputError(f"{where}: '{key}' is missing")
     names = [typed(name, str, f"{where}.family") for name in listed(table["family"])]
-    combinations = grid(typed(table.get("parameters", {}), dict, f"{where}.parameters"))
-    for name, combination in itertools.product(names, combinations):
+    combinations = grid(typed(table.get("parameters", {}), dict, f"{where}.parameters"), f"{where}.parameters")
+    for name, combination in combined([names, combinations], where):
         check_family(name, combination)
     tasks = counts_from(table["tasks"], f"{where}.tasks")
     depots = counts_from(table["depots"], f"{where}.depots")
     seeds = seeds_from(table.get("seeds", 1), f"{where}.seeds")
-    return list(itertools.product(names, tasks, depots, seeds, combinations))
+    return combined([names, tasks, depots, seeds, combinations], where)
 
 
 ROUNDING = 1e-9

@@ -52,7 +52,7 @@ def test_speed_is_the_airspeed_and_clearance_two_radii_unless_given() -> None:
         ({"sensing": 10}, r"\[sensing\] must be a table"),
         ({"map": {"length_scale": 4}}, r"map\.length_scale = 4 m is at most a .*: lengths are in metres"),
         ({"place": {"length_scale": [4000, 0]}}, r"place\.length_scale must be a positive number \[m\] or two of them"),
-        ({"place": {"tests": [0, 10]}}, r"place\.tests must be two whole numbers of at least 1"),
+        ({"place": {"tests": [0, 10]}}, r"place\.tests must be two whole numbers from 1 to 1000"),
         ({"place": {"method": "greddy"}}, r"unknown placement method 'greddy'; did you mean 'greedy'\?"),
         ({"costs": {"method": "fmtstar"}}, r"unknown moving-cost method 'fmtstar'; did you mean 'fmt-star'\?"),
         ({"routes": {"solver": "greddy"}}, r"unknown solver 'greddy'; did you mean 'greedy'\?"),

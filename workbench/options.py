@@ -1,0 +1,72 @@
+"""Types of the numbers that are typed on the command line, each with the range that can be used.
+
+A value outside it is refused here, before a command begins, with a sentence that names the flag and the value.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NoReturn
+
+import click
+
+from formulations.limits import LARGEST_SEED, LONGEST, MOST_THREADS
+from instances.errors import InputError, shown
+from instances.registry import LARGEST_WHOLE
+
+
+class Whole(click.ParamType):  # type: ignore[type-arg] # not generic in all versions of click
+    """A whole number from `least` to `most`."""
+
+    name = "integer"
+
+    def __init__(self, least: int, most: int) -> None:
+        self.least, self.most = least, most
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Return the number; InputError where it is none or outside the range."""
+        try:
+            number = int(value)
+        except ValueError:
+            number = self.least - 1
+        if not self.least <= number <= self.most:
+            refuse(param, f"a whole number from {self.least} to {self.most}", value)
+        return number
+
+
+class Positive(click.ParamType):  # type: ignore[type-arg]
+    """A number above 0 and at most `most`; far from where its square is 0 or infinite."""
+
+    name = "float"
+    least = 1e-100
+
+    def __init__(self, most: float = 1e100, unit: str = "") -> None:
+        self.most, self.unit = most, unit
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number; InputError where it is none or outside the range."""
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if not self.least <= number <= self.most:
+            unit = f" [{self.unit}]" if self.unit else ""
+            refuse(param, f"a positive number of at most {self.most:g}{unit}", value)
+        return number
+
+
+def refuse(param: click.Parameter | None, wanted: str, value: Any) -> NoReturn:
+    """Raise the InputError that says what `param` must be."""
+    flag = param.opts[0] if param is not None else "value"
+    raise InputError(f"{flag}: must be {wanted}, got {shown(value)}")
+
+
+SEED = Whole(0, LARGEST_SEED)
+COUNT = Whole(1, 1_000_000)
+"""How many of something."""
+JOBS = Whole(1, 10_000)
+"""Runs at once."""
+THREADS = Whole(1, MOST_THREADS)
+ITERATIONS = Whole(0, LARGEST_WHOLE)
+SECONDS = Positive(LONGEST, "s")
+POSITIVE = Positive()

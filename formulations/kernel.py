@@ -13,6 +13,9 @@ from numpy.typing import ArrayLike
 from instances import InputError
 from instances.arrays import Floats
 
+SMALLEST, LARGEST = 1e-100, 1e100
+"""Beyond these the square of a parameter, or of a distance over it, is 0 or infinite in float64."""
+
 
 @dataclass(frozen=True)
 class SquaredExponential:
@@ -26,11 +29,14 @@ class SquaredExponential:
     length_scales: tuple[float, float] = (4000.0, 4000.0)
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.signal_sd) and self.signal_sd > 0):
-            raise InputError(f"signal_sd must be positive, got {self.signal_sd}")
+        if not SMALLEST <= self.signal_sd <= LARGEST:
+            raise InputError(f"signal_sd must be positive, from {SMALLEST:g} to {LARGEST:g}, got {self.signal_sd}")
         scales = tuple(float(scale) for scale in self.length_scales)
-        if len(scales) != 2 or not all(np.isfinite(scale) and scale > 0 for scale in scales):
-            raise InputError(f"length_scales must be two positive lengths [m], got {self.length_scales}")
+        if len(scales) != 2 or not all(SMALLEST <= scale <= LARGEST for scale in scales):
+            raise InputError(
+                f"length_scales must be two positive lengths [m], from {SMALLEST:g} to {LARGEST:g}, "
+                f"got {self.length_scales}"
+            )
         object.__setattr__(self, "length_scales", scales)
         object.__setattr__(self, "signal_sd", float(self.signal_sd))
 

@@ -6,6 +6,7 @@ Exit codes: 0 fine, 1 a problem was found, 2 unusable input, 130 interrupted (14
 from __future__ import annotations
 
 import contextlib
+import errno
 import importlib
 import os
 import signal
@@ -35,6 +36,9 @@ COMMANDS = {
 }
 """Command → one line of help; the command itself is ``workbench.commands.<name>:command``."""
 
+NO_FAULT_OF_OURS = (errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE, errno.ENAMETOOLONG)
+"""Errors that say all there is to say: a full disk, no more files, a name longer than the system's."""
+
 
 class LazyCommands(click.Group):
     """A group that knows its commands' names and imports each only when asked for."""
@@ -49,6 +53,15 @@ class LazyCommands(click.Group):
             return None
         command: click.Command = importlib.import_module(f"workbench.commands.{cmd_name}").command
         return command
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Refuse, for every command, what no file, name or number can be: bytes that are not text."""
+        for arg in args:
+            if "\0" in arg or any("\ud800" <= sign <= "\udfff" for sign in arg):
+                from instances.errors import InputError, shown
+
+                raise InputError(f"{shown(arg)}: is not UTF-8 text")
+        return super().parse_args(ctx, args)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -91,7 +104,11 @@ def _signals_as_exits() -> Iterator[None]:
 
 
 def main(args: list[str] | None = None) -> NoReturn:
-    """Run the command line and exit; an InputError becomes one sentence on stderr and exit code 2."""
+    """Run the command line and exit; an InputError becomes one sentence on stderr and exit code 2.
+
+    So does what the machine refuses, for want of memory or room; every other exception is a fault of ours and is shown
+    whole.
+    """
     keep_to_one()
     try:
         with _signals_as_exits():
@@ -105,6 +122,17 @@ def main(args: list[str] | None = None) -> NoReturn:
     except BrokenPipeError:  # the reader of our output, such as head, has gone
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
+    except MemoryError:
+        click.echo("workbench: needs more memory than this machine gives it", err=True)
+        sys.exit(1)
+    except OSError as error:
+        if error.errno not in NO_FAULT_OF_OURS:
+            raise
+        from instances.errors import shown
+
+        where = f"{shown(error.filename)}: " if error.filename else ""
+        click.echo(f"workbench: {where}{error.strerror}", err=True)
+        sys.exit(2)
     except ValueError as error:
         from instances.errors import InputError  # here, not above: --help must not import numpy
 

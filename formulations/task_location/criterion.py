@@ -32,7 +32,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
-from formulations.kernel import SquaredExponential
+from formulations.kernel import LARGEST, SMALLEST, SquaredExponential
 from instances.arrays import Floats
 from instances.errors import InputError, suggestion
 
@@ -96,8 +96,8 @@ class Criterion:
     def __post_init__(self) -> None:
         for label in ("noise_sd", "test_noise_sd"):
             value = getattr(self, label)
-            if value is not None and not (value > 0 and math.isfinite(value)):
-                raise InputError(f"criterion: {label} must be positive and finite, got {value}")
+            if value is not None and not SMALLEST <= value <= LARGEST:
+                raise InputError(f"criterion: {label} must be positive and finite, to {LARGEST:g}, got {value}")
             if value is not None and value < LEAST_NOISE * self.kernel.signal_sd:
                 raise InputError(
                     f"criterion: {label} must be at least {LEAST_NOISE:g} times the signal sd, got {value} for "

@@ -69,7 +69,7 @@ def tests_of(text: str | list[list[float]], region: Region) -> tuple[Floats, Flo
     """
     if not isinstance(text, str):
         return _inside(np.array(text, dtype=float), region, "tests")
-    shape = re.fullmatch(r"(\d+)[x×](\d+)", text)
+    shape = re.fullmatch(r"(\d{1,9})[x×](\d{1,9})", text)
     if shape:
         columns, rows = int(shape[1]), int(shape[2])
         if columns < 1 or rows < 1:

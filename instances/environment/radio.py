@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.raster import bilinear, refuse_missing
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
 
 SPEED_OF_LIGHT = 299_792_458.0
 """[m/s]"""
@@ -55,8 +55,10 @@ class RadioSource:
             numbers = {key: float(value) for key, value in table.items() if key != "position"}
             x, y = table["position"]
             return cls((float(x), float(y)), **numbers)
-        except (TypeError, ValueError):
-            raise InputError(f"[radio]: position must be [x, y] and the rest numbers, got {dict(table)}") from None
+        except (TypeError, ValueError, OverflowError):
+            raise InputError(
+                f"[radio]: position must be [x, y] and the rest numbers, got {shown(dict(table))}"
+            ) from None
 
     @property
     def wavelength(self) -> float:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from workbench.options import SECONDS, SEED
+
 if TYPE_CHECKING:
     from formulations.routing.bounds import Bound
     from instances import Instance
@@ -17,8 +19,10 @@ if TYPE_CHECKING:
 @click.argument("instance_file", metavar="INSTANCE", type=click.Path(path_type=Path))
 @click.option("--routes", type=click.Path(path_type=Path), help="Routes (.sol) to measure the gaps from.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
-@click.option("--time-limit", default=60.0, show_default=True, help="Seconds of wall clock for each bound.")
-@click.option("--seed", default=0, show_default=True)
+@click.option(
+    "--time-limit", type=SECONDS, default=60.0, show_default=True, help="Seconds of wall clock for each bound."
+)
+@click.option("--seed", type=SEED, default=0, show_default=True)
 @click.pass_context
 def command(
     context: click.Context, instance_file: Path, routes: Path | None, as_json: bool, time_limit: float, seed: int

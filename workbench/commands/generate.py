@@ -6,15 +6,15 @@ from pathlib import Path
 
 import click
 
-from instances.errors import InputError
+from workbench.options import COUNT, SEED
 
 
 @click.command("generate")
 @click.argument("family")
-@click.option("--tasks", default=20, show_default=True, help="Number of tasks n.")
-@click.option("--depots", default=3, show_default=True, help="Number of depots m, one UAV at each.")
-@click.option("--count", default=1, show_default=True, help="How many instances, with consecutive seeds.")
-@click.option("--seed", default=0, show_default=True, help="Seed of the first.")
+@click.option("--tasks", type=COUNT, default=20, show_default=True, help="Number of tasks n.")
+@click.option("--depots", type=COUNT, default=3, show_default=True, help="Number of depots m, one UAV at each.")
+@click.option("--count", type=COUNT, default=1, show_default=True, help="How many instances, with consecutive seeds.")
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the first.")
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="A parameter of the family; repeatable.")
 @click.option("--out", type=click.Path(path_type=Path), default=Path(), show_default="this folder", help="Folder.")
 def command(family: str, tasks: int, depots: int, count: int, seed: int, settings: tuple[str, ...], out: Path) -> None:
@@ -29,8 +29,6 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
     from instances.scenario import write_scenario
     from workbench.settings import key_values, make_folder
 
-    if count < 1:
-        raise InputError(f"--count: must be at least 1, got {count}")
     parameters = key_values(settings, "--set")
     check_family(family, parameters)
     for number in range(seed, seed + count):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from instances.errors import InputError
+from workbench.options import COUNT, POSITIVE, SECONDS, SEED
 
 if TYPE_CHECKING:
     from formulations.task_location.criterion import Criterion
@@ -18,21 +19,23 @@ if TYPE_CHECKING:
 
 @click.command("place")
 @click.argument("region_file", metavar="[REGION.geojson]", required=False, type=click.Path(path_type=Path))
-@click.option("--tasks", default=40, show_default=True, help="How many tasks, n.")
+@click.option("--tasks", type=COUNT, default=40, show_default=True, help="How many tasks, n.")
 @click.option("--method", default="nlp", show_default=True, help="nlp, l-bfgs-b, slsqp, greedy-swap, greedy, ...")
 @click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
 @click.option("--tests", default="20x20", show_default=True, help="Cell centres inside, or a CSV: x, y[, weight].")
-@click.option("--signal-sd", default=30.0, show_default=True, help="σ_f, in the unit of the signal.")
+@click.option("--signal-sd", type=POSITIVE, default=30.0, show_default=True, help="σ_f, in the unit of the signal.")
 @click.option("--length-scale", default="4000", show_default=True, metavar="L|LX,LY", help="[m]")
-@click.option("--noise-sd", default=1.0, show_default=True, help="σ_n of a reading at a task.")
-@click.option("--test-noise-sd", type=float, help="σ_o of a reading at a test point, criterion b.  [default: σ_n]")
+@click.option("--noise-sd", type=POSITIVE, default=1.0, show_default=True, help="σ_n of a reading at a task.")
+@click.option("--test-noise-sd", type=POSITIVE, help="σ_o of a reading at a test point, criterion b.  [default: σ_n]")
 @click.option("--criterion", default="b", show_default=True, help="b both noisy, a latent tests, ig information gain.")
-@click.option("--seed", default=0, show_default=True)
-@click.option("--time-limit", type=float, help="Seconds of wall clock.  [default: none]")
+@click.option("--seed", type=SEED, default=0, show_default=True)
+@click.option("--time-limit", type=SECONDS, help="Seconds of wall clock.  [default: none]")
 @click.option("--certificate/--no-certificate", default=True, help="Also compute the upper bound.  [default: yes]")
 @click.option("--study", metavar="n=A..B[:STEP]", help="How many tasks? Try every n from A to B.")
-@click.option("--sd-limit", default=3.0, show_default=True, help="--study: a place with a larger sd is uncovered.")
-@click.option("--max-sd", type=float, help="Fewest tasks that leave a posterior sd of at most this everywhere.")
+@click.option(
+    "--sd-limit", type=POSITIVE, default=3.0, show_default=True, help="--study: a place with a larger sd is uncovered."
+)
+@click.option("--max-sd", type=POSITIVE, help="Fewest tasks that leave a posterior sd of at most this everywhere.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 @click.option("--out", type=click.Path(path_type=Path), help="Write .geojson, .json or .csv.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw a picture (.svg).")

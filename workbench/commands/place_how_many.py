@@ -23,7 +23,7 @@ from formulations.task_location.tour import along
 from formulations.task_location.uncertainty import sd_map
 from instances.disk import write_aside
 from instances.environment.region import Region
-from instances.errors import InputError
+from instances.errors import InputError, shown
 
 COLUMNS = (
     "n", "length", "mutual_information", "mi1", "mi2", "lawnmower", "per_km", "planning_noise", "uncovered",
@@ -43,16 +43,17 @@ class Asked(NamedTuple):
 def numbers_from(text: str) -> list[int]:
     """Return the numbers of ``n=5..80``, ``5..80:5`` or ``5,40,200``; InputError where it says something else."""
     body = text.removeprefix("n=").strip()
-    span = re.fullmatch(r"(\d+)\.\.(\d+)(?::(\d+))?", body)
+    number = r"(\d{1,7})"  # no more digits: every number of the span is tried
+    span = re.fullmatch(rf"{number}\.\.{number}(?::{number})?", body)
     if span:
         first, last, step = int(span[1]), int(span[2]), int(span[3] or 1)
         found = list(range(first, last + 1, step)) if step else []
     else:
         parts = body.split(",")
-        found = [int(part) for part in parts] if all(part.strip().isdigit() for part in parts) else []
+        found = [int(part) for part in parts] if all(re.fullmatch(number, part.strip()) for part in parts) else []
     if not found or min(found) < 1:
         raise InputError(
-            f"--study: must be n=A..B, n=A..B:STEP or a list such as 5,40,200 of numbers ≥ 1, got '{text}'"
+            f"--study: must be n=A..B, n=A..B:STEP or a list such as 5,40,200 of numbers ≥ 1, got {shown(text)}"
         )
     return found
 

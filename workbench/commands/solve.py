@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from workbench.options import ITERATIONS, SECONDS, SEED, THREADS
+
 if TYPE_CHECKING:
     from reports.record import Run
 
@@ -15,10 +17,10 @@ if TYPE_CHECKING:
 @click.command("solve")
 @click.argument("instance_file", metavar="INSTANCE", type=click.Path(path_type=Path))
 @click.option("--solver", default="milp", show_default=True, help="Name (workbench solvers lists them).")
-@click.option("--time-limit", default=60.0, show_default=True, help="Seconds of wall clock.")
-@click.option("--seed", default=0, show_default=True)
-@click.option("--threads", default=1, show_default=True, help="Worker threads of the solver.")
-@click.option("--iterations", type=int, help="Limit on the method's own iterations.")
+@click.option("--time-limit", type=SECONDS, default=60.0, show_default=True, help="Seconds of wall clock.")
+@click.option("--seed", type=SEED, default=0, show_default=True)
+@click.option("--threads", type=THREADS, default=1, show_default=True, help="Worker threads of the solver.")
+@click.option("--iterations", type=ITERATIONS, help="Limit on the method's own iterations.")
 @click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the solver; repeatable.")
 @click.option("--start", type=click.Path(path_type=Path), help="Routes (.sol) to begin from.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")

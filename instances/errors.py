@@ -42,7 +42,7 @@ def shown(value: object) -> str:
 
 def suggestion(wrong: str, known: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` for the near miss of `wrong` among `known`, or ``""``."""
-    near = get_close_matches(wrong, list(known), n=1)
+    near = get_close_matches(wrong[:LONGEST_VALUE], list(known), n=1)
     return f"; did you mean '{near[0]}'?" if near else ""
 
 

@@ -12,10 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.errors import InputError, naming
+from instances.errors import InputError, naming, shown
 
 MAX_NODES = 20_000
 """Most nodes n + m of an instance: its costs alone fill 3.2 GB."""
+
+LARGEST_SUM = 1e150
+"""Most [s] that n + m times the largest cost may be: products of two sums of costs stay finite."""
+LARGEST_COORDINATE = 1e15
+"""Greatest coordinate [m]: its square is finite, and float64 still tells places a metre apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +33,7 @@ class Instance:
     name : short name, used in file and report names.
     cost : ``cost[i, j]`` [s] of flying from node i to node j, shape (n+m, n+m), finite, non-negative, zero
         diagonal, in general asymmetric (paper: c_ij differs from c_ji because of the wind). Entries between
-        two depots are carried but never used: E excludes D × D.
+        two depots are carried but never used: E excludes D × D. n+m times the largest is at most LARGEST_SUM.
     n_tasks : n ≥ 1.
     n_depots : m ≥ 1.
     coordinates : positions [m], shape (n+m, 2), or None where only costs are known.
@@ -50,7 +55,9 @@ class Instance:
         for label in ("n_tasks", "n_depots"):
             value = getattr(self, label)
             if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < 1:
-                raise InputError(f"instance {self.name}: {label} must be a whole number of at least 1, got {value!r}")
+                raise InputError(
+                    f"instance {self.name}: {label} must be a whole number of at least 1, got {shown(value)}"
+                )
         check_size(self.n_tasks, self.n_depots)
         object.__setattr__(self, "cost", _checked_cost(self.cost, self.n_nodes, self.name))
         if self.coordinates is not None:
@@ -106,20 +113,20 @@ class Instance:
 def check_name(name: object) -> None:
     """Raise InputError where `name` is no text that can stand in the name of a file."""
     if not isinstance(name, str) or not name.strip():
-        raise InputError(f"name must be a non-empty text, got {name!r}")
+        raise InputError(f"name must be a non-empty text, got {shown(name)}")
     if not name.isprintable() or set(name) & set("/\\") or name[0] == "." or len(name) > 120:
         raise InputError(
             "name is used in file names, so it must be printable, without slashes or a leading dot, "
-            f"and of at most 120 characters, got {name[:130]!r}"
+            f"and of at most 120 characters, got {shown(name)}"
         )
 
 
 def check_size(n_tasks: int, n_depots: int) -> None:
     """Raise InputError where an instance of this size could not be held; to be asked before its arrays are made."""
     if n_tasks + n_depots > MAX_NODES:
-        shown = [str(count) if count < 10**12 else "very many" for count in (n_tasks, n_depots)]
         raise InputError(
-            f"{shown[0]} tasks and {shown[1]} depots are more than the {MAX_NODES} nodes an instance can have"
+            f"{shown(n_tasks)} tasks and {shown(n_depots)} depots are more than the {MAX_NODES} nodes "
+            "an instance can have"
         )
 
 
@@ -139,6 +146,12 @@ def _checked_cost(cost: ArrayLike, size: int, name: str) -> Floats:
     if np.diagonal(c).any():
         i = int(np.flatnonzero(np.diagonal(c))[0])
         raise InputError(f"instance {name}: cost[{i}][{i}] must be 0 (the diagonal), got {c[i, i]}")
+    if c.max() > LARGEST_SUM / size:
+        i, j = np.unravel_index(np.argmax(c), c.shape)
+        raise InputError(
+            f"instance {name}: cost[{i}][{j}] is too large ({c[i, j]}): {size} such costs must add up to at most "
+            f"{LARGEST_SUM:g} s"
+        )
     c.setflags(write=False)
     return c
 
@@ -153,5 +166,10 @@ def _checked_coordinates(coordinates: ArrayLike, size: int, name: str) -> Floats
     if not np.isfinite(xy).all():
         i = int(np.argwhere(~np.isfinite(xy))[0][0])
         raise InputError(f"instance {name}: coordinates[{i}] is not finite ({xy[i].tolist()})")
+    if np.abs(xy).max() > LARGEST_COORDINATE:
+        i = int(np.argmax(np.abs(xy).max(axis=1)))
+        raise InputError(
+            f"instance {name}: coordinates[{i}] is more than {LARGEST_COORDINATE:g} m away ({xy[i].tolist()})"
+        )
     xy.setflags(write=False)
     return xy

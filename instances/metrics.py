@@ -13,7 +13,6 @@ Source of the TSPLIB roundings: G. Reinelt, TSPLIB 95, 1995, §2.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -21,7 +20,8 @@ import numpy as np
 
 from instances.arrays import Floats
 from instances.environment.wind_table import wind_from_toml
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
+from instances.extent import positive
 from instances.wind_metric import cost_matrix
 
 ROUNDINGS: dict[str, Callable[[Floats], Floats]] = {
@@ -38,14 +38,15 @@ def metric_cost(metric: Mapping[str, Any], coordinates: Floats | None) -> Floats
     name = metric.get("metric")
     if not isinstance(name, str) or name not in METRICS:
         near = suggestion(name, METRICS) if isinstance(name, str) else ""
-        raise InputError(f"cost: unknown metric {name!r}{near} (known: {', '.join(METRICS)})")
+        raise InputError(f"cost: unknown metric {shown(name)}{near} (known: {', '.join(METRICS)})")
     if coordinates is None:
         raise InputError(f"cost: the metric '{name}' needs coordinates")
     compute, keys = METRICS[name]
     for key in metric:
         if key not in ("metric", *keys):
-            raise InputError(f"cost: unknown key '{key}' of the metric '{name}'{suggestion(str(key), keys)}")
-    return compute(coordinates, **{key: metric[key] for key in keys if key in metric})
+            raise InputError(f"cost: unknown key {shown(key)} of the metric '{name}'{suggestion(str(key), keys)}")
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused by Instance, by its entry
+        return compute(coordinates, **{key: metric[key] for key in keys if key in metric})
 
 
 def distances(points: Floats) -> Floats:
@@ -58,16 +59,9 @@ def distances(points: Floats) -> Floats:
     return np.sqrt(squared, out=squared)
 
 
-def positive(value: Any, label: str) -> float:
-    """Return `value` as a positive finite float; InputError names `label`."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= sys.float_info.max:
-        raise InputError(f"{label} must be a positive number, got {value!r}")
-    return float(value)
-
-
 def _euclidean(points: Floats, speed: Any = 1.0, rounding: Any = "none") -> Floats:
     if not isinstance(rounding, str) or rounding not in ROUNDINGS:
-        raise InputError(f"cost: unknown rounding {rounding!r} (known: {', '.join(ROUNDINGS)})")
+        raise InputError(f"cost: unknown rounding {shown(rounding)} (known: {', '.join(ROUNDINGS)})")
     d = distances(points)
     d /= positive(speed, "cost: speed")
     return ROUNDINGS[rounding](d)
@@ -83,7 +77,7 @@ def _att(points: Floats) -> Floats:
 def _wind(points: Floats, airspeed: Any = None, wind: Any = None, region: Any = None) -> Floats:
     v0 = positive(airspeed, "cost: airspeed")
     if wind is not None and not isinstance(wind, Mapping):
-        raise InputError(f"cost: wind must be a table or null, got {wind!r}")
+        raise InputError(f"cost: wind must be a table or null, got {shown(wind)}")
     field = None if wind is None else wind_from_toml(wind)
     if region is None:
         return cost_matrix(points, v0, field)

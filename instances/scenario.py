@@ -28,13 +28,13 @@ from numpy.typing import ArrayLike
 from shapely.geometry import MultiPolygon, Polygon, mapping
 
 from instances.arrays import Floats
-from instances.disk import read_toml, write_aside
-from instances.environment.region import Region, polygons, read_geojson
+from instances.disk import read_json, read_toml, write_aside
+from instances.environment.region import Region, polygons
 from instances.environment.wind import WindField
 from instances.environment.wind_table import wind_from_toml
-from instances.errors import InputError, naming, suggestion
+from instances.errors import InputError, naming, shown, suggestion
+from instances.extent import positive
 from instances.instance import check_name
-from instances.metrics import positive
 from instances.toml_text import toml_text
 
 KEYS = ("name", "airspeed", "size", "region", "no_fly", "depots", "tasks", "terrain", "wind", "radio", "provenance")
@@ -88,7 +88,7 @@ class Scenario:
                 raise InputError(f"n_tasks is {self.n_tasks} but there are {len(self.tasks)} tasks")
             object.__setattr__(self, "n_tasks", len(self.tasks))
         elif isinstance(self.n_tasks, bool) or not isinstance(self.n_tasks, int) or self.n_tasks < 1:
-            raise InputError(f"tasks must be points or a whole number of at least 1, got {self.n_tasks!r}")
+            raise InputError(f"tasks must be points or a whole number of at least 1, got {shown(self.n_tasks)}")
 
     @property
     def n_depots(self) -> int:
@@ -135,13 +135,13 @@ def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
     """Return the scenario a parsed TOML table describes, its files relative to `folder`; InputError names the key."""
     for key in table:
         if key not in KEYS:
-            raise InputError(f"unknown key '{key[:40]}'{suggestion(key, KEYS)}")
+            raise InputError(f"unknown key {shown(key)}{suggestion(key, KEYS)}")
     for key in ("airspeed", "depots", "tasks"):
         if key not in table:
             raise InputError(f"the key '{key}' is missing")
     for key in ("wind", "radio", "provenance"):
         if not isinstance(table.get(key, {}), dict):
-            raise InputError(f"[{key}] must be a table, got {table[key]!r}")
+            raise InputError(f"[{key}] must be a table, got {shown(table[key])}")
     tasks = table["tasks"]
     count = tasks if isinstance(tasks, int) and not isinstance(tasks, bool) else None
     zones = _file(table, "no_fly", folder)
@@ -196,7 +196,7 @@ def _region(table: Mapping[str, Any], folder: Path) -> Region:
         return Region.read(file)
     size = table["size"]
     if not isinstance(size, list) or len(size) != 2:
-        raise InputError(f"size must be two positive numbers [m], got {size!r}")
+        raise InputError(f"size must be two positive numbers [m], got {shown(size)}")
     return Region.rectangle(positive(size[0], "size[0] [m]"), positive(size[1], "size[1] [m]"))
 
 
@@ -205,13 +205,13 @@ def _file(table: Mapping[str, Any], key: str, folder: Path) -> Path | None:
         return None
     value = table[key]
     if not isinstance(value, str) or not value:
-        raise InputError(f"{key} must be the name of a file, got {value!r}")
+        raise InputError(f"{key} must be the name of a file, got {shown(value)}")
     return folder / value
 
 
 def _read_polygons(path: Path) -> list[Polygon]:
     with naming(path):
-        zones = polygons(read_geojson(path))
+        zones = polygons(read_json(path))
         return [Region(zone).polygon for zone in zones]  # each must be valid
 
 
@@ -222,7 +222,7 @@ def _points(value: ArrayLike, label: str, region: Region) -> Floats:
             numbers = isinstance(point, Sequence) and all(type(c) in (int, float, np.float64) for c in point)
             if isinstance(point, np.ndarray) or (numbers and len(point) == 2):
                 continue
-            raise InputError(f"{label}[{i}] must be two numbers [x, y] [m], got {point!r}")
+            raise InputError(f"{label}[{i}] must be two numbers [x, y] [m], got {shown(point)}")
     try:
         p = np.array(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):

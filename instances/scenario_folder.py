@@ -5,17 +5,17 @@ Unlike a scenario file of its own, it can be written and read without the extra 
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 from instances.arrays import Floats
-from instances.disk import read_text, write_aside
+from instances.disk import read_toml, write_aside
 from instances.environment.radio import RadioMap
 from instances.environment.raster import node_axes
 from instances.environment.terrain import Terrain
 from instances.environment.wind_grid import Grid
+from instances.errors import InputError, naming
 from instances.formats.netcdf import Variable, read_grids, write_grids
 from instances.scenario import Scenario, scenario_of, write_scenario
 from instances.toml_text import toml_text
@@ -33,20 +33,24 @@ def keep_scenario(scenario: Scenario, folder: Path) -> None:
             for name, values, standard in (("u", grid.u, "x_wind"), ("v", grid.v, "y_wind"))
         }
         write_grids(folder / "wind.nc", {"x": x, "y": y}, components)
-        table = tomllib.loads(read_text(path))
+        table = read_toml(path)
         write_aside(path, toml_text(table | {"wind": {"kind": "grid", "file": "wind.nc"}}))
 
 
 def kept_scenario(folder: Path) -> Scenario:
     """Read what `keep_scenario` wrote."""
     path = folder / "scenario.toml"
-    table = tomllib.loads(read_text(path))
-    if table.get("wind", {}).get("kind") != "grid":
-        return scenario_of(table, folder, path.stem)
-    file = table.pop("wind")["file"]
-    axes, values = read_grids(folder / file)
-    grid = Grid(*_origin_spacing(axes), values["u"].values, values["v"].values, file)
-    return replace(scenario_of(table, folder, path.stem), wind=grid)
+    table = read_toml(path)
+    wind = table.get("wind")
+    gridded = isinstance(wind, dict) and wind.get("kind") == "grid"
+    with naming(path):
+        scenario = scenario_of({k: v for k, v in table.items() if k != "wind" or not gridded}, folder, path.stem)
+    if not gridded:
+        return scenario
+    axes, values = read_grids(folder / "wind.nc", {"u": ("y", "x"), "v": ("y", "x")})
+    with naming(folder / "wind.nc"):
+        grid = Grid(*_origin_spacing(axes), values["u"].values, values["v"].values, "wind.nc")
+    return replace(scenario, wind=grid)
 
 
 def keep_terrain(terrain: Terrain, folder: Path) -> None:
@@ -60,8 +64,9 @@ def kept_terrain(folder: Path) -> Terrain | None:
     """Read what `keep_terrain` wrote; None where there is no terrain."""
     if not (folder / "terrain.nc").exists():
         return None
-    axes, values = read_grids(folder / "terrain.nc")
-    return Terrain(*_origin_spacing(axes), values["height"].values, "terrain.nc")
+    axes, values = read_grids(folder / "terrain.nc", {"height": ("y", "x")})
+    with naming(folder / "terrain.nc"):
+        return Terrain(*_origin_spacing(axes), values["height"].values, "terrain.nc")
 
 
 def keep_field(field: RadioMap, folder: Path) -> None:
@@ -72,10 +77,13 @@ def keep_field(field: RadioMap, folder: Path) -> None:
 
 def kept_field(folder: Path) -> RadioMap:
     """Read what `keep_field` wrote."""
-    axes, values = read_grids(folder / "field.nc")
-    return RadioMap(axes["x"], axes["y"], values["field"].values, values["field"].attributes["units"])
+    axes, values = read_grids(folder / "field.nc", {"field": ("y", "x")})
+    with naming(folder / "field.nc"):
+        return RadioMap(axes["x"], axes["y"], values["field"].values, values["field"].attributes.get("units", "1"))
 
 
 def _origin_spacing(axes: Mapping[str, Floats]) -> tuple[tuple[float, float], tuple[float, float]]:
     x, y = axes["x"], axes["y"]
+    if min(len(x), len(y)) < 2:
+        raise InputError(f"must hold a grid of at least 2 × 2 nodes, got {len(x)} × {len(y)}")
     return (float(x[0]), float(y[0])), (float(x[1] - x[0]), float(y[1] - y[0]))

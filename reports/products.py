@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import io
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,9 +11,10 @@ from typing import Any
 import pandas as pd
 
 from instances.arrays import Floats
-from instances.disk import read_text
+from instances.disk import read_json, read_text
 from instances.environment.radio import RadioMap
 from instances.environment.terrain import Terrain
+from instances.errors import InputError
 from instances.files import read_instance
 from instances.formats.netcdf import read_grids
 from instances.instance import Instance
@@ -76,14 +77,21 @@ class Products:
     @cached_property
     def maps(self) -> Maps:
         """The maps that were kept, the last included."""
-        axes, values = read_grids(self.folders["map"] / "maps.nc")
+        over = dict.fromkeys(("mean", "sd"), ("time", "y", "x")) | {"truth": ("y", "x")}
+        axes, values = read_grids(self.folders["map"] / "maps.nc", over)
         arrays = (values[name].values for name in ("mean", "sd", "truth"))
         return Maps(axes["time"], axes["x"], axes["y"], *arrays)
 
     def table(self, stage: str, file: str) -> pd.DataFrame:
         """Return a CSV product as a frame."""
-        return pd.read_csv(self.folders[stage] / file)
+        path = self.folders[stage] / file
+        try:
+            return pd.read_csv(io.StringIO(read_text(path)))
+        except InputError:
+            raise
+        except ValueError as error:
+            raise InputError(f"{path}: cannot be read as a table ({error})") from None
 
     def values(self, stage: str, file: str) -> Any:
         """Return a JSON product."""
-        return json.loads(read_text(self.folders[stage] / file))
+        return read_json(self.folders[stage] / file)

@@ -19,8 +19,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from instances import disk
 from instances.code import code_digest
-from instances.errors import InputError
+from instances.errors import InputError, shown
 
 SCHEMA = 1
 
@@ -169,15 +170,9 @@ RUN = tuple(Column(each.name, **each.metadata) for each in fields(Run) if each.m
 def read_json(path: Path) -> Any:
     """Return the JSON value in `path`; InputError with a sentence, without the path, where there is none."""
     try:
-        return json.loads(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror or error})") from None
-    except UnicodeDecodeError:
-        raise InputError("is not text, so not a run") from None
-    except json.JSONDecodeError as error:
-        raise InputError(f"is not valid JSON (line {error.lineno}, column {error.colno}), perhaps cut short") from None
-    except RecursionError:
-        raise InputError("is JSON nested too deeply to be a run") from None
+        return disk.read_json(path)
+    except InputError as error:
+        raise InputError(str(error).removeprefix(f"{path}: ")) from None
 
 
 def read_run(path: Path) -> Run:
@@ -190,14 +185,14 @@ def run_from(data: Any) -> Run:
     if not isinstance(data, dict) or "solver" not in data or "schema" not in data:
         raise InputError("is JSON, but not a run of this workbench")
     if data["schema"] != SCHEMA:
-        raise InputError(f"has schema {data['schema']!r}; this version reads schema {SCHEMA}")
+        raise InputError(f"has schema {shown(data['schema'])}; this version reads schema {SCHEMA}")
     problem = data.get("problem", "routing")
     if problem not in OWN:
-        raise InputError(f"is a run of a problem unknown here, {problem!r:.60} (known: {', '.join(OWN)})")
+        raise InputError(f"is a run of a problem unknown here, {shown(problem)} (known: {', '.join(OWN)})")
     common, own = ({c.name: _checked(data, c) for c in columns} for columns in (RUN, OWN[problem]))
     common |= {"problem": problem, "label": common["label"] or common["solver"]}
     if common["status"] not in STATUSES.get(problem, (common["status"],)):
-        raise InputError(f"status must be one of {', '.join(STATUSES[problem])}, got {common['status']!r:.60}")
+        raise InputError(f"status must be one of {', '.join(STATUSES[problem])}, got {shown(common['status'])}")
     common["trace"] = [tuple(point) for point in common["trace"]]
     return Run(**common, own=own)
 
@@ -210,7 +205,7 @@ def _checked(data: Mapping[str, Any], column: Column) -> Any:
     if value is None and (column.kind == "number" or not column.required):
         return nothing()
     if not check(value):
-        raise InputError(f"{name} must be {words}, got {value!r:.60}")
+        raise InputError(f"{name} must be {words}, got {shown(value)}")
     return value
 
 

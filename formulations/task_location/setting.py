@@ -14,7 +14,8 @@ from formulations.task_location.criterion import Criterion, convention
 from instances.arrays import Floats
 from instances.disk import read_text
 from instances.environment.region import Region
-from instances.errors import InputError
+from instances.errors import InputError, shown
+from instances.extent import FARTHEST, LARGEST
 
 DEFAULT_SIDE = 20_000.0
 """Side [m] of the square that stands for a region that is not given (paper, Numerical Example)."""
@@ -95,7 +96,14 @@ def _inside(rows: Floats, region: Region, where: str) -> tuple[Floats, Floats | 
 
 def rows_of_tests(path: Path) -> Floats:
     """Return x, y [m] and, where given, weight of a CSV file, (m, 2) or (m, 3); InputError names a line."""
-    rows = csv.DictReader(io.StringIO(read_text(path)))
+    rows = csv.DictReader(io.StringIO(read_text(path), newline=""))
+    try:
+        return _rows(rows, path)
+    except csv.Error as error:
+        raise InputError(f"{path}: line {rows.line_num}: {error}") from None
+
+
+def _rows(rows: csv.DictReader[str], path: Path) -> Floats:
     columns = set(rows.fieldnames or ())
     if not {"x", "y"} <= columns:
         raise InputError(f"{path}: must have columns 'x' and 'y' [m]")
@@ -106,8 +114,8 @@ def rows_of_tests(path: Path) -> Floats:
             try:
                 value = float(row[name])
             except (TypeError, ValueError):
-                raise InputError(f"{path}: line {number}: {name} must be a number, got {row[name]!r}") from None
-            if not np.isfinite(value) or (name == "weight" and value < 0):
-                raise InputError(f"{path}: line {number}: {name} must be finite and not negative, got {row[name]}")
+                raise InputError(f"{path}: line {number}: {name} must be a number, got {shown(row[name])}") from None
+            if not abs(value) <= (LARGEST if name == "weight" else FARTHEST) or (name == "weight" and value < 0):
+                raise InputError(f"{path}: line {number}: {name} is out of range, got {shown(row[name])}")
         table.append([float(row[name]) for name in names])
     return np.array(table, dtype=float).reshape(-1, len(names))

@@ -28,7 +28,8 @@ from scipy.fft import dstn
 from instances.arrays import Floats
 from instances.environment.terrain import Terrain
 from instances.environment.wind_grid import Grid
-from instances.errors import InputError
+from instances.errors import InputError, shown
+from instances.extent import positive
 from instances.kernels import njit
 
 TOLERANCE = 1e-5
@@ -51,9 +52,11 @@ class Inflow:
 
     def __post_init__(self) -> None:
         if self.profile not in PROFILES:
-            raise InputError(f"wind: unknown profile '{self.profile}' (known: {', '.join(PROFILES)})")
-        if not (self.reference > 0 and self.roughness > 0 and self.exponent >= 0):
-            raise InputError("wind: reference and roughness must be positive [m] and exponent not negative")
+            raise InputError(f"wind: unknown profile {shown(self.profile)} (known: {', '.join(PROFILES)})")
+        positive(self.reference, "wind: reference [m]")
+        positive(self.roughness, "wind: roughness [m]")
+        if not 0 <= self.exponent <= 10:
+            raise InputError(f"wind: exponent must be from 0 to 10, got {self.exponent}")
 
     def factor(self, z: Floats) -> Floats:
         """Return the speed at heights `z` [m] above ground over that at the reference height."""

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.raster import bilinear, refuse_missing
+from instances.environment.raster import bilinear, check_grid
 from instances.errors import InputError, shown, suggestion
+from instances.extent import LARGEST, LEAST, check_positions
 
 SPEED_OF_LIGHT = 299_792_458.0
 """[m/s]"""
@@ -36,10 +37,11 @@ class RadioSource:
 
     def __post_init__(self) -> None:
         numbers = [*self.position, *(getattr(self, f.name) for f in fields(self) if f.name != "position")]
-        if len(self.position) != 2 or not np.isfinite(np.array(numbers, dtype=float)).all():
+        if len(self.position) != 2 or not (np.abs(np.array(numbers, dtype=float)) <= LARGEST).all():
             raise InputError(f"radio source: position must be two finite numbers [m] and the rest finite, got {self}")
+        check_positions(self.position, "radio source: position")
         for key in ("height", "frequency"):
-            if not getattr(self, key) > 0:
+            if not getattr(self, key) >= LEAST:
                 raise InputError(f"radio source: {key} must be positive, got {getattr(self, key)}")
 
     @classmethod
@@ -48,7 +50,9 @@ class RadioSource:
         known = [f.name for f in fields(cls)]
         for key in table:
             if key not in known:
-                raise InputError(f"[radio]: unknown key '{key}'{suggestion(key, known)} (known: {', '.join(known)})")
+                raise InputError(
+                    f"[radio]: unknown key {shown(key)}{suggestion(key, known)} (known: {', '.join(known)})"
+                )
         if "position" not in table:
             raise InputError("[radio]: position = [x, y] [m] is missing")
         try:
@@ -91,11 +95,12 @@ class RadioMap:
                 f"({len(self.y)}, {len(self.x)}), got {self.values.shape}"
             )
         for name, axis in (("x", self.x), ("y", self.y)):
+            check_positions(axis, f"field: {name}")
             step = np.diff(axis)
             if not (step > 0).all() or not np.allclose(step, step[0], rtol=1e-3):
                 raise InputError(f"field: {name} must be ascending and equally spaced [m]")
-        steps = (self.x[1] - self.x[0], self.y[1] - self.y[0])
-        refuse_missing("field", np.isfinite(self.values), (self.x[0], self.y[0]), steps)
+        steps = (float(self.x[1] - self.x[0]), float(self.y[1] - self.y[0]))
+        check_grid("field", (float(self.x[0]), float(self.y[0])), steps, self.values)
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the value at `points` (k, 2) [m], shape (k,)."""

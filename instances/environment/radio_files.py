@@ -13,7 +13,7 @@ import numpy as np
 from instances.disk import read_text, write_aside
 from instances.environment.radio import RadioMap
 from instances.environment.raster import node_axes, nodes_and_values, open_netcdf, read_geotiff, write_netcdf
-from instances.errors import InputError, naming
+from instances.errors import InputError, naming, shown
 
 
 def read_field(path: Path | str) -> RadioMap:
@@ -51,19 +51,26 @@ def _read_csv(path: Path) -> RadioMap:
     lines = read_text(path).splitlines()
     head = [name.strip().lower() for name in lines[0].split(",")] if lines else []
     if len(head) != 3 or head[:2] != ["x", "y"]:
-        raise InputError(f"{path}: the first line must be 'x,y,<unit>', got '{lines[0] if lines else ''}'")
-    try:
-        rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:] if line.strip()])
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
-    if rows.ndim != 2 or rows.shape[1] != 3:
-        raise InputError(f"{path}: every line must hold three numbers x, y and a value")
+        raise InputError(f"{path}: the first line must be 'x,y,<unit>', got {shown(lines[0] if lines else '')}")
+    rows = np.array([_three(line, number, path) for number, line in enumerate(lines[1:], 2) if line.strip()])
+    if not len(rows):
+        raise InputError(f"{path}: every line must hold three numbers x, y and a value, but there is none")
     (x, i), (y, j) = (np.unique(rows[:, axis], return_inverse=True) for axis in (0, 1))
+    if len(rows) != len(x) * len(y):
+        raise InputError(f"{path}: {len(x)} × {len(y)} grid nodes need {len(x) * len(y)} lines, got {len(rows)}")
     values = np.full((len(y), len(x)), np.nan)
     values[j, i] = rows[:, 2]
-    if len(rows) != values.size:
-        raise InputError(f"{path}: {len(x)} × {len(y)} grid nodes need {values.size} lines, got {len(rows)}")
     return RadioMap(x, y, values, lines[0].split(",")[2].strip())
+
+
+def _three(line: str, number: int, path: Path) -> list[float]:
+    try:
+        x, y, value = map(float, line.split(","))
+    except ValueError:
+        raise InputError(
+            f"{path}: line {number}: every line must hold three numbers x, y and a value, got {shown(line)}"
+        ) from None
+    return [x, y, value]
 
 
 def _read_geotiff(path: Path) -> RadioMap:

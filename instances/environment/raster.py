@@ -7,15 +7,21 @@ than its neighbours, is refused rather than guessed at.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from instances.arrays import Bools, Floats
-from instances.errors import InputError
+from instances.disk import check_file, read_bytes, read_text, write_aside
+from instances.documents import most_opened
+from instances.errors import InputError, shown
+from instances.extent import FINEST, LARGEST, check_positions
 
 if TYPE_CHECKING:
     import xarray
@@ -65,13 +71,20 @@ def bilinear(values: Floats, fx: Floats, fy: Floats) -> Floats:
     return np.asarray((1 - t) * south + t * north)
 
 
-def refuse_missing(what: str, finite: Bools, origin: tuple[float, float], spacing: tuple[float, float]) -> None:
-    """Raise InputError that says how many values of a grid are not `finite` (rows, columns), and where the first is."""
-    if not finite.all():
-        j, i = np.argwhere(~finite)[0]
+def check_grid(what: str, origin: tuple[float, float], spacing: tuple[float, float], *values: Floats) -> None:
+    """Raise InputError where nodes lie too far away or too close together, or `values` (rows, columns) are no data.
+
+    It says how many values are missing (not finite, or beyond `extent.LARGEST`), and where the first is.
+    """
+    if not min(spacing) >= FINEST:
+        raise InputError(f"{what}: spacing must be positive, at least {FINEST:g} m, got {spacing}")
+    check_positions(node_bounds(origin, spacing, values[0].shape), f"{what}: coordinates")
+    usable: Bools = np.all([np.abs(array) <= LARGEST for array in values], axis=0)
+    if not usable.all():
+        j, i = np.argwhere(~usable)[0]
         x, y = origin[0] + i * spacing[0], origin[1] + j * spacing[1]
         raise InputError(
-            f"{what}: {int((~finite).sum())} of {finite.size} values are missing (NaN or no data), first at "
+            f"{what}: {int((~usable).sum())} of {usable.size} values are missing (NaN or no data), first at "
             f"({x:g}, {y:g}) m; fill the holes first"
         )
 
@@ -86,49 +99,70 @@ def geo(module: str, path: Path, doing: str) -> Any:
 
 def read_ascii_grid(path: Path) -> Raster:
     """Read an ESRI ASCII grid, and the projection from the ``.prj`` beside it; InputError names what is wrong."""
+    lines = read_text(path).splitlines()
+    head = _ascii_head(lines, path)
     try:
-        lines = path.read_text(encoding="ascii").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as an ASCII grid ({error})") from None
-    head: dict[str, float] = {}
-    start = 0
-    for line in lines:
-        words = line.split()
-        if len(words) != 2 or not words[0][:1].isalpha():
-            break
-        try:
-            head[words[0].lower()] = float(words[1])
-        except ValueError:
-            raise InputError(f"{path}: {words[0]} must be a number, got '{words[1]}'") from None
-        start += 1
-    for key in ("ncols", "nrows", "cellsize"):
-        if key not in head:
-            raise InputError(f"{path}: the header of the ASCII grid has no {key}")
-    try:
-        values = np.array(" ".join(lines[start:]).split(), dtype=float)
+        values = np.array(" ".join(lines[len(head) :]).split(), dtype=float)
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None
     rows, columns, cell = int(head["nrows"]), int(head["ncols"]), head["cellsize"]
-    if values.size != rows * columns:
+    if min(rows, columns) < 1 or values.size != rows * columns:
         raise InputError(f"{path}: {rows} × {columns} values announced, {values.size} found")
     values = values.reshape(rows, columns)[::-1].copy()  # the file's first row is the northern one
     values[values == head.get("nodata_value", -9999.0)] = np.nan
     x, y = (head.get(f"{axis}llcenter", head.get(f"{axis}llcorner", 0.0) + cell / 2) for axis in "xy")
     prj = path.with_suffix(".prj")
-    crs = prj.read_text(encoding="utf-8").strip() if prj.exists() else ""
+    crs = read_text(prj).strip() if prj.exists() else ""
     if crs.startswith("GEOGCS"):
         raise InputError(f"{path}: the grid is in degrees ({prj.name}); project it to metres first")
     return Raster((x, y), (cell, cell), values, crs)
 
 
-def open_netcdf(path: Path) -> xarray.Dataset:
-    """Open a NetCDF file; InputError where it cannot be read or the extra ``geo`` is not installed."""
-    xarray = geo("xarray", path, "reading NetCDF")
+def _ascii_head(lines: list[str], path: Path) -> dict[str, float]:
+    """Return the header of an ESRI ASCII grid, a keyword and a finite number a line."""
+    head: dict[str, float] = {}
+    for number, line in enumerate(lines):
+        words = line.split()
+        if len(words) != 2 or not words[0][:1].isalpha():
+            break
+        try:
+            value = float(words[1])
+        except ValueError:
+            value = math.nan
+        key = words[0].lower()
+        if not math.isfinite(value) and key != "nodata_value":
+            raise InputError(f"{path}: line {number + 1}: {shown(words[0])} must be a number, got {shown(words[1])}")
+        if key in head:
+            raise InputError(f"{path}: line {number + 1}: {shown(words[0])} is given twice")
+        head[key] = value
+    for key in ("ncols", "nrows", "cellsize"):
+        if key not in head:
+            raise InputError(f"{path}: the header of the ASCII grid has no {key}")
+    return head
+
+
+@contextmanager
+def open_netcdf(path: Path) -> Iterator[xarray.Dataset]:
+    """Give the content of a NetCDF file; InputError where it cannot be read or the extra ``geo`` is not installed."""
+    size = check_file(path)
+    xarray, netcdf4 = (geo(module, path, "reading NetCDF") for module in ("xarray", "netCDF4"))
     try:
-        return xarray.open_dataset(path, engine="netcdf4")
-    except (OSError, ValueError, KeyError) as error:
+        with netcdf4.Dataset(path) as raw:
+            for name, variable in raw.variables.items():
+                _check_opened(f"{path}: variable {shown(name)}", size, variable.shape)
+        with xarray.open_dataset(path, engine="netcdf4") as data:
+            yield data
+    except InputError:
+        raise
+    except Exception as error:  # damaged files meet the libraries anywhere, and they raise anything
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path}: cannot be read as NetCDF ({reason})") from None
+
+
+def _check_opened(what: str, size: int, shape: tuple[int, ...]) -> None:
+    """Raise InputError where values of `shape` are more than a file of `size` bytes can have packed."""
+    if 8 * math.prod(shape) > most_opened(size):
+        raise InputError(f"{what} is of shape {shape}, which is more than a file of {size:,} bytes can hold")
 
 
 def coordinate(field: xarray.DataArray, axis: str, path: Path) -> xarray.DataArray:
@@ -176,9 +210,15 @@ def write_netcdf(
         for name, values in (("x", x), ("y", y))
     }
     variables = {name: (("y", "x"), *field) for name, field in fields.items()}
-    aside = path.with_name(path.name + ".part")
-    xarray.Dataset(variables, coords=axes, attrs={"Conventions": "CF-1.8", **about}).to_netcdf(aside, engine="netcdf4")
-    aside.replace(path)
+    dataset = xarray.Dataset(variables, coords=axes, attrs={"Conventions": "CF-1.8", **about})
+    try:
+        with TemporaryDirectory() as folder:
+            made = Path(folder) / "made.nc"
+            dataset.to_netcdf(made, engine="netcdf4")
+            content = read_bytes(made)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
+    write_aside(path, content)
 
 
 def projection(data: xarray.Dataset, field: xarray.DataArray) -> str:
@@ -195,17 +235,21 @@ def projection(data: xarray.Dataset, field: xarray.DataArray) -> str:
 def same_projection(one: str, other: str, what: str) -> None:
     """Raise InputError where two rasters state different map projections."""
     if one and other and "".join(one.split()) != "".join(other.split()):
-        raise InputError(f"{what}: different map projections, '{one[:60]}' and '{other[:60]}'")
+        raise InputError(f"{what}: different map projections, {shown(one)} and {shown(other)}")
 
 
 def read_geotiff(path: Path) -> Raster:
     """Read the first band of a north-up GeoTIFF in metres; InputError names what is wrong."""
+    size = check_file(path)
     rasterio = geo("rasterio", path, "reading GeoTIFF")
     try:
-        with rasterio.open(path) as data:
+        with rasterio.open(path, driver="GTiff") as data:  # GDAL would follow a virtual raster to other files
+            _check_opened(str(path), size, data.shape)
             band = data.read(1, masked=True).astype(np.float64).filled(np.nan)
             transform, crs = data.transform, data.crs
-    except rasterio.errors.RasterioError as error:
+    except InputError:
+        raise
+    except Exception as error:  # damaged files meet the library anywhere, and it raises anything
         raise InputError(f"{path}: cannot be read as GeoTIFF ({error})") from None
     if crs is not None and crs.is_geographic:
         raise InputError(f"{path}: the raster is in degrees ({crs}); project it to metres first")

@@ -20,8 +20,12 @@ from shapely.ops import nearest_points
 from shapely.validation import explain_validity
 
 from instances.arrays import Bools, Floats
-from instances.disk import read_text, write_aside
-from instances.errors import InputError, naming
+from instances.disk import read_json, write_aside
+from instances.errors import InputError, naming, shown
+from instances.extent import check_positions
+
+LEAST_SHARE = 1e-6
+"""Of its bounding box that a region must fill for points to be drawn in it: one try in a million succeeds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +37,7 @@ class Region:
     def __post_init__(self) -> None:
         if not isinstance(self.polygon, Polygon):
             raise InputError(f"region: must be one polygon, got {self.polygon.geom_type}")
+        check_positions(shapely.get_coordinates(self.polygon), "region: coordinates")
         if not self.polygon.is_valid:
             raise InputError(f"region: the polygon is not valid: {explain_validity(self.polygon)}")
         if not self.polygon.area > 0:
@@ -49,7 +54,7 @@ class Region:
     @classmethod
     def read(cls, path: Path | str) -> Region:
         """Read a GeoJSON polygon; InputError names the file and what is wrong."""
-        data = read_geojson(path)
+        data = read_json(path)
         with naming(path):
             return cls(single_polygon(data))
 
@@ -111,6 +116,8 @@ class Region:
     def sample(self, count: int, rng: np.random.Generator) -> Floats:
         """Return `count` points uniform in the region, shape (count, 2) [m]."""
         x0, y0, x1, y1 = self.bounds
+        if self.area < LEAST_SHARE * (x1 - x0) * (y1 - y0):
+            raise InputError(f"region: it is too thin to draw points in, {self.area:g} m² in all")
         # thin regions need many tries a point; a million at a time keeps the memory small
         size = int(min(2 * count * (x1 - x0) * (y1 - y0) / self.area + 16, 1e6))
         found = np.empty((0, 2))
@@ -128,15 +135,6 @@ class Region:
         return grid[self.contains(grid)]
 
 
-def read_geojson(path: Path | str) -> Any:
-    """Return the parsed content of a GeoJSON file; InputError names the file where it is none."""
-    text = read_text(path)
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: cannot be read as GeoJSON ({error})") from None
-
-
 def polygons(data: Any) -> list[Polygon]:
     """Return every polygon in GeoJSON `data` (geometry, Feature or FeatureCollection)."""
     kind = data.get("type") if isinstance(data, dict) else None
@@ -148,7 +146,9 @@ def polygons(data: Any) -> list[Polygon]:
     if kind == "Feature":
         return polygons(data.get("geometry"))
     if kind not in ("Polygon", "MultiPolygon"):
-        raise InputError(f"GeoJSON type must be a Polygon, MultiPolygon, Feature or FeatureCollection, got {kind!r}")
+        raise InputError(
+            f"GeoJSON type must be a Polygon, MultiPolygon, Feature or FeatureCollection, got {shown(kind)}"
+        )
     try:
         geometry = shape(data)
     except (ValueError, TypeError, LookupError, AttributeError, OverflowError, shapely.errors.ShapelyError) as error:

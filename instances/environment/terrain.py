@@ -16,15 +16,16 @@ from instances.arrays import Floats
 from instances.environment.raster import (
     METRES,
     bilinear,
+    check_grid,
     node_bounds,
     nodes_and_values,
     open_netcdf,
     projection,
     read_ascii_grid,
     read_geotiff,
-    refuse_missing,
 )
 from instances.errors import InputError
+from instances.extent import LARGEST, positive
 
 ELEVATIONS = (
     "surface_altitude",
@@ -60,9 +61,7 @@ class Terrain:
         object.__setattr__(self, "height", h)
         if h.ndim != 2 or min(h.shape) < 2:
             raise InputError(f"{where}: elevations must fill a grid of at least 2 × 2, got shape {h.shape}")
-        if not (self.spacing[0] > 0 and self.spacing[1] > 0):
-            raise InputError(f"{where}: spacing must be positive [m], got {self.spacing}")
-        refuse_missing(where, np.isfinite(h), self.origin, self.spacing)
+        check_grid(where, self.origin, self.spacing, h)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -94,8 +93,10 @@ def mountains(
     real ranges (B. Mandelbrot, The Fractal Geometry of Nature, 1982), stretched from 0 to `relief` [m]; valleys
     are flattened by squaring.
     """
-    if not (size > 0 and cells >= 2 and relief >= 0 and length_scale > 0):
-        raise InputError("mountains: size and length_scale must be positive, relief ≥ 0 and cells at least 2")
+    positive(size, "mountains: size [m]")
+    positive(length_scale, "mountains: length_scale [m]")
+    if not (cells >= 2 and 0 <= relief <= LARGEST):
+        raise InputError("mountains: relief must be ≥ 0 and cells at least 2")
     n = cells + 1
     wide = 2 * n  # twice the square: the field of a Fourier series is periodic
     k = 2 * np.pi * np.fft.fftfreq(wide, size / cells)

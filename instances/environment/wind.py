@@ -7,7 +7,6 @@ velocities in m/s, blowing *towards* (u, v).
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
@@ -17,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.errors import InputError
+from instances.errors import InputError, shown
+from instances.extent import LARGEST
 from instances.registry import refuse_unknown
 
 
@@ -44,17 +44,17 @@ class WindField(Protocol):
 
 
 def number(value: Any, what: str) -> float:
-    """Return `value` as a finite float, else raise InputError naming `what`."""
+    """Return `value` as a float of at most `extent.LARGEST`, else raise InputError naming `what`."""
     real = not isinstance(value, bool) and isinstance(value, (int, float, np.number))
-    if not real or not abs(value) <= sys.float_info.max:  # also whole numbers no float can hold
-        raise InputError(f"wind: {what} must be a finite number, got {value!r}")
+    if not real or not abs(value) <= LARGEST:
+        raise InputError(f"wind: {what} must be a finite number of at most {LARGEST:g}, got {shown(value)}")
     return float(value)
 
 
 def pair(value: Any, what: str) -> tuple[float, float]:
     """Return `value` as two finite floats, else raise InputError naming `what`."""
     if isinstance(value, (str, Mapping)) or not hasattr(value, "__len__") or len(value) != 2:
-        raise InputError(f"wind: {what} must be two numbers, got {value!r}")
+        raise InputError(f"wind: {what} must be two numbers, got {shown(value)}")
     return number(value[0], what), number(value[1], what)
 
 

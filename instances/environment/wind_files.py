@@ -15,7 +15,7 @@ import numpy as np
 
 from instances.arrays import Floats
 from instances.environment.raster import nodes_and_values, open_netcdf, projection, read_ascii_grid
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
 
 if TYPE_CHECKING:
     import xarray
@@ -89,7 +89,7 @@ def _component(data: xarray.Dataset, path: Path, standard: tuple[str, ...], usua
 def read_windninja(path: Path, units: str) -> WindData:
     """Read WindNinja's ``*_vel.asc`` together with the ``*_ang.asc`` beside it."""
     if units not in SPEED:
-        raise InputError(f"{path}: unknown units '{units}'{suggestion(units, SPEED)} (known: {', '.join(SPEED)})")
+        raise InputError(f"{path}: unknown units {shown(units)}{suggestion(units, SPEED)} (known: {', '.join(SPEED)})")
     stem = path.name.removesuffix("_vel.asc").removesuffix("_ang.asc")
     if stem == path.name:
         raise InputError(f"{path}: a WindNinja grid must be named *_vel.asc, with *_ang.asc beside it")

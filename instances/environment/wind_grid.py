@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.raster import node_axes, node_bounds, refuse_missing, write_netcdf
+from instances.environment.raster import check_grid, node_axes, node_bounds, write_netcdf
 from instances.environment.wind import points_of
 from instances.environment.wind_files import read_wind
-from instances.errors import InputError
+from instances.errors import InputError, shown
 from instances.kernels import njit
 from instances.registry import refuse_unknown
 
@@ -64,8 +64,12 @@ def _line_integrals(a: Floats, b: Floats, x0: float, y0: float, dx: float, dy: f
         dfx, dfy = (b[k, 0] - a[k, 0]) / dx, (b[k, 1] - a[k, 1]) / dy
         gx, gy = dfx * dx, dfy * dy
         now, total = 0.0, 0.0
+        pieces = 2 * (rows + columns)  # it crosses each line once; rounding may stop twice at one
         while now < 1.0:
+            pieces -= 1
             then = min(_next_line(fx, dfx, now, columns - 1), _next_line(fy, dfy, now, rows - 1), 1.0)
+            if pieces <= 0:
+                then = 1.0
             middle, half = 0.5 * (now + then), GAUSS * (then - now)
             for t in (middle - half, middle + half):
                 wu, wv = _at(fx + t * dfx, fy + t * dfy, u, v)
@@ -108,9 +112,7 @@ class Grid:
             raise InputError(
                 f"{where}: u and v must have one shape of at least 2 × 2, got {self.u.shape} and {self.v.shape}"
             )
-        if not (self.spacing[0] > 0 and self.spacing[1] > 0):
-            raise InputError(f"{where}: spacing must be positive [m], got {self.spacing}")
-        refuse_missing(where, np.isfinite(self.u) & np.isfinite(self.v), self.origin, self.spacing)
+        check_grid(where, self.origin, self.spacing, self.u, self.v)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -146,5 +148,5 @@ class Grid:
         """
         refuse_unknown("wind: kind 'grid'", "field", table, ("file", "units"))
         if not isinstance(table.get("file"), str):
-            raise InputError(f"wind: kind 'grid' needs the name of a file, got {table.get('file')!r}")
+            raise InputError(f"wind: kind 'grid' needs the name of a file, got {shown(table.get('file'))}")
         return cls(*read_wind(folder / table["file"], units=table.get("units")))

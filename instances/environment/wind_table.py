@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.wind import WindField, points_of
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
 from instances.registry import refuse_unknown
 
 KINDS = {
@@ -39,7 +39,7 @@ def wind_from_toml(table: Mapping[str, Any], folder: Path | str = ".") -> WindFi
     """
     kind = table.get("kind")
     if not isinstance(kind, str) or kind not in KINDS:
-        raise InputError(f"wind: unknown kind {kind!r}{suggestion(str(kind), KINDS)} (kinds: {', '.join(KINDS)})")
+        raise InputError(f"wind: unknown kind {shown(kind)}{suggestion(str(kind), KINDS)} (kinds: {', '.join(KINDS)})")
     module, _, name = KINDS[kind].partition(":")
     cls: type[WindField] = getattr(importlib.import_module(module), name)
     return cls.from_toml({k: v for k, v in table.items() if k != "kind"}, Path(folder))

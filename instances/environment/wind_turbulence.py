@@ -16,8 +16,12 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.wind import TableWind, number, points_of
-from instances.errors import InputError
+from instances.errors import InputError, shown
+from instances.extent import FINEST
 from instances.kernels import njit
+
+MOST_MODES = 10_000
+"""Every point of the wind sums them all."""
 
 
 @njit(cache=True)
@@ -49,9 +53,9 @@ class Turbulence(TableWind):
         object.__setattr__(self, "length_scale", number(self.length_scale, "length_scale [m]"))
         for name in ("seed", "modes"):
             if not isinstance(getattr(self, name), int) or getattr(self, name) < 0:
-                raise InputError(f"wind: {name} must be a whole number ≥ 0, got {getattr(self, name)!r}")
-        if self.rms < 0 or self.length_scale <= 0 or self.modes < 1:
-            raise InputError("wind: turbulence needs rms ≥ 0, length_scale > 0 and modes ≥ 1")
+                raise InputError(f"wind: {name} must be a whole number ≥ 0, got {shown(getattr(self, name))}")
+        if self.rms < 0 or self.length_scale < FINEST or not 1 <= self.modes <= MOST_MODES:
+            raise InputError(f"wind: turbulence needs rms ≥ 0, length_scale ≥ {FINEST:g} m and 1 to {MOST_MODES} modes")
 
     @cached_property
     def _waves(self) -> tuple[Floats, Floats, Floats]:

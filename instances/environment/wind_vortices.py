@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.wind import TableWind, number, pair, points_of
-from instances.errors import InputError
+from instances.errors import InputError, shown
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Vortices(TableWind):
     def __post_init__(self) -> None:
         for name in ("centres", "circulation", "core"):
             if isinstance(getattr(self, name), str) or not hasattr(getattr(self, name), "__len__"):
-                raise InputError(f"wind: {name} of vortices must be a list, got {getattr(self, name)!r}")
+                raise InputError(f"wind: {name} of vortices must be a list, got {shown(getattr(self, name))}")
         object.__setattr__(self, "centres", tuple(pair(c, "a vortex centre [m]") for c in self.centres))
         object.__setattr__(self, "circulation", tuple(number(g, "circulation [m²/s]") for g in self.circulation))
         object.__setattr__(self, "core", tuple(number(c, "core [m]") for c in self.core))

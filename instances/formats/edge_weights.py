@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from instances.arrays import Floats
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
 
 METRIC_OF: dict[str, dict[str, Any]] = {
     "EUC_2D": {"metric": "euclidean", "rounding": "nearest"},
@@ -38,7 +38,7 @@ def metric_of(edge_weight_type: str) -> dict[str, Any]:
     if edge_weight_type not in METRIC_OF:
         known = ("EXPLICIT", *METRIC_OF)
         raise InputError(
-            f"EDGE_WEIGHT_TYPE '{edge_weight_type[:40]}' is not supported{suggestion(edge_weight_type, known)} "
+            f"EDGE_WEIGHT_TYPE {shown(edge_weight_type)} is not supported{suggestion(edge_weight_type, known)} "
             f"(supported: {', '.join(known)})"
         )
     return METRIC_OF[edge_weight_type]
@@ -48,7 +48,7 @@ def explicit_weights(lines: list[str], edge_weight_format: str, size: int) -> Fl
     """Return the (size, size) matrix in the `lines` of an EDGE_WEIGHT_SECTION; line breaks mean nothing in TSPLIB."""
     if edge_weight_format not in FORMATS:
         raise InputError(
-            f"EDGE_WEIGHT_FORMAT '{edge_weight_format[:40]}' is not supported"
+            f"EDGE_WEIGHT_FORMAT {shown(edge_weight_format)} is not supported"
             f"{suggestion(edge_weight_format, FORMATS)} (supported: {', '.join(FORMATS)})"
         )
     words = " ".join(lines).split()
@@ -56,7 +56,7 @@ def explicit_weights(lines: list[str], edge_weight_format: str, size: int) -> Fl
         weights = np.array(words, dtype=np.float64)
     except ValueError:
         bad = next(word for word in words if not _is_number(word))
-        raise InputError(f"EDGE_WEIGHT_SECTION holds {bad[:40]!r}, which is not a number") from None
+        raise InputError(f"EDGE_WEIGHT_SECTION holds {shown(bad)}, which is not a number") from None
     full = edge_weight_format == "FULL_MATRIX"
     diagonal = "DIAG" in edge_weight_format
     expected = size * size if full else size * (size + (1 if diagonal else -1)) // 2

@@ -9,16 +9,14 @@ from __future__ import annotations
 
 import gzip
 import json
-import zlib
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from instances.arrays import Floats
-from instances.disk import as_text, read_bytes, write_aside
-from instances.errors import InputError, naming, suggestion
+from instances.disk import read_json, write_aside
+from instances.errors import InputError, naming, shown, suggestion
 from instances.formats.format import Format
 from instances.instance import Instance, check_size
 from instances.metrics import metric_cost
@@ -35,19 +33,8 @@ ROWS_UP_TO = 300
 
 def read_native(path: Path) -> Instance:
     """Read a native file; InputError names the file, the field and the value that cannot be used."""
-    content = read_bytes(path)
-    if path.name.lower().endswith(".gz"):
-        try:
-            content = gzip.decompress(content)
-        except (OSError, EOFError, zlib.error) as error:
-            raise InputError(f"{path}: cannot be decompressed ({error})") from None
+    document = read_json(path)
     with naming(path):
-        try:
-            document = json.loads(as_text(content, path), object_pairs_hook=_without_duplicates)
-        except InputError:
-            raise
-        except (ValueError, RecursionError) as error:
-            raise InputError(f"is not valid JSON ({error})") from None
         return instance_of(document)
 
 
@@ -65,13 +52,13 @@ def instance_of(document: Any) -> Instance:
     _check_schema(document.get("schema"))
     for key in document:
         if key not in KEYS:
-            raise InputError(f"unknown key '{key[:40]}'{suggestion(key, KEYS)}")
+            raise InputError(f"unknown key {shown(key)}{suggestion(key, KEYS)}")
     for key in ("name", "n_tasks", "n_depots", "cost"):
         if key not in document:
             raise InputError(f"the key '{key}' is missing")
     for key in ("n_tasks", "n_depots"):
         if not isinstance(document[key], int) or isinstance(document[key], bool) or document[key] < 1:
-            raise InputError(f"{key} must be a whole number of at least 1, got {_short(document[key])}")
+            raise InputError(f"{key} must be a whole number of at least 1, got {shown(document[key])}")
     check_size(document["n_tasks"], document["n_depots"])
     nodes = document["n_tasks"] + document["n_depots"]
     coordinates = document.get("coordinates")
@@ -79,7 +66,7 @@ def instance_of(document: Any) -> Instance:
         coordinates = _rows(coordinates, "coordinates", nodes, 2)
     provenance = document.get("provenance", {})
     if not isinstance(provenance, dict):
-        raise InputError(f"provenance must be an object, got {_short(provenance)}")
+        raise InputError(f"provenance must be an object, got {shown(provenance)}")
     cost = document["cost"]
     if isinstance(cost, dict):
         if coordinates is not None and not np.isfinite(coordinates).all():
@@ -114,25 +101,25 @@ def document_text(instance: Instance) -> str:
 
 def _check_schema(schema: Any) -> None:
     if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
-        raise InputError(f"schema must be a whole number from 1 to {SCHEMA}, got {_short(schema)}")
+        raise InputError(f"schema must be a whole number from 1 to {SCHEMA}, got {shown(schema)}")
     if schema > SCHEMA:
-        raise InputError(f"schema {_short(schema)} is of a newer version; this one reads up to {SCHEMA}")
+        raise InputError(f"schema {shown(schema)} is of a newer version; this one reads up to {SCHEMA}")
 
 
 def _rows(value: Any, label: str, count: int, width: int) -> Floats:
     """Return `count` rows of `width` numbers; json has told numbers, texts and truth values apart: so do we."""
     if not isinstance(value, list):
-        raise InputError(f"{label} must be a list of rows, got {_short(value)}")
+        raise InputError(f"{label} must be a list of rows, got {shown(value)}")
     if len(value) != count:
-        raise InputError(f"{label} has {len(value)} rows, must have n_tasks + n_depots = {_short(count)}")
+        raise InputError(f"{label} has {len(value)} rows, must have n_tasks + n_depots = {shown(count)}")
     for i, row in enumerate(value):
         if not isinstance(row, list):
-            raise InputError(f"{label}[{i}] must be a list of numbers, got {_short(row)}")
+            raise InputError(f"{label}[{i}] must be a list of numbers, got {shown(row)}")
         if len(row) != width:
             raise InputError(f"{label}[{i}] has {len(row)} entries, must have {width}")
         if not {*map(type, row)} <= {int, float}:
             j = next(j for j, entry in enumerate(row) if type(entry) not in (int, float))
-            raise InputError(f"{label}[{i}][{j}] must be a number, got {_short(row[j])}")
+            raise InputError(f"{label}[{i}][{j}] must be a number, got {shown(row[j])}")
     try:
         return np.array(value, dtype=np.float64)
     except OverflowError:
@@ -154,25 +141,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     raise TypeError(f"{type(value).__name__} is not a JSON value")
-
-
-def _short(value: Any) -> str:
-    """Return `value` for a sentence, cut where it is long."""
-    if isinstance(value, (list, dict)):
-        return "a list" if isinstance(value, list) else "an object"
-    if isinstance(value, int) and not isinstance(value, bool) and abs(value) >= 10**20:
-        return "a very large number"
-    text = json.dumps(value)
-    return text if len(text) <= 40 else text[:37] + "..."
-
-
-def _without_duplicates(pairs: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in found:
-            raise InputError(f"the key '{key[:40]}' is given twice")
-        found[key] = value
-    return found
 
 
 NATIVE = Format(read_native, write_native)

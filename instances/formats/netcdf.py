@@ -56,19 +56,29 @@ def _write(data: netcdf_file, name: str, axes: tuple[str, ...], values: Floats, 
         setattr(made, key, text)
 
 
-def read_grids(path: Path | str) -> tuple[dict[str, Floats], dict[str, Variable]]:
-    """Return the axes and the variables of a file that `write_grids` wrote; InputError where it cannot be read."""
+def read_grids(
+    path: Path | str, expected: Mapping[str, tuple[str, ...]] | None = None
+) -> tuple[dict[str, Floats], dict[str, Variable]]:
+    """Return the axes and the variables of a file that `write_grids` wrote; InputError where it cannot be read.
+
+    expected : variable → its axes; what the file must hold, over finite axes that rise.
+    """
+    content = read_bytes(path)
     try:
-        with netcdf_file(io.BytesIO(read_bytes(path)), "r", mmap=False) as data:
+        with netcdf_file(io.BytesIO(content), "r", mmap=False) as data:
             found = {
                 name: Variable(tuple(v.dimensions), np.array(v.data, dtype=np.float64), _attributes(v))
                 for name, v in data.variables.items()
             }
-    except (TypeError, ValueError, KeyError, EOFError) as error:
-        if isinstance(error, InputError):
-            raise
+    except Exception as error:  # a damaged file meets scipy anywhere, and it raises anything
         raise InputError(f"{path}: cannot be read as NetCDF-3 ({error})") from None
     axes = {name: v.values for name, v in found.items() if v.axes == (name,)}
+    for name, wanted in (expected or {}).items():
+        if name not in found or found[name].axes != wanted:
+            raise InputError(f"{path}: holds no variable '{name}' over {', '.join(wanted)}")
+        for axis in wanted:
+            if axis not in axes or not (np.diff(axes[axis]) > 0).all() or not np.isfinite(axes[axis]).all():
+                raise InputError(f"{path}: the axis '{axis}' of '{name}' must hold finite numbers that rise")
     return axes, {name: v for name, v in found.items() if name not in axes}
 
 

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from instances.disk import read_text, write_aside
-from instances.errors import InputError, naming
+from instances.errors import InputError, naming, shown
 from instances.instance import Instance
 from instances.routes import Routes, as_routes, check_routes, makespan
 
@@ -69,7 +69,7 @@ def _parse(text: str, instance: Instance) -> tuple[Routes, float | None]:
         elif cost := _COST.fullmatch(line):
             claimed = _number(cost[1], number)
         else:
-            raise InputError(f"line {number} must read 'Route #k: tasks' or 'Cost value', got {line[:40]!r}")
+            raise InputError(f"line {number} must read 'Route #k: tasks' or 'Cost value', got {shown(line)}")
     if not found:
         raise InputError("there is no line 'Route #k: tasks'")
     return as_routes(found.get(k, []) for k in range(1, instance.n_depots + 1)), claimed
@@ -77,7 +77,7 @@ def _parse(text: str, instance: Instance) -> tuple[Routes, float | None]:
 
 def _task(word: str, line: int, route: int) -> int:
     if not (word.isascii() and word.isdigit() and len(word) < 10):
-        raise InputError(f"line {line}: route #{route} holds {word[:40]!r}, which is not a task number")
+        raise InputError(f"line {line}: route #{route} holds {shown(word)}, which is not a task number")
     return int(word)
 
 
@@ -87,5 +87,5 @@ def _number(word: str, line: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise InputError(f"line {line}: the cost must be a number, got {word[:40]!r}")
+        raise InputError(f"line {line}: the cost must be a number, got {shown(word)}")
     return value

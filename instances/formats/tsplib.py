@@ -27,7 +27,7 @@ import vrplib
 
 from instances.arrays import Floats, Ints
 from instances.disk import read_text
-from instances.errors import InputError, naming
+from instances.errors import InputError, naming, shown
 from instances.formats.edge_weights import explicit_weights, metric_of
 from instances.formats.format import Format
 from instances.instance import Instance, check_size
@@ -101,7 +101,7 @@ def _split(text: str) -> tuple[dict[str, str], dict[str, list[str]]]:
         elif current is not None:
             current.append(line)
         else:
-            raise InputError(f"line {number} is neither 'KEYWORD : value' nor part of a section: {line[:40]!r}")
+            raise InputError(f"line {number} is neither 'KEYWORD : value' nor part of a section: {shown(line)}")
     return specs, sections
 
 
@@ -111,7 +111,7 @@ def _whole(specs: Mapping[str, str], key: str) -> int | None:
         return None
     value = specs[key]
     if not (value.isascii() and value.isdigit() and len(value) < 10 and int(value) >= 1):
-        raise InputError(f"{key} must be a whole number of at least 1, got {value[:40]!r}")
+        raise InputError(f"{key} must be a whole number of at least 1, got {shown(value)}")
     return int(value)
 
 
@@ -154,7 +154,7 @@ def _depot_lines(lines: list[str], size: int) -> tuple[list[int], list[int] | No
         if words[:1] == ["-1"]:
             break
         if len(words) not in (1, 2) or not all(w.isascii() and w.isdigit() and len(w) < 10 for w in words):
-            raise InputError(f"DEPOT_SECTION must hold 'node' or 'node count', got {line[:40]!r}")
+            raise InputError(f"DEPOT_SECTION must hold 'node' or 'node count', got {shown(line)}")
         node, *count = map(int, words)
         if not 1 <= node <= size:
             raise InputError(f"DEPOT_SECTION names node {node}, but the nodes are 1 to {size}")
@@ -182,10 +182,10 @@ def _coordinates(sections: Mapping[str, list[str]], size: int) -> Floats | None:
     for number, line in enumerate(lines, 1):
         words = line.split()
         if len(words) != 3:
-            raise InputError(f"{name}_SECTION must hold 'node x y', got {line[:40]!r}")
+            raise InputError(f"{name}_SECTION must hold 'node x y', got {shown(line)}")
         if words[0] != str(number):
             raise InputError(
-                f"{name}_SECTION must list the nodes 1 to {size} in order, got {words[0][:20]!r} as {number}"
+                f"{name}_SECTION must list the nodes 1 to {size} in order, got {shown(words[0])} as {number}"
             )
     parsed = vrplib.parse.parse_vrplib(f"{name}_SECTION\n" + "\n".join(lines) + "\nEOF", compute_edge_weights=False)
     try:
@@ -224,9 +224,13 @@ def _cost(
     scale = SCALE.search(specs.get("COMMENT", ""))
     if scale:
         try:
-            cost /= float(scale[1])
+            unit = float(scale[1])
         except ValueError:
-            raise InputError(f"COMMENT: the scale {scale[1]!r} is not a number") from None
+            unit = 0.0
+        if not 0 < unit < np.inf:
+            raise InputError(f"COMMENT: the scale {shown(scale[1])} is not a number")
+        with np.errstate(over="ignore"):  # refused by Instance
+            cost /= unit
     return cost
 
 

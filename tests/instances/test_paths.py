@@ -83,10 +83,10 @@ def test_bad_files_are_named(tmp_path: Path) -> None:
     table = json.loads(gzip.decompress(file.read_bytes()))
     for change in ({"offsets": [0, 1]}, {"points": [[0.0]]}, {"n_nodes": "three"}, {"points": [[None, 1.0]]}):
         file.write_bytes(gzip.compress(json.dumps({**table, **change}).encode()))
-        with pytest.raises(InputError, match=r"x.paths.json.gz: points and offsets|paths: "):
+        with pytest.raises(InputError, match=r"x.paths.json.gz: (points|offsets|n_nodes|paths)"):
             read_paths(file, instance)
     file.write_bytes(b"no gzip")
-    with pytest.raises(InputError, match="cannot be read as paths"):
+    with pytest.raises(InputError, match="cannot be decompressed"):
         read_paths(file, instance)
 
 

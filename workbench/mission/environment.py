@@ -6,13 +6,12 @@ Products: scenario.toml, wind.nc (where the wind is a grid), terrain.nc, field.n
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from instances.disk import read_text, write_aside
+from instances.disk import read_toml, write_aside
 from instances.environment.propagation import radio_map
 from instances.environment.radio import RadioMap, RadioSource
 from instances.environment.radio_files import read_field, write_field
@@ -31,7 +30,7 @@ def settings(mission: Mission) -> dict[str, Any]:
     files = referenced_files(table, mission.folder)
     if "scenario" in table:  # a file that names files of its own
         scenario = mission.folder / table["scenario"]
-        files |= referenced_files(tomllib.loads(read_text(scenario)), scenario.parent)
+        files |= referenced_files(read_toml(scenario), scenario.parent)
     return {"table": table, "files": files, "field": asdict(mission.field), "altitude": mission.flight.altitude}
 
 

@@ -20,7 +20,7 @@ from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.flight_check import FlightCheck, check_flight
 from instances import Instance, Routes
 from instances.arrays import Floats
-from instances.disk import read_text, write_aside
+from instances.disk import read_json, write_aside
 from instances.errors import InputError
 from instances.files import read_routes
 from instances.formats.ground_control import Tour, write_tour
@@ -164,4 +164,9 @@ def _said(checks: list[FlightCheck]) -> str:
 
 def kept_flights(folder: Path) -> list[Flight]:
     """Read the flights this stage wrote."""
-    return [Flight.from_json(data) for data in json.loads(read_text(folder / "flights.json"))]
+    path = folder / "flights.json"
+    flights = read_json(path)
+    try:
+        return [Flight.from_json(data) for data in flights]
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{path}: holds no flights ({error})") from None

@@ -14,7 +14,7 @@ from typing import Any
 import psutil
 
 from instances.code import code_digest, revision
-from instances.disk import write_aside
+from instances.disk import read_bytes, write_aside
 from instances.errors import InputError, suggestion
 from workbench.mission.settings import Mission
 from workbench.mission.stamp import Stamp, digest_of, intact, products_of, read_stamp
@@ -88,7 +88,7 @@ def run_mission(
         _make(stage, mission, folders, wanted, tell)
     page = folders["report"] / "report.html"
     if page.is_file():  # where people look for it
-        write_aside(out / page.name, page.read_bytes())
+        write_aside(out / page.name, read_bytes(page))
 
 
 def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp, tell: Tell) -> None:

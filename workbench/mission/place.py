@@ -11,7 +11,6 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from shapely.geometry import Polygon
 
 from formulations.kernel import SquaredExponential
@@ -19,6 +18,7 @@ from formulations.task_location.certificate import certificate
 from formulations.task_location.criterion import Convention, Criterion, convention
 from formulations.task_location.placement import Placement, PlacementProblem, place
 from formulations.task_location.registry import METHODS
+from formulations.task_location.setting import rows_of_tests
 from instances.arrays import Floats
 from instances.disk import write_aside
 from instances.environment.region import Region
@@ -103,4 +103,4 @@ def write_tasks(points: Floats, out: Path, said: dict[str, Any]) -> None:
 
 def kept_tasks(folder: Path) -> Floats:
     """Read the tasks (n, 2) [m] this stage wrote."""
-    return np.loadtxt(folder / "tasks.csv", delimiter=",", skiprows=1, ndmin=2)
+    return rows_of_tests(folder / "tasks.csv")[:, :2]

@@ -8,11 +8,13 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from instances.disk import read_bytes, write_aside
+import msgspec
+
+from instances.disk import read_bytes, read_json, write_aside
 from instances.errors import InputError
 
 FILE = "stamp.json"
@@ -52,9 +54,8 @@ class Stamp:
 def read_stamp(folder: Path) -> Stamp | None:
     """Return the stamp in `folder`, or None where there is none that can be read."""
     try:
-        data = json.loads(read_bytes(folder / FILE))
-        return Stamp(**{each.name: data[each.name] for each in fields(Stamp) if each.name in data})
-    except (InputError, ValueError, TypeError):
+        return msgspec.convert(read_json(folder / FILE), Stamp)
+    except (InputError, msgspec.ValidationError):
         return None
 
 

@@ -127,7 +127,9 @@ def bad(tmp_path: Path, text: str) -> str:
 
 def test_bad_files_are_named_with_what_is_wrong(tmp_path: Path) -> None:
     assert "first line must be" in bad(tmp_path, "1,2,3\n")
-    assert "could not convert" in bad(tmp_path, "x,y,dBm\n0,0,abc\n")
+    assert "line 2: every line must hold three numbers x, y and a value, got '0,0,abc'" in bad(
+        tmp_path, "x,y,dBm\n0,0,abc\n"
+    )
     assert "need 4 lines, got 3" in bad(tmp_path, "x,y,dBm\n0,0,1\n1,0,1\n0,1,1\n")
     assert "missing (NaN" in bad(tmp_path, "x,y,dBm\n0,0,1\n1,0,nan\n0,1,1\n1,1,1\n")
     assert "equally spaced" in bad(tmp_path, "x,y,dBm\n0,0,1\n1,0,1\n5,0,1\n0,1,1\n1,1,1\n5,1,1\n")

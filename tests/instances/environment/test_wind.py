@@ -67,7 +67,7 @@ def test_rotation_and_shear_turn_the_stated_way() -> None:
         ({"kind": "vortices", "centres": [[0, 0]], "circulation": [1.0, 2.0]}, "as many centres"),
         ({"kind": "vortices", "centres": [[0, 0]], "circulation": [1.0], "core": [-1.0]}, "negative"),
         ({"kind": "turbulence", "length_scale": 100.0}, "rms"),
-        ({"kind": "turbulence", "rms": 1.0, "length_scale": 0.0}, "length_scale > 0"),
+        ({"kind": "turbulence", "rms": 1.0, "length_scale": 0.0}, "length_scale ≥ 1e-06"),
         ({"kind": "sum", "parts": []}, "at least one part"),
         ({"kind": "sum", "parts": [3]}, "tables"),
     ],

@@ -106,7 +106,11 @@ def test_bad_netcdf_files_are_named(tmp_path: Path, change: dict, words: str) ->
 
 @pytest.mark.parametrize(
     ("name", "words"),
-    [("absent.nc", "cannot be read as NetCDF"), ("wind.csv", "must be NetCDF"), ("wind.asc", "named \\*_vel.asc")],
+    [
+        ("absent.nc", "cannot be read \\(No such file"),
+        ("wind.csv", "must be NetCDF"),
+        ("wind.asc", "named \\*_vel.asc"),
+    ],
 )
 def test_unreadable_files_are_named(tmp_path: Path, name: str, words: str) -> None:
     pytest.importorskip("xarray")

@@ -12,7 +12,7 @@ from instances import InputError, Instance
 from instances.files import read_instance, write_instance
 from instances.formats import native
 
-finite = st.floats(0, 1e300, allow_nan=False)
+finite = st.floats(0, 1e149, allow_nan=False)
 
 
 @st.composite
@@ -97,27 +97,29 @@ def metric(**entries):
     ("changes", "sentence"),
     [
         ({"schema": 2}, "schema 2 is of a newer version; this one reads up to 1"),
-        ({"schema": None}, "schema must be a whole number from 1 to 1, got null"),
-        ({"schema": True}, "schema must be a whole number from 1 to 1, got true"),
+        ({"schema": None}, "schema must be a whole number from 1 to 1, got None"),
+        ({"schema": True}, "schema must be a whole number from 1 to 1, got True"),
         ({"schema": "1"}, "schema must be a whole number"),
         ({"n_tasks": 0}, "n_tasks must be a whole number of at least 1, got 0"),
         ({"n_depots": 0}, "n_depots must be a whole number of at least 1, got 0"),
         ({"n_depots": 1.0}, "n_depots must be a whole number of at least 1, got 1.0"),
         ({"n_tasks": "2"}, "n_tasks must be a whole number of at least 1"),
-        ({"n_tasks": 10**30}, "very many tasks and 1 depots are more than the 20000 nodes an instance can have"),
+        ({"n_tasks": 10**30}, "0000000 tasks and 1 depots are more than the 20000 nodes an instance can have"),
         ({"cost": [[0, 1, 2], [3, 0, 4]]}, "cost has 2 rows, must have n_tasks . n_depots = 3"),
         ({"cost": [[0, 1, 2], [3, 0], [5, 6, 0]]}, r"cost\[1\] has 2 entries, must have 3"),
-        ({"cost": [[0, 1, 2], [3, 0, "4"], [5, 6, 0]]}, r'cost\[1\]\[2\] must be a number, got "4"'),
-        ({"cost": [[0, 1, 2], [3, 0, True], [5, 6, 0]]}, r"cost\[1\]\[2\] must be a number, got true"),
-        ({"cost": [[0, 1, 2], [3, 0, float("nan")], [5, 6, 0]]}, r"cost\[1\]\[2\] is not a number"),
-        ({"cost": [[0, 1, float("inf")], [3, 0, 4], [5, 6, 0]]}, r"cost\[0\]\[2\] is infinite"),
+        ({"cost": [[0, 1, 2], [3, 0, "4"], [5, 6, 0]]}, r"cost\[1\]\[2\] must be a number, got '4'"),
+        ({"cost": [[0, 1, 2], [3, 0, True], [5, 6, 0]]}, r"cost\[1\]\[2\] must be a number, got True"),
+        ({"cost": [[0, 1, 2], [3, 0, float("nan")], [5, 6, 0]]}, "NaN is no JSON number"),
+        ({"cost": [[0, 1, float("inf")], [3, 0, 4], [5, 6, 0]]}, "Infinity is no JSON number"),
+        ({"cost": [[0, 1, 1e160], [3, 0, 4], [5, 6, 0]]}, r"cost\[0\]\[2\] is too large \(1e\+160\)"),
+        ({"coordinates": [[0, 0], [1, 1e200], [2, 2]]}, r"coordinates\[1\] is more than 1e\+15 m away"),
         ({"cost": [[0, 1, 2], [3, 0, 4], [5, -6, 0]]}, r"cost\[2\]\[1\] is negative"),
         ({"cost": [[0, 1, 2], [3, 0, 4], [5, 10**400, 0]]}, "cost holds a number too large"),
         ({"cost": 5}, "cost must be a list of rows, got 5"),
         ({"coordinates": [[0, 0], [1, 1]]}, "coordinates has 2 rows"),
         ({"coordinates": [[0, 0], [1, 1], [1]]}, r"coordinates\[2\] has 1 entries, must have 2"),
         ({"name": ""}, "name must be a non-empty text"),
-        ({"provenance": []}, "provenance must be an object, got a list"),
+        ({"provenance": []}, r"provenance must be an object, got \[\]"),
         ({"coordinate": 1}, "unknown key 'coordinate'; did you mean 'coordinates'"),
         (metric(metric="euclidian"), "unknown metric 'euclidian'; did you mean 'euclidean'"),
         (metric(metric=["euclidean"]), "unknown metric"),

@@ -8,6 +8,8 @@ from difflib import get_close_matches
 
 LONGEST_VALUE = 80
 """Characters of a value that a sentence repeats."""
+NO_BREAK = "\u00a0"
+"""A space, if one that Python does not call printable."""
 LONGEST_SENTENCE = 1000
 """Characters of a sentence about an input."""
 
@@ -28,7 +30,7 @@ def one_line(text: str, longest: int) -> str:
     cut = text if len(text) <= longest else f"{text[: longest - 1]}…"
     if cut.isprintable():
         return cut
-    return "".join(c if c.isprintable() else " " if c in "\n\r\t" else ascii(c)[1:-1] for c in cut)
+    return "".join(c if c.isprintable() or c == NO_BREAK else " " if c in "\n\r\t" else ascii(c)[1:-1] for c in cut)
 
 
 def shown(value: object) -> str:

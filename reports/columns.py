@@ -7,10 +7,13 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from instances.errors import one_line
 from reports import numbers
 from reports.record import described as stored
 
 SHORT = "{:.3g}".format
+LONGEST_TEXT = 1000
+"""Characters of one entry of a table."""
 
 
 def least(values: pd.Series) -> list[str]:
@@ -52,8 +55,8 @@ class Column(NamedTuple):
         return self.write in (str, numbers.proved)
 
     def text(self, value: Any) -> str:
-        """Return `value` as text, a dash where it is missing."""
-        return numbers.NOTHING if numbers.missing(value) else self.write(value)
+        """Return `value` as text, one printable line, a dash where it is missing."""
+        return numbers.NOTHING if numbers.missing(value) else one_line(self.write(value), LONGEST_TEXT)
 
 
 def shown(columns: Iterable[Column], table: pd.DataFrame) -> list[Column]:
@@ -78,7 +81,9 @@ SUMMARY = [
     Column("solved", "Solved", "", numbers.share, "share of runs with routes whose re-computed cost is right", most),
     Column("proved", "Proved", "", numbers.share, "share of runs that ended with a proof of optimality", most),
     Column("certified", "Certified", "", numbers.share,
-           "share of runs whose routes the best bound of any method proves to be within 1 % of the optimum", most),
+           "share of runs whose routes a bound claimed by some method puts within 1 % of the optimum", most),
+    Column("certified_by", "Certified by",
+           meaning="whose bounds these are: a method's claim, which only its own argument shows"),
     Column("gap_known", "Gap to best known", "", numbers.gap, "mean over solved runs with a best known value", least),
     Column("gap_found", "Gap to best found", "", numbers.gap,
            "mean over solved runs; best over all runs of this report", least),
@@ -109,6 +114,7 @@ INSTANCES = [
     Column("best_known", "Best known", "s", numbers.cost, "value stored with the instance"),
     Column("best_found", "Best found", "s", numbers.cost, "over all runs of this report"),
     Column("best_bound", "Best bound", "s", numbers.cost, "over all runs of this report"),
+    Column("bound_by", "Bound by", meaning="method that claims the best bound"),
     Column("gap", "Gap left", "", numbers.gap, "(best found − best bound) / best found"),
     Column("proved", "Proved", "", numbers.proved, "whether any run proved its routes optimal"),
     Column("best_method", "Found first by", meaning="method that had the best routes soonest"),

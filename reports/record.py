@@ -11,23 +11,22 @@ from __future__ import annotations
 
 import contextlib
 import json
-import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from instances import disk
 from instances.code import code_digest
-from instances.errors import InputError, shown
+from instances.errors import InputError, one_line, shown
+from reports.kinds import KINDS
 
 SCHEMA = 1
 
 
 class Column(NamedTuple):
-    """One column: `kind` says what its values are (KINDS); `required` that a stored run without it is refused."""
+    """One column: `kind` says what its values are (`reports.kinds`), `required` that a run without it is refused."""
 
     name: str
     kind: str
@@ -42,18 +41,18 @@ class Column(NamedTuple):
 OWN: dict[str, tuple[Column, ...]] = {
     "routing": (
         Column("routes", "routes", "", "tasks of each UAV in flying order, in depot order"),
-        Column("tour_costs", "list", "s", "C_k of each UAV, re-computed"),
+        Column("tour_costs", "numbers", "s", "C_k of each UAV, re-computed"),
     ),
     "placement": (
-        Column("points", "list", "m", "task locations, shape (n, 2)"),
+        Column("points", "points", "m", "task locations, shape (n, 2)"),
         Column("mutual_information", "number", "nats", "information (b) of the points, re-computed"),
-        Column("certificate", "number", "nats", "upper bound: no placement in the region has more", True),
+        Column("certificate", "finite", "nats", "upper bound: no placement in the region has more", True),
         Column("ratio", "number", "", "mutual_information / certificate"),
-        Column("information", "table", "nats", "information of the points under each convention"),
+        Column("information", "figures", "nats", "information of the points under each convention"),
     ),
     "moving-cost": (
-        Column("cost", "list", "s", "moving cost of every ordered pair of nodes, shape (N, N)"),
-        Column("paths", "table", "m", "the path behind each cost, re-flown by the workbench"),
+        Column("cost", "matrix", "s", "moving cost of every ordered pair of nodes, shape (N, N)"),
+        Column("paths", "paths", "m", "the path behind each cost, re-flown by the workbench"),
     ),
 }
 """What is stored beside RUN, by problem."""
@@ -75,7 +74,8 @@ DERIVED = (
     Column("stale", "flag", "", "whether other code than today's made it"),
     Column("path", "text", "", "the file"),
     Column("best_found", "number", "s", "least value of any run of the report on the instance"),
-    Column("best_bound", "number", "s", "greatest bound of any run of the report on the instance"),
+    Column("best_bound", "number", "s", "greatest bound of any run of the report on the instance, if none refutes it"),
+    Column("bound_by", "line", "", "method that claims best_bound"),
     Column("gap_known", "number", "", "value against best_known"),
     Column("gap_found", "number", "", "value against the best found"),
     Column("gap_bound", "number", "", "value against best_bound"),
@@ -109,36 +109,36 @@ def _kept(kind: str, unit: str, meaning: str, required: bool = False, **default:
 class Run:
     """One run, every number checked by the workbench: what is stored of all, in order, and its problem's columns."""
 
-    problem: str = _kept("text", "", "routing, placement or moving-cost")
+    problem: str = _kept("line", "", "routing, placement or moving-cost")
     instance: dict[str, Any] = _kept(
         "item", "", "what was solved: name, digest, n_tasks, n_depots, and more by problem", required=True
     )
-    solver: str = _kept("text", "", "registered name of the method, or module:Class", required=True)
+    solver: str = _kept("line", "", "registered name of the method, or module:Class", required=True)
     options: dict[str, Any] = _kept("table", "", "options that differ from the default")
-    label: str = _kept("text", "", "solver and its options where not default")
+    label: str = _kept("line", "", "solver and its options where not default")
     seed: int = _kept("whole", "", "seed of the random numbers", required=True)
-    time_limit: float = _kept("number", "s", "wall clock the solve was allowed", required=True)
-    threads: int = _kept("number", "", "threads the solve was allowed")
-    iterations: int | None = _kept("number", "", "limit on the method's own iterations, or none")
+    time_limit: float = _kept("limit", "s", "wall clock the solve was allowed", required=True)
+    threads: int = _kept("amount", "", "threads the solve was allowed")
+    iterations: int | None = _kept("amount", "", "limit on the method's own iterations, or none")
     proves: bool = _kept("flag", "", "whether the method can end with a proof of optimality")
-    status: str = _kept("text", "", "what is known at the end", required=True)
+    status: str = _kept("line", "", "what is known at the end", required=True)
     objective: float | None = _kept(
         "number", "s", "re-computed by the workbench: C_max [s]; of a placement −I [nats]", required=True
     )
     bound: float | None = _kept("number", "s", "lower bound on the objective, in its unit", required=True)
-    elapsed: float = _kept("number", "s", "wall clock of the solve alone")
-    stopped_by: str = _kept("text", "", "what ended the run: proof, time, iterations, memory, finished, killed, error")
-    message: str = _kept("text", "", "one sentence")
+    elapsed: float = _kept("amount", "s", "wall clock of the solve alone")
+    stopped_by: str = _kept("line", "", "what ended the run: proof, time, iterations, memory, finished, killed, error")
+    message: str = _kept("line", "", "one sentence")
     tolerance: float | None = _kept("number", "s", "OPTIMAL means objective − bound ≤ tolerance")
     claimed_objective: float | None = _kept("number", "s", "what the method claimed")
-    prepare_elapsed: float | None = _kept("number", "s", "start of the process, imports and compilation")
-    wall_elapsed: float | None = _kept("number", "s", "wall clock of the whole process")
-    cpu_seconds: float | None = _kept("number", "s", "processor time of the solve, all threads")
-    peak_memory: int | None = _kept("number", "bytes", "most memory of the whole process")
-    environment: str = _kept("text", "", "digest of machine and versions, stated in environments/<digest>.json")
-    code: str = _kept("text", "", "digest of the workbench's sources that made it; other than today's is stale")
-    revision: str = _kept("text", "", "revision of the checkout, where it was made in one")
-    created: str = _kept("text", "", "ISO time, UTC")
+    prepare_elapsed: float | None = _kept("amount", "s", "start of the process, imports and compilation")
+    wall_elapsed: float | None = _kept("amount", "s", "wall clock of the whole process")
+    cpu_seconds: float | None = _kept("amount", "s", "processor time of the solve, all threads")
+    peak_memory: int | None = _kept("amount", "bytes", "most memory of the whole process")
+    environment: str = _kept("line", "", "digest of machine and versions, stated in environments/<digest>.json")
+    code: str = _kept("line", "", "digest of the workbench's sources that made it; other than today's is stale")
+    revision: str = _kept("line", "", "revision of the checkout, where it was made in one")
+    created: str = _kept("line", "", "ISO time, UTC")
     trace: list[tuple[float, float | None, float | None]] = _kept(
         "trace", "", "elapsed [s], objective, bound of each improvement", default_factory=list
     )
@@ -187,70 +187,25 @@ def run_from(data: Any) -> Run:
     if data["schema"] != SCHEMA:
         raise InputError(f"has schema {shown(data['schema'])}; this version reads schema {SCHEMA}")
     problem = data.get("problem", "routing")
-    if problem not in OWN:
+    if not isinstance(problem, str) or problem not in OWN:
         raise InputError(f"is a run of a problem unknown here, {shown(problem)} (known: {', '.join(OWN)})")
     common, own = ({c.name: _checked(data, c) for c in columns} for columns in (RUN, OWN[problem]))
     common |= {"problem": problem, "label": common["label"] or common["solver"]}
     if common["status"] not in STATUSES.get(problem, (common["status"],)):
         raise InputError(f"status must be one of {', '.join(STATUSES[problem])}, got {shown(common['status'])}")
-    common["trace"] = [tuple(point) for point in common["trace"]]
+    common["trace"] = sorted(map(tuple, common["trace"]), key=itemgetter(0))
     return Run(**common, own=own)
 
 
 def _checked(data: Mapping[str, Any], column: Column) -> Any:
-    name, value = column.name, data.get(column.name)
+    name, value, kind = column.name, data.get(column.name), KINDS[column.kind]
     if column.required and name not in data:
         raise InputError(f"'{name}' is missing")
-    check, words, nothing = KINDS[column.kind]
-    if value is None and (column.kind == "number" or not column.required):
-        return nothing()
-    if not check(value):
-        raise InputError(f"{name} must be {words}, got {shown(value)}")
-    return value
-
-
-def _is_number(value: object) -> bool:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return False
-    return abs(value) <= sys.float_info.max  # also of whole numbers too large for a float; False for NaN
-
-
-def _is_item(value: object) -> bool:
-    if not isinstance(value, dict) or not all(isinstance(value.get(key), str) for key in ("name", "digest")):
-        return False
-    return all(
-        value.get(key) is None or _is_number(value[key]) for key in ("n_tasks", "n_depots", "asymmetry", "best_known")
-    )
-
-
-def _is_routes(value: object) -> bool:
-    return isinstance(value, list) and all(
-        isinstance(route, list) and all(type(task) is int for task in route) for route in value
-    )
-
-
-def _is_trace(value: object) -> bool:
-    if not isinstance(value, list) or not value:
-        return isinstance(value, list)
-    try:
-        points = np.array(value, dtype=np.float64)  # null becomes NaN
-    except (TypeError, ValueError, OverflowError):
-        return False
-    return points.ndim == 2 and points.shape[1] == 3 and bool(np.isfinite(points[:, 0]).all())
-
-
-KINDS: dict[str, tuple[Callable[[Any], bool], str, Callable[[], Any]]] = {
-    "text": (lambda value: isinstance(value, str), "a text", str),
-    "number": (_is_number, "a finite number or null", lambda: None),
-    "whole": (lambda value: type(value) is int, "a whole number", lambda: None),
-    "flag": (lambda value: isinstance(value, bool), "true or false", bool),
-    "table": (lambda value: isinstance(value, dict), "a table or null", dict),
-    "list": (lambda value: isinstance(value, list), "a list or null", lambda: None),
-    "routes": (_is_routes, "a list of lists of whole numbers, or null", lambda: None),
-    "trace": (_is_trace, "a list of [elapsed, objective or null, bound or null]", list),
-    "item": (_is_item, "a table with the texts name and digest, and numbers", dict),
-}
-"""Kind → what checks a value, what it must be in words, and what stands where it is missing."""
+    if value is None and not column.required:
+        return kind.missing()
+    if not kind.check(value):
+        raise InputError(f"{name} must be {kind.words}, got {shown(value)}")
+    return kind.keep(value)
 
 
 def code_note(codes: Iterable[str]) -> str:
@@ -270,4 +225,8 @@ def study_title(folders: Sequence[Path]) -> str:
     if len(folders) == 1:
         with contextlib.suppress(InputError, KeyError, TypeError):
             names = [str(read_json(folders[0] / "study.json")["study"]["name"])]
-    return ", ".join(names)
+    return one_line(", ".join(names), LONGEST_TITLE)
+
+
+LONGEST_TITLE = 200
+"""Characters of a page's title."""

@@ -19,6 +19,7 @@ import pandas as pd
 
 from instances import InputError, Instance, check_routes, tour_costs
 from instances.code import code_digest
+from instances.errors import one_line
 from instances.files import read_instance
 from reports.proofs import RELATIVE_ROUNDING, holds
 from reports.record import ITEM_FILES, RUN, Run, described, read_json, read_run
@@ -44,15 +45,22 @@ LONGEST_LABEL = 36
 class Stores:
     """What the folders hold.
 
-    runs : the frame (`COLUMNS`). warnings : a sentence for each file left alone. environments : digest → machine
-    and versions. instance_files : digest → the instance's file. folders : the folders read.
+    runs : the frame (`COLUMNS`). damaged : a sentence for each file that could not be read. remarks : what else a
+    reader must know. environments : digest → machine and versions. instance_files : digest → the instance's file.
+    folders : the folders read.
     """
 
     runs: pd.DataFrame
-    warnings: list[str]
+    damaged: list[str]
+    remarks: list[str]
     environments: dict[str, Any]
     instance_files: dict[str, Path]
     folders: list[Path]
+
+    @property
+    def warnings(self) -> list[str]:
+        """Everything that was not as it should be, a sentence each."""
+        return [*self.damaged, *self.remarks]
 
 
 def read_stores(*folders: Path | str) -> Stores:
@@ -61,17 +69,19 @@ def read_stores(*folders: Path | str) -> Stores:
     A run that is in several stores counts once: the latest is kept.
     """
     rows: list[dict[str, Any]] = []
-    warnings: list[str] = []
+    damaged: list[str] = []
+    remarks: list[str] = []
     environments: dict[str, Any] = {}
     instance_files: dict[str, Path] = {}
     for folder, names, problem in walk(*folders):
         if folder.name == "environments":
-            environments |= _environments(folder, names, warnings)
+            environments |= _environments(folder, names, damaged)
         elif problem == "routing":
-            rows += _folder_runs(folder, names, instance_files, warnings)
-    frame = _frame(rows, warnings)
-    frame.attrs["warnings"] = warnings
-    return Stores(frame, warnings, environments, instance_files, [Path(folder) for folder in folders])
+            rows += _folder_runs(folder, names, instance_files, damaged, remarks)
+    frame = _frame(rows, remarks)
+    stores = Stores(frame, damaged, remarks, environments, instance_files, [Path(folder) for folder in folders])
+    frame.attrs["warnings"] = stores.warnings
+    return stores
 
 
 def walk(*folders: Path | str) -> Iterator[tuple[Path, list[str], str]]:
@@ -97,22 +107,22 @@ def problems_in(*folders: Path | str) -> list[str]:
 
 
 def read_runs(*folders: Path | str, problem: str) -> tuple[dict[Path, Run], list[str]]:
-    """Return every run of `problem` below `folders` by its file, and a sentence for each file left alone.
+    """Return every run of `problem` below `folders` by its file, and a sentence for each damaged file, left alone.
 
     Of a run stored more than once the latest is kept. InputError where a folder does not exist.
     """
     runs: dict[tuple[object, ...], tuple[Path, Run]] = {}
-    warnings: list[str] = []
+    damaged: list[str] = []
     for folder, names, of in walk(*folders):
         if of == problem and folder.name != "environments":
-            for path, run in _runs_in(folder, names, problem, warnings):
+            for path, run in _runs_in(folder, names, problem, damaged):
                 key = (run.instance["digest"], run.label, run.seed, run.time_limit)
                 if key not in runs or runs[key][1].created <= run.created:
                     runs[key] = path, run
-    return dict(runs.values()), warnings
+    return dict(runs.values()), damaged
 
 
-def _runs_in(folder: Path, names: list[str], problem: str, warnings: list[str]) -> Iterator[tuple[Path, Run]]:
+def _runs_in(folder: Path, names: list[str], problem: str, damaged: list[str]) -> Iterator[tuple[Path, Run]]:
     for name in names:
         if not name.endswith(".json") or name in (*ITEM_FILES[problem], "study.json"):
             continue
@@ -122,10 +132,10 @@ def _runs_in(folder: Path, names: list[str], problem: str, warnings: list[str]) 
                 raise InputError(f"is a run of another problem ({run.problem}), not of {problem}")
             yield folder / name, run
         except InputError as error:
-            warnings.append(f"{folder / name}: {error}; left alone.")
+            damaged.append(f"{folder / name}: {error}; left alone.")
 
 
-def _environments(folder: Path, names: list[str], warnings: list[str]) -> dict[str, Any]:
+def _environments(folder: Path, names: list[str], damaged: list[str]) -> dict[str, Any]:
     found = {}
     for name in names:
         try:
@@ -134,33 +144,33 @@ def _environments(folder: Path, names: list[str], warnings: list[str]) -> dict[s
                 raise InputError("is not a description of machine and versions")
             found[Path(name).stem] = data
         except InputError as error:
-            warnings.append(f"{folder / name}: {error}; left alone.")
+            damaged.append(f"{folder / name}: {error}; left alone.")
     return found
 
 
 def _folder_runs(
-    folder: Path, names: list[str], instance_files: dict[str, Path], warnings: list[str]
+    folder: Path, names: list[str], instance_files: dict[str, Path], damaged: list[str], remarks: list[str]
 ) -> list[dict[str, Any]]:
-    instance = _folder_instance(folder, warnings)
+    instance = _folder_instance(folder, damaged)
     if instance is not None:
         instance_files.setdefault(instance[0].digest, instance[1])
     rows = []
-    for path, run in _runs_in(folder, names, "routing", warnings):
+    for path, run in _runs_in(folder, names, "routing", damaged):
         known = instance[0] if instance is not None and instance[0].digest == run.instance["digest"] else None
         if run.own["routes"] is not None and known is None:
-            warnings.append(f"{path}: its instance is not stored beside it, so its cost could not be re-computed.")
+            remarks.append(f"{path}: its instance is not stored beside it, so its cost could not be re-computed.")
         rows.append(_row(path, run, known))
     return rows
 
 
-def _folder_instance(folder: Path, warnings: list[str]) -> tuple[Instance, Path] | None:
+def _folder_instance(folder: Path, damaged: list[str]) -> tuple[Instance, Path] | None:
     for name in ("instance.json", "instance.json.gz"):
         path = folder / name
         if path.exists():
             try:
                 return read_instance(path), path
             except InputError as error:
-                warnings.append(f"{error}; the costs of the runs beside it could not be re-computed.")
+                damaged.append(f"{error}; the costs of the runs beside it could not be re-computed.")
     return None
 
 
@@ -188,19 +198,20 @@ def _recomputed(run: Run, instance: Instance | None) -> dict[str, Any]:
     routes, objective = run.own["routes"], _number(run.objective)
     if routes is None:
         return nothing
+    solved = run.status in ("OPTIMAL", "FEASIBLE", "KILLED")
     if instance is None:
-        return nothing | {"value": objective if run.status in ("OPTIMAL", "FEASIBLE", "KILLED") else math.nan}
+        return nothing | {"value": objective if solved else math.nan}
     faults = check_routes(instance, routes)
     if faults:
         return nothing | {"fault": " ".join(faults[:3])}
     costs = tour_costs(instance, routes)
     cost = float(costs.max())
-    right = run.status != "ERROR" and math.isclose(cost, objective, rel_tol=RELATIVE_ROUNDING)
+    right = solved and math.isclose(cost, objective, rel_tol=RELATIVE_ROUNDING)
     return {"value": cost if right else math.nan, "recomputed": cost, "fault": "", "tour_costs": costs}
 
 
 def short_labels(labels: Iterable[str]) -> dict[str, str]:
-    """Return for each label a name of at most about `LONGEST_LABEL` characters, different ones for different labels.
+    """Return for each label a name of about `LONGEST_LABEL` characters at most, different ones for different labels.
 
     "milp (a=1, b=2, c=3)" becomes "milp (a=1, 2 more)"; where that is not unique, a number is added.
     """
@@ -209,13 +220,13 @@ def short_labels(labels: Iterable[str]) -> dict[str, str]:
         short = label
         if len(label) > LONGEST_LABEL:
             first, *others = label.split(", ")
-            short = f"{first}, {len(others)} more)" if others else f"{label[: LONGEST_LABEL - 1]}…"
+            short = one_line(first, LONGEST_LABEL) + (f", {len(others)} more)" if others else "")
         taken = sum(used == short or used.startswith(f"{short} #") for used in named.values())
         named[label] = f"{short} #{taken + 1}" if taken else short
     return named
 
 
-def _frame(rows: list[dict[str, Any]], warnings: list[str]) -> pd.DataFrame:
+def _frame(rows: list[dict[str, Any]], remarks: list[str]) -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=list(FRAME))
     if frame.empty:
         return frame
@@ -225,7 +236,7 @@ def _frame(rows: list[dict[str, Any]], warnings: list[str]) -> pd.DataFrame:
     frame = frame.sort_values(order, kind="stable", ignore_index=True)
     twice = frame.duplicated(_IDENTITY, keep="last")
     if twice.any():
-        warnings.append(f"{int(twice.sum())} runs are stored more than once; the latest of each is used.")
+        remarks.append(f"{int(twice.sum())} runs are stored more than once; the latest of each is used.")
         frame = frame[~twice].reset_index(drop=True)
     frame["proved"] = holds(frame)
     digests = frame.groupby("instance")["digest"].transform("nunique")

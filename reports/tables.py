@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -11,21 +12,22 @@ import pandas as pd
 from instances import InputError
 from instances.disk import write_aside
 from reports.columns import INSTANCES, SUMMARY, shown, texts
+from reports.csv_text import csv_text
 from reports.metrics import instance_table, summary, with_gaps
 
 RUN_COLUMNS = [
     "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "solver", "method", "options", "proves",
     "seed", "time_limit", "threads", "iterations", "status", "objective", "bound", "gap", "value", "best_known",
-    "best_found", "best_bound", "proved", "gap_known", "gap_found", "gap_bound", "stopped_by", "tolerance",
+    "best_found", "best_bound", "bound_by", "proved", "gap_known", "gap_found", "gap_bound", "stopped_by", "tolerance",
     "claimed_objective", "fault", "message", "elapsed", "prepare_elapsed", "wall_elapsed", "cpu_seconds",
     "peak_memory", "environment", "created", "code", "revision", "stale",
 ]  # fmt: skip
 """Columns of ``results.csv``; those from `elapsed` on differ between two executions of the same runs."""
 
 
-def write_csv(runs: pd.DataFrame, path: Path | str) -> None:
-    """Write a row a run; the same runs give the same file but for the columns from `elapsed` on."""
-    write_aside(path, with_gaps(runs)[RUN_COLUMNS].to_csv(index=False, lineterminator="\n"))
+def write_csv(runs: pd.DataFrame, path: Path | str, *, raw: bool = False) -> None:
+    """Write a row a run; the same runs give the same file but for the columns from `elapsed` on. raw : `csv_text`."""
+    write_aside(path, csv_text(with_gaps(runs)[RUN_COLUMNS], raw))
 
 
 def write_parquet(runs: pd.DataFrame, path: Path | str) -> None:
@@ -68,12 +70,15 @@ def _both(runs: pd.DataFrame) -> Iterator[tuple[str, list[str], list[list[str]]]
 
 
 def _pipes(row: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |"
+    return "| " + " | ".join(_READ_BY_MARKDOWN.sub(r"\\\g<0>", cell) for cell in row) + " |"
 
 
+_READ_BY_MARKDOWN = re.compile(r"[\\`*|~$&\[\]]|<(?! )|\b_|_\b")
+"""What Markdown takes for more than text in the middle of a line."""
 _TEX = {"\\": r"\textbackslash{}", "–": "--", "−": "$-$", "∞": r"$\infty$", "<": "$<$", ">": "$>$"}
 _TEX |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u00a0": "~"}
 _TEX |= {character: f"\\{character}" for character in "&%$#_{}"}
+_TEX |= {character: f"{{{character}}}" for character in "[]*"}  # else the \\ before would take them
 
 
 def _tex(text: str) -> str:

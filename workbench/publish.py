@@ -29,5 +29,6 @@ def publish(folders: Sequence[Path], outputs: Outputs) -> Published:
     return Published(
         [path for each in published for path in each.written],
         [sentence for each in published for sentence in each.problems],
+        sum(each.damaged for each in published),
         any(each.regressed for each in published),
     )

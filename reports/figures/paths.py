@@ -20,9 +20,12 @@ LEAST = 1e-7
 
 
 def draw_paths(scenario: Scenario, paths: Paths) -> Drawn:
-    """Return the paper's figure: wind arrows, region, tasks, and the paths from the first depot and back to it."""
-    points = scenario.points
-    node = n = len(points) - scenario.n_depots
+    """Return the paper's figure: wind arrows, region, tasks, and the paths from the first depot and back to it.
+
+    paths : between all nodes of `scenario`, or only its first ones; where these hold no depot, from the first task.
+    """
+    points, n = scenario.points[: paths.n_nodes], scenario.n_tasks
+    node = n if n < len(points) else 0
     with rc_context(RC):
         figure = new_figure(7.2, 3.9)
         for axes, outward in zip(figure.subplots(1, 2, sharey=True), (True, False), strict=True):
@@ -71,6 +74,7 @@ def draw_methods(methods: pd.DataFrame) -> Drawn:
         axes.set_ylim(bottom=LEAST / 2)
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         plain(axes.xaxis)
+        plain(axes.yaxis)
         axes.legend(loc="upper right")
     caption = (
         "Relative excess of each method's paths over the best known ones, against the CPU time for all pairs: mean "

@@ -18,6 +18,7 @@ from instances.arrays import Floats
 from instances.environment.region import Region, single_polygon
 from instances.environment.wind import WindField
 from instances.environment.wind_table import wind_from_toml
+from instances.errors import one_line
 from instances.paths import Paths
 from reports.figures.style import COLOURS, DASHES, FAINT, INK, PAPER, RC
 
@@ -65,7 +66,7 @@ def _title(instance: Instance, routes: Routes) -> str:
     flying = sum(1 for route in routes if len(route))
     longest = tour_costs(instance, routes).max()
     uavs = f"{flying} of {instance.n_depots} UAVs fly"
-    return f"{instance.name}: {instance.n_tasks} tasks, {uavs}, longest tour {longest:,.6g} s"
+    return f"{one_line(instance.name, 80)}: {instance.n_tasks} tasks, {uavs}, longest tour {longest:,.6g} s"
 
 
 def _map(axes: Axes, instance: Instance, routes: Routes, coordinates: Floats, paths: Paths | None) -> None:
@@ -149,6 +150,7 @@ def _bars(axes: Axes, instance: Instance, routes: Routes) -> None:
             axes.text(place, k, words, va="center", ha=align, fontsize=7.5, color=colour)
         axes.set_yticks(uavs, [str(k) for k in uavs])
     axes.invert_yaxis()
-    axes.set(xlabel="tour cost $C_k$ [s]", ylabel="UAV k")
+    axes.set_xlabel("tour cost $C_k$ [s]", parse_math=True)
+    axes.set_ylabel("UAV k")
     axes.grid(axis="y", visible=False)
     axes.xaxis.set_major_locator(MaxNLocator(4))

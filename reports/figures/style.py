@@ -43,6 +43,7 @@ RC: Any = {
     "lines.linewidth": 1.6,
     "figure.facecolor": PAPER,
     "svg.fonttype": "none",
+    "text.parse_math": False,  # names are shown as they are: "$x_{" is no formula
     **dict.fromkeys(("font.size", "axes.labelsize"), 9.0),
     **dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize"), 8.0),
     **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),

@@ -32,10 +32,11 @@ def inline_svg(drawn: Drawn) -> str:
     with rc_context(RC | {"svg.hashsalt": drawn.key}):
         drawn.figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     svg = buffer.getvalue()
-    svg = svg[svg.index("<svg") :]
+    svg = _printable(svg[svg.index("<svg") :])
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
     svg = _ROUNDABLE.sub(_rounded, svg)
-    svg = re.sub(r'(id="|url\(#|xlink:href="#)', rf"\g<1>{drawn.key}-", svg)
+    prefix = re.sub(r"[^\w-]", "-", drawn.key)
+    svg = re.sub(r'(id="|url\(#|xlink:href="#)', rf"\g<1>{prefix}-", svg)
     svg = svg.replace(INK, "currentColor").replace(PAPER, "var(--paper)").replace(FAINT, "var(--faint)")
     for side in ("width", "height"):
         svg = re.sub(rf'(<svg[^>]*?) {side}="[^"]*"', r"\1", svg, count=1)
@@ -62,4 +63,12 @@ def save_figure(figure: Figure, path: Path | str) -> None:
     with rc_context(RC | {"svg.hashsalt": target.stem}):
         figure.savefig(buffer, format=kind[1:], dpi=160, metadata={"Date": None} if kind == ".svg" else None)
     data = buffer.getvalue()
-    write_aside(target, _ROUNDABLE.sub(_rounded, data.decode()) if kind == ".svg" else data)
+    write_aside(target, _printable(_ROUNDABLE.sub(_rounded, data.decode())) if kind == ".svg" else data)
+
+
+def _printable(svg: str) -> str:
+    """Return `svg` without the control characters that XML forbids; a name in a figure may hold them."""
+    return _CONTROL.sub("\ufffd", svg)
+
+
+_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ufffe\uffff]")

@@ -5,11 +5,16 @@ Each is decided from the routes' re-computed costs and the stored bounds alone:
 * *wrong cost*: the stored or the claimed cost is not that of the stored routes;
 * *routes not feasible*: a task left out, visited twice, or unknown;
 * *no routes*: OPTIMAL or FEASIBLE without routes;
-* *bound above routes*: a lower bound above the cost of any run's right routes on the same instance;
+* *bound above routes*: a lower bound, at the end or streamed on the way, above the cost of any run's right routes on
+  the same instance;
+* *bound without a proof*: a bound that is bit for bit the cost of the run's own routes, of a method that cannot prove
+  anything and does not say OPTIMAL: the mark of a false bound that was cut off there;
+* *trace below routes*: a trace that claims better routes than those stored;
 * *bound above best known*: a lower bound above the best known value of the literature;
 * *OPTIMAL with a gap*: a proof claimed although cost and bound differ by more than the stated tolerance, or
   although that tolerance is itself more than `proofs.WIDEST_TOLERANCE` of the cost;
-* *INFEASIBLE refuted*: an instance called infeasible for which another run has routes.
+* *INFEASIBLE refuted*: an instance called infeasible. All costs of an instance are finite, so there always are routes;
+* *routes denied*: NO_SOLUTION beside routes.
 
 The idea of letting solvers contradict each other comes from PAVER (GAMS World).
 """
@@ -19,10 +24,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from reports.metrics.gaps import references
-from reports.proofs import RELATIVE_ROUNDING, gap_left
+from reports.proofs import RELATIVE_ROUNDING, cut_off, gap_left, refuted_bounds, streamed_bounds
 
 KNOWN_ROUNDING = 1e-6
 """Best known values of the literature are rounded; a bound above one by less than this share says nothing."""
@@ -39,6 +45,7 @@ def contradictions(runs: pd.DataFrame) -> pd.DataFrame:
     costs = runs.assign(_cost=runs["recomputed"].fillna(runs["value"])).dropna(subset=["_cost"])
     best = costs.sort_values("_cost", kind="stable").drop_duplicates("digest").set_index("digest")
     known["best_routes"] = known["digest"].map(best["_cost"])
+    known["streamed"] = streamed_bounds(known)
     known["best_by"] = known["digest"].map(best["method"] + ", seed " + best["seed"].astype(str))
     rows = [
         (kind, run.instance, run.digest, run.method, run.seed, sentence(run), run.path)
@@ -52,21 +59,16 @@ def contradictions(runs: pd.DataFrame) -> pd.DataFrame:
 def _tests(runs: pd.DataFrame) -> Iterator[tuple[str, pd.Series, Callable[[Any], str]]]:
     """Yield each kind of contradiction, which of `runs` show it, and what says so in a sentence."""
     costs, bounds = runs["recomputed"], runs["bound"]
-    stored = _differ(runs["objective"], costs)
-    claimed = (runs["claimed_objective"] - costs).abs() > KNOWN_ROUNDING * costs.abs()
+    stored = _differ(runs["objective"], costs, RELATIVE_ROUNDING)
+    claimed = _differ(runs["claimed_objective"], costs, KNOWN_ROUNDING)
     yield "wrong cost", stored | claimed, _wrong_cost
     yield "routes not feasible", runs["fault"] != "", lambda run: f"Its routes are not feasible: {run.fault}"
     nothing = costs.isna() & runs["value"].isna() & (runs["fault"] == "")
     claims = runs["status"].isin(["OPTIMAL", "FEASIBLE"])
     yield "no routes", claims & nothing, lambda run: f"It is {run.status}, but holds no routes."
-    yield (
-        "bound above routes",
-        bounds > runs["best_routes"] * (1 + RELATIVE_ROUNDING),
-        lambda run: (
-            f"Its lower bound of {run.bound:.9g} s is above the routes of {run.best_by}, which cost "
-            f"{run.best_routes:.9g} s."
-        ),
-    )
+    yield "bound above routes", refuted_bounds(runs), _bound_above_routes
+    yield "bound without a proof", cut_off(runs) & ~runs["proves"].astype(bool), _bound_without_proof
+    yield "trace below routes", _below(runs, costs), _trace_below_routes
     yield (
         "bound above best known",
         bounds > runs["best_known"] * (1 + KNOWN_ROUNDING),
@@ -75,17 +77,47 @@ def _tests(runs: pd.DataFrame) -> Iterator[tuple[str, pd.Series, Callable[[Any],
     cost = costs.fillna(runs["objective"])
     proof = (runs["status"] == "OPTIMAL") & cost.notna() & gap_left(runs, cost)
     yield "OPTIMAL with a gap", proof, _optimal_with_gap
-    refuted = (runs["status"] == "INFEASIBLE") & runs["best_routes"].notna()
-    yield (
-        "INFEASIBLE refuted",
-        refuted,
-        lambda run: f"It calls the instance infeasible, but {run.best_by} has routes of {run.best_routes:.9g} s.",
+    yield "INFEASIBLE refuted", runs["status"] == "INFEASIBLE", _infeasible
+    denied = (runs["status"] == "NO_SOLUTION") & costs.notna()
+    yield "routes denied", denied, lambda run: f"It is NO_SOLUTION, but holds routes of {run.recomputed:.9g} s."
+
+
+def _differ(a: pd.Series, b: pd.Series, rounding: float) -> pd.Series:
+    """Whether two known costs differ by more than the share `rounding`; an infinite one equals none but itself."""
+    return a.notna() & b.notna() & ~np.isclose(a.astype(float), b.astype(float), rtol=rounding, atol=0)
+
+
+def _below(runs: pd.DataFrame, costs: pd.Series) -> pd.Series:
+    """Whether a run's trace claims an objective below its routes' cost."""
+    least = pd.Series([np.fmin.reduce(trace[:, 1], initial=np.nan) for trace in runs["trace"]], runs.index, dtype=float)
+    return least < costs * (1 - RELATIVE_ROUNDING)
+
+
+def _bound_above_routes(run: Any) -> str:
+    told = f"{run.best_by}, which cost {run.best_routes:.9g} s."
+    if run.bound > run.best_routes * (1 + RELATIVE_ROUNDING):
+        return f"Its lower bound of {run.bound:.9g} s is above the routes of {told}"
+    return f"A lower bound of {run.streamed:.9g} s in its trace is above the routes of {told}"
+
+
+def _bound_without_proof(run: Any) -> str:
+    return (
+        f"Its lower bound is to the last digit what its routes cost, {run.objective:.9g} s, but it is {run.status} and "
+        "its method proves nothing."
     )
 
 
-def _differ(a: pd.Series, b: pd.Series) -> pd.Series:
-    """Whether two costs differ by more than rounding (or exactly one of them is missing)."""
-    return (a - b).abs() > RELATIVE_ROUNDING * pd.concat([a.abs(), b.abs()], axis=1).max(axis=1)
+def _trace_below_routes(run: Any) -> str:
+    least = np.nanmin(run.trace[:, 1])
+    return f"Its trace claims routes of {least:.9g} s, but those it holds cost {run.recomputed:.9g} s."
+
+
+def _infeasible(run: Any) -> str:
+    if run.recomputed == run.recomputed:
+        return f"It calls the instance infeasible, but holds routes of {run.recomputed:.9g} s."
+    if run.best_routes == run.best_routes:
+        return f"It calls the instance infeasible, but {run.best_by} has routes of {run.best_routes:.9g} s."
+    return "It calls the instance infeasible, but all costs of an instance are finite, so there are routes."
 
 
 def _wrong_cost(run: Any) -> str:

@@ -13,22 +13,22 @@ import numpy as np
 import pandas as pd
 
 from instances.arrays import Floats
-from reports.proofs import RELATIVE_ROUNDING
+from reports.proofs import believed_bounds
 
 
 def references(runs: pd.DataFrame) -> pd.DataFrame:
     """Return what runs are measured against, a row an instance (index: digest).
 
-    Columns [s]: best_known; best_found, the least re-computed cost; best_bound, the greatest bound that no routes
-    contradict; best, the lesser of best_known and best_found.
+    Columns [s]: best_known; best_found, the least re-computed cost; best_bound, the greatest bound that can be believed
+    (`reports.proofs`), and bound_by, the method that claims it; best, the lesser of best_known and best_found.
     """
     groups = runs.groupby("digest")
     found = pd.DataFrame({"best_known": groups["best_known"].min(), "best_found": groups["value"].min()})
     found["best"] = found[["best_known", "best_found"]].min(axis=1)
-    costs = runs["recomputed"].fillna(runs["value"]).groupby(runs["digest"]).transform("min")
-    limit = costs.fillna(np.inf) * (1 + RELATIVE_ROUNDING)
-    found["best_bound"] = runs["bound"].where(runs["bound"] <= limit).groupby(runs["digest"]).max()
-    return found
+    bounds = runs[["digest", "method"]].assign(bound=believed_bounds(runs)).dropna(subset=["bound"])
+    greatest = bounds.sort_values(["bound", "method"], ascending=[False, True]).drop_duplicates("digest")
+    greatest = greatest.set_index("digest")
+    return found.assign(best_bound=greatest["bound"], bound_by=greatest["method"])
 
 
 def with_gaps(runs: pd.DataFrame) -> pd.DataFrame:

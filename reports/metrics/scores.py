@@ -12,7 +12,7 @@ from reports.metrics.gaps import with_gaps
 from reports.metrics.integrals import with_integrals
 from reports.metrics.means import penalised, shifted_geometric_mean
 from reports.metrics.targets import time_to_proof, time_to_target
-from reports.proofs import RELATIVE_ROUNDING
+from reports.proofs import RELATIVE_ROUNDING, believed_bounds
 
 CERTIFIED = 0.01
 """Routes count as certified where the best bound of any run proves them within this share of the optimum."""
@@ -31,10 +31,10 @@ def summary(runs: pd.DataFrame) -> pd.DataFrame:
     """Return one row a method (index), best mean gap first.
 
     runs, instances, seeds: how many; solved, proved: shares of runs; failed: runs KILLED or in ERROR; certified: share
-    of runs whose routes any run's bound proves within `CERTIFIED`; gap_known, gap_found, gap_bound: means over solved
-    runs; time: shifted geometric mean [s] of the solve, proof_time: until the proof, target_time: until within 1 % of
-    the best, each with a penalty for runs that failed; primal_integral, primal_dual_integral: mean shares of the limit,
-    0 to 1, the latter where there are bounds; memory: greatest [bytes].
+    of runs whose routes any run's bound proves within `CERTIFIED`, certified_by: by whose bounds; gap_known, gap_found,
+    gap_bound: means over solved runs; time: shifted geometric mean [s] of the solve, proof_time: until the proof,
+    target_time: until within 1 % of the best, each with a penalty for runs that failed; primal_integral,
+    primal_dual_integral: mean shares of the limit, 0 to 1, the latter where there are bounds; memory: greatest [bytes].
     """
     return scores(runs, [])
 
@@ -76,6 +76,7 @@ def instance_table(runs: pd.DataFrame) -> pd.DataFrame:
     about = ["instance", "family", "n_tasks", "n_depots", "asymmetry", "best_known", "best_found", "best_bound"]
     groups = known.groupby("digest")
     table = groups[about].first()
+    table["bound_by"] = groups["bound_by"].first()
     table["gap"] = groups["gap_bound"].min()
     table["proved"] = groups["proved"].any()
     right = known[known["value"] <= known["best_found"] * (1 + RELATIVE_ROUNDING)]
@@ -94,12 +95,20 @@ def _measured(runs: pd.DataFrame) -> pd.DataFrame:
         _proved=known["proved"],
         _failed=known["status"].isin(["KILLED", "ERROR"]),
         _certified=known["gap_bound"] <= CERTIFIED,
+        _certified_by=_certifiers(known),
         _time=penalised(known["elapsed"].where(solved), limits),
         _proof=penalised(time_to_proof(known), limits),
         _target=penalised(time_to_target(known, [0.01])[0.01], limits),
         _primal=known["primal_integral"] / limits,
         _dual=known["primal_dual_integral"] / limits,
     )
+
+
+def _certifiers(known: pd.DataFrame) -> pd.Series:
+    """Return by whose bound each run's routes are certified: "own bound", a method's name, or nothing."""
+    own = known["value"] - believed_bounds(known) <= CERTIFIED * known["value"]
+    whose = known["bound_by"].mask(own | (known["bound_by"] == known["method"]), "own bound")
+    return whose.where(known["gap_bound"] <= CERTIFIED)
 
 
 def _score(group: pd.DataFrame) -> dict[str, Any]:
@@ -111,6 +120,7 @@ def _score(group: pd.DataFrame) -> dict[str, Any]:
         "proved": group["_proved"].mean(),
         "failed": int(group["_failed"].sum()),
         "certified": group["_certified"].mean(),
+        "certified_by": ", ".join(sorted(group["_certified_by"].dropna().unique())) or None,
         "gap_known": group["gap_known"].mean(),
         "gap_found": group["gap_found"].mean(),
         "gap_bound": group["gap_bound"].mean(),

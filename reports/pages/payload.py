@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import pandas as pd
 
 from instances import InputError
 from instances.arrays import Floats
+from instances.errors import one_line
 from instances.files import read_instance
 from reports import numbers
 from reports.columns import INSTANCES, RUNS, Column, shown
@@ -30,6 +32,10 @@ DETAILS_BUDGET = 1_300_000
 MAPS_BUDGET = 300_000
 """Characters of JSON spent on coordinates."""
 TRACE_POINTS = 80
+MOST_FIGURES = 200
+"""Options, or figures of the method's own, that are told of a run."""
+LONGEST_FIGURES = 4000
+"""Characters of them."""
 LOG_TAIL = 1500
 """Characters of a run's log that are embedded, its end."""
 
@@ -126,21 +132,31 @@ def _details(runs: pd.DataFrame) -> Iterator[tuple[int, dict[str, Any]]]:
             run = read_run(path)
         except InputError:
             continue
-        detail = {
+        detail: dict[str, Any] = {
             "routes": run.own["routes"],
             "tours": [_number(c, 6) for c in tours[index]],
             "trace": [[_number(t, 4), _number(z), _number(b)] for t, z, b in _thinned(traces[index])],
-            "options": run.options,
+            "options": _told(run.options, " = "),
             "message": run.message,
-            "statistics": run.statistics,
+            "statistics": _told(run.statistics, " "),
             "log": run.log[-LOG_TAIL:],
             "file": f"{path.parent.name}/{path.name}",
             "times": [_number(getattr(run, k), 4) for k in ("prepare_elapsed", "wall_elapsed", "cpu_seconds")],
         }
-        spent += len(json.dumps(detail, separators=(",", ":"), ensure_ascii=False))
+        size = len(json.dumps(detail, separators=(",", ":")))
+        if size > DETAILS_BUDGET // 4:  # one run alone leaves room for others
+            continue
+        spent += size
         if spent > DETAILS_BUDGET:
             return
         yield index, detail
+
+
+def _told(figures: dict[str, Any], between: str) -> str:
+    """Return a table of a run as one line, cut where it is long."""
+    first = list(islice(figures.items(), MOST_FIGURES))
+    told = ", ".join(f"{key}{between}{json.dumps(value, ensure_ascii=False)}" for key, value in first)
+    return one_line(told, LONGEST_FIGURES)
 
 
 def _by_interest(runs: pd.DataFrame) -> list[int]:

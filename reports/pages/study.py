@@ -30,12 +30,21 @@ UNITS = "Costs in seconds. Costs were computed again from the stored routes and 
 
 @dataclass(frozen=True)
 class Report:
-    """What a page was made from: the frame, its contradictions, files left alone, and the comparison if asked for."""
+    """What a page was made from: the stores, what contradicts itself in them, and the comparison if asked for."""
 
-    runs: pd.DataFrame
+    stores: Stores
     contradictions: pd.DataFrame
-    warnings: list[str]
     comparison: Comparison | None
+
+    @property
+    def runs(self) -> pd.DataFrame:
+        """The frame of the runs."""
+        return self.stores.runs
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was not as it should be in the stores, a sentence each."""
+        return self.stores.warnings
 
 
 def write_report(
@@ -48,10 +57,10 @@ def write_report(
     baseline = _read(against) if against else None
     stores = _read(folders)
     comparison = compare_stores(stores.runs, baseline.runs) if baseline is not None else None
-    report = Report(stores.runs, contradictions(stores.runs), stores.warnings, comparison)
+    report = Report(stores, contradictions(stores.runs), comparison)
     runs = with_gaps(stores.runs)
     data = payload(runs, stores.instance_files)
-    blocks = _blocks(runs, stores, report, len(data["details"]))
+    blocks = _blocks(runs, report, len(data["details"]))
     write_page(Page(title, _about(runs, stores), blocks, UNITS, "study.js", data), path)
     return report
 
@@ -64,9 +73,9 @@ def _read(folders: Sequence[Path | str]) -> Stores:
     return stores
 
 
-def _blocks(runs: pd.DataFrame, stores: Stores, report: Report, embedded: int) -> list[Block]:
+def _blocks(runs: pd.DataFrame, report: Report, embedded: int) -> list[Block]:
     opens = "A row opens the instance: its runs, its best routes, and how each method got there."
-    example = example_routes(runs, stores.instance_files)
+    example = example_routes(runs, report.stores.instance_files)
     return [
         *alarms(runs, report.contradictions, report.warnings),
         *code_notes(runs["code"]),
@@ -77,7 +86,7 @@ def _blocks(runs: pd.DataFrame, stores: Stores, report: Report, embedded: int) -
         groups(runs),
         Section("Instances", [Note(opens), _list("instances-list"), *column_help(INSTANCES), *example], "instances"),
         Section("Runs", [Note(_held(embedded, len(runs))), _list("runs-list"), *column_help(RUNS)], "runs"),
-        limits_and_machines(runs, stores.environments),
+        limits_and_machines(runs, report.stores.environments),
     ]
 
 

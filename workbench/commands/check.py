@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from instances.errors import InputError
+from workbench.terminal import say
 
 
 @click.command("check")
@@ -33,8 +34,8 @@ def command(context: click.Context, target: Path, routes_file: Path | None) -> N
             raise InputError(f"{target}: give the routes to check as well (ROUTES.sol), or a folder of runs")
         looked_at, problems = _check_routes(target, routes_file)
     for problem in problems:
-        click.echo(problem)
-    click.echo(f"{looked_at}: " + (f"{len(problems)} problem(s) found" if problems else "all right"))
+        say(problem)
+    say(f"{looked_at}: " + (f"{len(problems)} problem(s) found" if problems else "all right"))
     context.exit(1 if problems else 0)
 
 

@@ -10,6 +10,7 @@ import click
 
 from instances.errors import InputError, shown, suggestion
 from workbench.options import COUNT, JOBS, SECONDS, THREADS
+from workbench.terminal import say
 
 if TYPE_CHECKING:
     from workbench.jobs.execute import Plan
@@ -84,7 +85,7 @@ def command(
     problems += _publish(folder) if report else plan.damaged
     problems += shortfall(plan.jobs, store)
     for problem in problems:
-        click.echo(problem, err=True)
+        say(problem, err=True)
     context.exit(1 if problems else 0)
 
 

@@ -15,7 +15,8 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 @click.command("report")
 @click.argument("folders", metavar="RUNS-DIR...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", type=FILE, help="The page (.html).")
-@click.option("--csv", type=FILE, help="A row a run.")
+@click.option("--csv", type=FILE, help="A row a run; texts that begin like a formula (= + - @) get an apostrophe.")
+@click.option("--raw-csv", is_flag=True, help="With --csv: all texts as they are.")
 @click.option("--latex", type=FILE, help="Summary and instances as LaTeX tables.")
 @click.option("--markdown", type=FILE, help="Summary and instances as Markdown tables.")
 @click.option("--parquet", type=FILE, help="A row a run.")
@@ -28,20 +29,27 @@ def command(
     folders: tuple[Path, ...],
     out: Path | None,
     csv: Path | None,
+    raw_csv: bool,
     fail_on_regression: bool,
     **more: Any,
 ) -> None:
     """Report on the runs of one store or several merged, without running anything; prints the summary.
 
     Each problem has a page and a table of its own: where the stores hold several, OUT-placement.html and
-    CSV-placement.csv lie beside those of routing runs.
+    CSV-placement.csv lie beside those of routing runs. Exit code 1 where files are damaged; they are named and left
+    out.
     """
+    from reports import numbers
     from workbench.jobs.problem import Outputs
     from workbench.publish import publish
+    from workbench.terminal import say
 
     if fail_on_regression and more["against"] is None:
         raise InputError("--fail-on-regression: needs --against OLD")
-    published = publish(folders, Outputs(out, csv, {flag: path for flag, path in more.items() if path}))
+    outputs = {flag: path for flag, path in more.items() if path}
+    published = publish(folders, Outputs(out, csv, outputs, raw_csv))
     for sentence in published.problems:
-        click.echo(sentence, err=True)
-    context.exit(1 if fail_on_regression and published.regressed else 0)
+        say(sentence, err=True)
+    if published.damaged:
+        say(f"{numbers.counted(published.damaged, 'damaged file')} left out", err=True)
+    context.exit(1 if published.damaged or (fail_on_regression and published.regressed) else 0)

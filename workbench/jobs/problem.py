@@ -67,12 +67,14 @@ class Claim:
 class Outputs:
     """Where what is published about runs is written, each None where it is not asked for.
 
-    extra : further outputs by the name of their flag, which not every problem has.
+    raw_table : texts in the table as they are, also those a spreadsheet takes for formulas. extra : further outputs by
+    the name of their flag, which not every problem has.
     """
 
     page: Path | None = None
     table: Path | None = None
     extra: Mapping[str, Path] = field(default_factory=dict)
+    raw_table: bool = False
 
     def of(self, known: tuple[str, ...], suffix: str) -> Outputs:
         """Return those a problem has, ``-suffix`` added to the names of page and table where there is one."""
@@ -81,15 +83,20 @@ class Outputs:
             return path.with_name(f"{path.stem}-{suffix}{path.suffix}") if path and suffix else path
 
         extra = {flag: path for flag, path in self.extra.items() if flag in known}
-        return Outputs(beside(self.page), beside(self.table), extra)
+        return Outputs(beside(self.page), beside(self.table), extra, self.raw_table)
 
 
 @dataclass(frozen=True)
 class Published:
-    """What came of publishing: files written, what is wrong with the runs (a sentence each), whether any got worse."""
+    """What came of publishing.
+
+    written : files. problems : what is wrong with the runs, a sentence each. damaged : how many of these are files that
+    could not be read. regressed : whether any run got worse.
+    """
 
     written: list[Path]
     problems: list[str]
+    damaged: int = 0
     regressed: bool = False
 
 

@@ -10,6 +10,7 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from instances.errors import LONGEST_SENTENCE, one_line
 from reports.numbers import counted
 from reports.record import Run
 from workbench.jobs.job import Job
@@ -88,6 +89,7 @@ class StudyProgress:
     def _show(self, job: Job, wall: float | None, line: str) -> None:
         self._done += 1
         self._estimate.finished(job, wall)
+        line = one_line(line, LONGEST_SENTENCE)
         left = f"about {duration(self._estimate.left())} left"
         if self._bar:
             self._bar.console.print(line, highlight=False, markup=False, soft_wrap=True)

@@ -40,7 +40,7 @@ from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published,
 from workbench.jobs.tables import counts_from, listed, tables_of, typed
 from workbench.making import make_elsewhere, plugin_family
 from workbench.problems.routing import family_grid
-from workbench.terminal import print_table
+from workbench.terminal import print_table, say
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -213,6 +213,7 @@ class MovingCostStudy(Problem[MovingCostItem]):
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
         """Print the methods side by side on each scenario."""
         from reports.columns import MOVING_COSTS, texts  # here: pandas and matplotlib take their time
+        from reports.csv_text import csv_text
         from reports.moving_costs import moving_cost_frame, moving_cost_summary
         from reports.pages.moving_cost import write_moving_cost_page
         from reports.stores import read_runs
@@ -220,14 +221,14 @@ class MovingCostStudy(Problem[MovingCostItem]):
         runs, warnings = read_runs(*folders, problem=self.name)
         frame = moving_cost_frame(runs)
         if outputs.table is not None:
-            write_aside(outputs.table, frame.to_csv(index=False))
+            write_aside(outputs.table, csv_text(frame, outputs.raw_table))
         if outputs.page is not None:
             title = f"Moving costs: {study_title(folders)}"
             write_moving_cost_page(_cases(runs, frame), frame, runs, outputs.page, title)
         if len(frame):
             print_table([c.heading for c in MOVING_COSTS], texts(MOVING_COSTS, moving_cost_summary(frame)), words=2)
         if note := code_note(run.code for run in runs.values()):
-            print(note)
+            say(note)
         failed = int(frame["mean_cost"].isna().sum())
         problems = [*warnings, *([f"{failed} runs ended without paths"] if failed else [])]
         return Published([path for path in (outputs.table, outputs.page) if path], problems)

@@ -44,7 +44,7 @@ from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.tables import counts_from, listed, typed
-from workbench.terminal import print_table
+from workbench.terminal import print_table, say
 
 KERNEL_KEYS = ("tests", "signal_sd", "length_scale", "noise_sd", "test_noise_sd")
 TOLERANCE = 1e-6
@@ -208,20 +208,21 @@ class PlacementStudy(Problem[PlacementItem]):
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
         """Print the methods side by side on each problem."""
         from reports.columns import PLACEMENTS, texts
+        from reports.csv_text import csv_text
         from reports.pages.placement import placement_summary, write_placement_page
         from reports.placement_store import placement_contradictions, read_placements
 
         runs, warnings = read_placements(*folders)
         frame = write_placement_page(runs, outputs.page, f"Task locations: {study_title(folders)}")
         if outputs.table is not None:
-            write_aside(outputs.table, frame.to_csv(index=False))
+            write_aside(outputs.table, csv_text(frame, outputs.raw_table))
         if len(frame):
             print_table([c.heading for c in PLACEMENTS], texts(PLACEMENTS, placement_summary(frame)), words=2)
         problems = [*warnings, *(sentence for _, sentence in placement_contradictions(runs))]
         if failed := int(frame["mutual_information"].isna().sum()):
             problems.append(f"{failed} runs ended without a placement")
         if note := code_note([run["code"] for run in runs]):
-            print(note)
+            say(note)
         return Published([path for path in (outputs.table, outputs.page) if path], problems)
 
 

@@ -32,7 +32,7 @@ from reports.record import ITEM_FILES, Run, code_note
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.tables import combined, counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
 from workbench.sources import FamilySource, FileSource, instance_files
-from workbench.terminal import print_table
+from workbench.terminal import print_table, say
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -164,7 +164,7 @@ class Routing(Problem[Instance]):
         problems = [*stores.warnings]
         problems += [f"{path}: {sentence}" for path, sentence in zip(found["path"], found["sentence"], strict=True)]
         problems += [f"{path}: ERROR: {words}" for path, words in zip(failed["path"], failed["message"], strict=True)]
-        return f"{len(runs)} runs on {runs['digest'].nunique()} instances", problems
+        return f"{len(runs)} runs on {runs['digest'].nunique()} instances{_bounds_of(runs)}", problems
 
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
         """Print the summary per solver, and against an older store where asked."""
@@ -177,27 +177,35 @@ class Routing(Problem[Instance]):
         against = outputs.extra.get("against")
         if outputs.page:
             report = write_report(folders, outputs.page, against=[against] if against else ())
-            runs, warnings, comparison = report.runs, report.warnings, report.comparison
+            stores, comparison = report.stores, report.comparison
         else:
             stores = read_stores(*folders)
-            runs, warnings = stores.runs, stores.warnings
-            comparison = compare_stores(runs, read_stores(against).runs) if against else None
+            comparison = compare_stores(stores.runs, read_stores(against).runs) if against else None
+        runs = stores.runs
         writers = {"latex": tables.write_latex, "markdown": tables.write_markdown, "parquet": tables.write_parquet}
         for flag, write in writers.items():
             if flag in outputs.extra:
                 write(runs, outputs.extra[flag])
         if outputs.table:
-            tables.write_csv(runs, outputs.table)
+            tables.write_csv(runs, outputs.table, raw=outputs.raw_table)
         _print_summary(runs)
         if comparison:
             _print_comparison(comparison)
         false = contradictions(runs)[["instance", "method", "seed", "sentence"]].itertuples(index=False)
-        problems = [*warnings, *(f"{item} {method} seed {seed}: {told}" for item, method, seed, told in false)]
+        problems = [*stores.warnings, *(f"{item} {method} seed {seed}: {told}" for item, method, seed, told in false)]
         written = [path for path in (outputs.table, outputs.page) if path]
-        return Published(written, problems, bool(comparison and comparison.regressed))
+        return Published(written, problems, len(stores.damaged), bool(comparison and comparison.regressed))
 
 
 ROUTING = Routing()
+
+
+def _bounds_of(runs: pd.DataFrame) -> str:
+    """Return how many lower bounds were held against all routes, and whose claims they are."""
+    stated = runs[runs["bound"].notna()]
+    if stated.empty:
+        return ""
+    return f", {len(stated)} lower bounds claimed by {', '.join(sorted(stated['solver'].unique()))}"
 
 
 def _kept(folder: Path) -> Path | None:
@@ -215,7 +223,7 @@ def _print_summary(runs: pd.DataFrame) -> None:
     columns = shown(SUMMARY, found)
     print_table(["Solver", *(column.heading for column in columns[1:])], texts(columns, found))
     if note := code_note(runs["code"]):
-        print(note)
+        say(note)
 
 
 def _print_comparison(comparison: Comparison) -> None:
@@ -227,7 +235,7 @@ def _print_comparison(comparison: Comparison) -> None:
     ]
     print_table(["Against the older store", *counts, "verdict"], rows)
     for sentence in [*comparison.regressions, *comparison.remarks]:
-        print(sentence)
+        say(sentence)
 
 
 def family_grid(table: Mapping[str, Any], where: str) -> list[tuple[str, int, int, int, dict[str, Any]]]:
@@ -263,7 +271,7 @@ def refute_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> str:
 
 def refute_cost(claimed: float | None, actual: float) -> str:
     """Return that the claimed longest tour [s] is not the recomputed one, with both numbers, or "" where it is."""
-    if claimed is not None and abs(claimed - actual) <= ROUNDING * max(abs(claimed), actual):
+    if claimed is not None and math.isclose(claimed, actual, rel_tol=ROUNDING):  # an infinite cost is close to none
         return ""
     return f"claimed a longest tour of {claimed!r} s, but its routes cost {actual!r} s"
 

@@ -201,11 +201,11 @@ const openRun = (run) => {
     ["Status", `${run.status}${run.stopped_by ? `, stopped by ${run.stopped_by}` : ""}`], ["Message", detail && detail.message],
     ["Longest tour", run.value === null ? "none, or its stated cost is wrong" : `${number(run.value, 9)} s`],
     ["Lower bound", run.bound === null ? null : `${number(run.bound, 9)} s`],
-    ["Gap", `to best found ${percent(run.gap_found)}, to best bound ${percent(run.gap_bound)}`],
+    ["Gap", `to best found ${percent(run.gap_found)}, to best bound ${percent(run.gap_bound)}${instance.bound_by ? ` (claimed by ${instance.bound_by})` : ""}`],
     ["Time", `${seconds(run.elapsed)} s of ${number(run.time_limit)} s` + (detail ? `; start and compilation ${seconds(detail.times[0])} s, processor ${seconds(detail.times[2])} s` : "")],
     ["Peak memory", run.peak_memory === null ? null : `${Math.round(run.peak_memory / 1e6)} MB`],
-    ["Options", detail && Object.keys(detail.options).length ? Object.entries(detail.options).map(([k, v]) => `${k} = ${JSON.stringify(v)}`).join(", ") : detail && "all at their defaults"],
-    ["Figures of the method", detail && Object.entries(detail.statistics).map(([k, v]) => `${k} ${typeof v === "object" ? JSON.stringify(v) : v}`).join(", ")],
+    ["Options", detail && (detail.options || "all at their defaults")],
+    ["Figures of the method", detail && detail.statistics],
     ["File", detail && detail.file],
   ]));
   if (!detail) parts.push(make("p", { class: "soft" }, "Routes, trace and log of this run are not embedded in this page (it keeps those of the best runs); they are in the store."));
@@ -231,7 +231,7 @@ const openInstance = (instance) => {
     ["What", `${instance.family}, n = ${instance.n_tasks} tasks, m = ${instance.n_depots} UAVs, cost asymmetry ${percent(instance.asymmetry)}, digest ${instance.digest}`],
     ["Best known", instance.best_known === null ? null : `${number(instance.best_known, 9)} s`],
     ["Best found", instance.best_found === null ? "nothing" : `${number(instance.best_found, 9)} s, first by ${instance.best_method}`],
-    ["Best bound", instance.best_bound === null ? "none" : `${number(instance.best_bound, 9)} s, gap left ${percent(instance.gap)}${instance.proved === "proved" ? ", proved optimal" : ""}`],
+    ["Best bound", instance.best_bound === null ? "none" : `${number(instance.best_bound, 9)} s, claimed by ${instance.bound_by}, gap left ${percent(instance.gap)}${instance.proved === "proved" ? ", proved optimal" : ""}`],
   ])];
   const drawings = [], map = data.maps[instance.index];
   if (best && map) drawings.push(part(`Best routes (${best.method}, seed ${best.seed})`, drawRoutes(map, instance, data.details[best.index].routes)));

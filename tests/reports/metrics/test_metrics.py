@@ -36,7 +36,7 @@ def frame(rows):
     runs["trace"] = [np.array(t, dtype=float).reshape(-1, 3) for t in runs["trace"]]
     return runs.assign(
         instance=runs["digest"], family="f", n_tasks=5, n_depots=2, asymmetry=0.0, best_known=NAN,
-        recomputed=runs["value"], fault="", tolerance=0.0,
+        objective=runs["value"], recomputed=runs["value"], fault="", tolerance=0.0,
         proved=runs["status"] == "OPTIMAL", time_limit=10.0, proves=runs["method"] == "exact", peak_memory=1.0,
     )  # fmt: skip
 

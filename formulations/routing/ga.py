@@ -36,10 +36,14 @@ from formulations.routing.ga_operators import (
     intra_depot_mutation,
 )
 from formulations.routing.recorder import RecordedSolver, Recorder
+from formulations.routing.search.problem_data import Costs, both_ways
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes, as_routes
-from instances.arrays import Bools, Floats
+from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
+
+_LOOKS = 5_000_000
+"""Insertion places that the crossovers between two looks at the clock try: about 20 ms."""
 
 
 @dataclass(frozen=True)
@@ -88,33 +92,62 @@ class GeneticAlgorithm(RecordedSolver):
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Evolve until the generations or the limits end it; the start joins the first population."""
         instance, limits, rng = recorder.instance, recorder.limits, np.random.default_rng(seed)
-        people = self._first_population(instance, rng, recorder.routes)
-        candidates = border_line(instance, self.border)
-        elite = round(self.elite * self.population)
-        rates_of_all = float(self.tournament_rate), float(self.crossover_rate)
-        last = self.generations if limits.iterations is None else min(self.generations, limits.iterations)
+        people = self._first_population(recorder, rng)
         recorder.incumbent(_fittest(people))
+        costs, candidates = both_ways(instance.cost), border_line(instance, self.border)
+        last = self.generations if limits.iterations is None else min(self.generations, limits.iterations)
         generation = 0
         while generation < last and recorder.remaining > 0:
-            generation += 1
-            inter = generation % self.inter_every == 0
-            rates = *rates_of_all, float(self.inter_rate if inter else self.intra_rate)
-            people = next_generation(instance.cost, rng, people, candidates, self.tournament, elite, inter, rates)
-            if people.fitness.min() < recorder.objective:
-                recorder.incumbent(_fittest(people))
+            inter = (generation + 1) % self.inter_every == 0
+            children, complete = self._next_generation(recorder, costs, rng, people, candidates, inter)
+            if children.fitness.min() < recorder.objective:
+                recorder.incumbent(_fittest(children))
+            people, generation = children, generation + complete
         stopped_by = "time" if generation < last else "finished" if generation == self.generations else "iterations"
         return recorder.result(stopped_by, generations=generation)
 
-    def _first_population(self, instance: Instance, rng: np.random.Generator, start: Routes | None) -> Population:
-        chromosomes = [random_chromosome(instance, rng) for _ in range(self.population)]
-        if start is not None:
-            chromosomes[0] = start
-        perms = np.array([[task for route in routes for task in route] for routes in chromosomes], dtype=np.int64)
-        sizes = np.array([[len(route) for route in routes] for routes in chromosomes], dtype=np.int64)
-        people = Population(perms, sizes, np.zeros(sizes.shape), np.zeros(self.population))
+    def _first_population(self, recorder: Recorder, rng: np.random.Generator) -> Population:
+        """Return random chromosomes, the recorder's routes among them; fewer where time is up, but one."""
+        instance, start = recorder.instance, recorder.routes
+        people = unborn(self.population, instance.n_tasks, instance.n_depots)
+        nearest = nearest_depots(instance)
         for row in range(self.population):
+            people.perms[row], people.sizes[row] = random_chromosome(nearest, rng)
+            if row == 0 and start is not None:
+                people.perms[row] = [task for route in start for task in route]
+                people.sizes[row] = [len(route) for route in start]
             people.fitness[row] = evaluate(instance.cost, chromosome(people, row))
+            if recorder.remaining <= 0:
+                break
         return people
+
+    def _next_generation(
+        self,
+        recorder: Recorder,
+        costs: Costs,
+        rng: np.random.Generator,
+        people: Population,
+        candidates: Bools,
+        inter: bool,
+    ) -> tuple[Population, bool]:
+        """Return the next generation, and whether it is complete: where time is up some are not born."""
+        children = unborn(self.population, people.perms.shape[1], people.sizes.shape[1])
+        mutation_rate = self.inter_rate if inter else self.intra_rate
+        rates = float(self.tournament_rate), float(self.crossover_rate), float(mutation_rate)
+        stride = 2 * max(1, _LOOKS // people.perms.shape[1] ** 2)
+        for first in range(0, self.population, stride):
+            if recorder.remaining <= 0:
+                return children, False
+            rows = first, min(first + stride, self.population)
+            breed(costs, rng, people, children, rows, candidates, self.tournament, inter, rates)
+        keep_elite(rng, people, children, round(self.elite * self.population))
+        return children, True
+
+
+def unborn(count: int, n_tasks: int, n_depots: int) -> Population:
+    """Return room for so many chromosomes, unfit as yet."""
+    perms, sizes = np.zeros((count, n_tasks), dtype=np.int64), np.zeros((count, n_depots), dtype=np.int64)
+    return Population(perms, sizes, np.zeros(sizes.shape), np.full(count, np.inf))
 
 
 def _fittest(people: Population) -> Routes:
@@ -129,13 +162,17 @@ def depot_distance(instance: Instance) -> Floats:
     return instance.cost[n:, :n].T + instance.cost[:n, n:]
 
 
-def random_chromosome(instance: Instance, rng: np.random.Generator) -> Routes:
-    """Return the tasks grouped by nearest depot, each group in random order."""
+def nearest_depots(instance: Instance) -> Bools:
+    """Return which depots are the nearest of each task, shape (n, m); several where they are equally near."""
     distance = depot_distance(instance)
-    nearest = distance == distance.min(axis=1, keepdims=True)
+    return distance == distance.min(axis=1, keepdims=True)
+
+
+def random_chromosome(nearest: Bools, rng: np.random.Generator) -> tuple[Ints, Ints]:
+    """Return perm and sizes of the tasks grouped by nearest depot, each group in random order."""
     depot = np.where(nearest, rng.random(nearest.shape), -1.0).argmax(axis=1)  # ties at random
-    order = rng.permutation(instance.n_tasks)
-    return as_routes(order[depot[order] == k] for k in range(instance.n_depots))
+    order = rng.permutation(len(nearest))
+    return order[np.argsort(depot[order], kind="stable")], np.bincount(depot, minlength=nearest.shape[1])
 
 
 def border_line(instance: Instance, border: float) -> Bools:
@@ -158,35 +195,39 @@ def winner(rng: Any, fitness: Floats, size: int, rate: float) -> int:
 
 
 @njit(cache=True)
-def next_generation(
-    cost: Floats,
+def breed(
+    costs: Costs,
     rng: Any,
     people: Population,
+    children: Population,
+    rows: tuple[int, int],
     candidates: Bools,
     tournament: int,
-    elite: int,
     inter: bool,
     rates: tuple[float, float, float],
-) -> Population:
-    """Return the next generation; rates are those of tournament, crossover and mutation."""
-    perms, sizes, totals, fitness = people
-    count, (tournament_rate, crossover_rate, mutation_rate) = len(fitness), rates
-    children = Population(np.empty_like(perms), np.empty_like(sizes), np.empty_like(totals), np.empty_like(fitness))
+) -> None:
+    """Make the children of rows[0] to rows[1] − 1, pair by pair; rates are those of tournament, crossover, mutation."""
+    tournament_rate, crossover_rate, mutation_rate = rates
+    perms, sizes, totals, _ = people
     pair = Population(np.empty_like(perms[:2]), np.empty_like(sizes[:2]), np.empty_like(totals[:2]), np.empty(2))
-    for row in range(0, count, 2):
+    for row in range(rows[0], rows[1], 2):
         for p in range(2):
-            copy(people, winner(rng, fitness, tournament, tournament_rate), pair, p)
+            copy(people, winner(rng, people.fitness, tournament, tournament_rate), pair, p)
         if rng.random() < crossover_rate:
-            best_cost_route_crossover(cost, rng, pair)
-        for p in range(min(2, count - row)):
+            best_cost_route_crossover(costs, rng, pair)
+        for p in range(min(2, rows[1] - row)):
             if rng.random() < mutation_rate:
                 if inter:
-                    inter_depot_mutation(cost, rng, chromosome(pair, p), candidates)
+                    inter_depot_mutation(costs, rng, chromosome(pair, p), candidates)
                 else:
-                    intra_depot_mutation(cost, rng, chromosome(pair, p))
-            pair.fitness[p] = evaluate(cost, chromosome(pair, p))
+                    intra_depot_mutation(costs, rng, chromosome(pair, p))
+            pair.fitness[p] = evaluate(costs.out, chromosome(pair, p))
             copy(pair, p, children, row + p)
-    survivors, places = np.argsort(fitness)[:elite], rng.permutation(count)[:elite]
+
+
+@njit(cache=True)
+def keep_elite(rng: Any, people: Population, children: Population, elite: int) -> None:
+    """Put the fittest `elite` of the people in the place of random children."""
+    survivors, places = np.argsort(people.fitness)[:elite], rng.permutation(len(people.fitness))[:elite]
     for old, new in zip(survivors, places):  # noqa: B905 - numba knows no strict
         copy(people, old, children, new)
-    return children

@@ -1,6 +1,7 @@
 """Operators of the genetic algorithm of Ombuki-Berman and Hanshar (2009), as kernels on one chromosome.
 
-Chromosomes are changed in place. `rng` is a numpy Generator, so a seed fixes every choice.
+Chromosomes are changed in place. `rng` is a numpy Generator, so a seed fixes every choice. An insertion looks at every
+place of a chromosome: it reads costs along rows, in both directions, and the legs flown now from a list in their order.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from formulations.routing.search.problem_data import Costs
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
@@ -69,29 +71,52 @@ def evaluate(cost: Floats, tours: Chromosome) -> float:
 
 
 @njit(cache=True)
-def insert_best(cost: Floats, tours: Chromosome, task: int, allowed: Bools) -> None:
+def legs_of(cost: Floats, tours: Chromosome) -> Floats:
+    """Return the costs [s] of the legs flown, shape (n+m,): of each tour those to its tasks, then the one home.
+
+    Where tasks are left out, so are as many entries at the end.
+    """
+    perm, sizes, _ = tours
+    legs = np.zeros(perm.size + sizes.size)
+    first = 0
+    for k in range(len(sizes)):
+        depot = here = perm.size + k
+        for at in range(first, first + sizes[k]):
+            legs[at + k] = cost[here, perm[at]]
+            here = perm[at]
+        first += sizes[k]
+        legs[first + k] = cost[here, depot]
+    return legs
+
+
+@njit(cache=True)
+def insert_best(costs: Costs, tours: Chromosome, legs: Floats, task: int, allowed: Bools) -> None:
     """Insert `task` at its best place over the allowed depots: least C_max, then least added cost.
 
-    `perm` holds ``sizes.sum()`` tasks before.
+    `perm` holds ``sizes.sum()`` tasks before; `legs` are those of the chromosome, before and after.
     """
     perm, sizes, totals = tours
     n, longest = perm.size, totals.max()
-    best_max, best_added, best_k, best_at = np.inf, np.inf, -1, -1
+    out, into = costs.out[task], costs.into[task]
+    best_max, best_added, best_k, best_at, best_to, best_from = np.inf, np.inf, -1, -1, 0.0, 0.0
     first = 0
     for k in range(len(sizes)):
         last = first + sizes[k]
         if allowed[k]:
+            a = n + k
             for at in range(first, last + 1):
-                a = perm[at - 1] if at > first else n + k
                 b = perm[at] if at < last else n + k
-                added = cost[a, task] + cost[task, b] - cost[a, b]
+                added = into[a] + out[b] - legs[at + k]
                 reached = max(longest, totals[k] + added)
                 if best_k < 0 or reached < best_max or (reached == best_max and added < best_added):
-                    best_max, best_added, best_k, best_at = reached, added, k, at
+                    best_max, best_added, best_k, best_at, best_to, best_from = reached, added, k, at, into[a], out[b]
+                a = b
         first = last
     for p in range(first, best_at, -1):
         perm[p] = perm[p - 1]
-    perm[best_at] = task
+    for p in range(first + len(sizes), best_at + best_k + 1, -1):
+        legs[p] = legs[p - 1]
+    perm[best_at], legs[best_at + best_k], legs[best_at + best_k + 1] = task, best_to, best_from
     sizes[best_k] += 1
     totals[best_k] += best_added
 
@@ -114,7 +139,7 @@ def remove_marked(cost: Floats, tours: Chromosome, marked: Bools) -> None:
 
 
 @njit(cache=True)
-def best_cost_route_crossover(cost: Floats, rng: Any, pair: Population) -> None:
+def best_cost_route_crossover(costs: Costs, rng: Any, pair: Population) -> None:
     """Best-cost route crossover: turn two parents, rows 0 and 1, into two children.
 
     Pick a depot at random. The tasks of parent 1's route there are taken out of parent 2 and put back one by one, each
@@ -130,13 +155,14 @@ def best_cost_route_crossover(cost: Floats, rng: Any, pair: Population) -> None:
         given, tours = routes[1 - child], chromosome(pair, child)
         marked = np.zeros(n, dtype=np.bool_)
         marked[given] = True
-        remove_marked(cost, tours, marked)
+        remove_marked(costs.out, tours, marked)
+        legs = legs_of(costs.out, tours)
         for task in given:
-            insert_best(cost, tours, task, everywhere)
+            insert_best(costs, tours, legs, task, everywhere)
 
 
 @njit(cache=True)
-def intra_depot_mutation(cost: Floats, rng: Any, tours: Chromosome) -> None:
+def intra_depot_mutation(costs: Costs, rng: Any, tours: Chromosome) -> None:
     """Intra-depot mutation: in one depot's group, one of three changes, each as likely.
 
     Reversal of a stretch between two cuts; single task re-routing, one task put to its best place in the group; or a
@@ -154,13 +180,13 @@ def intra_depot_mutation(cost: Floats, rng: Any, tours: Chromosome) -> None:
         low, high = min(a, b), max(a, b) + 1
         perm[low:high] = perm[low:high][::-1].copy()
     elif kind == 1:
-        move_task(cost, tours, perm[a], np.arange(m) == k)
+        move_task(costs, tours, perm[a], np.arange(m) == k)
     else:
         perm[a], perm[b] = perm[b], perm[a]
 
 
 @njit(cache=True)
-def inter_depot_mutation(cost: Floats, rng: Any, tours: Chromosome, candidates: Bools) -> None:
+def inter_depot_mutation(costs: Costs, rng: Any, tours: Chromosome, candidates: Bools) -> None:
     """Inter-depot mutation: move a random border-line task to its best place at another of its candidate depots."""
     border = np.flatnonzero(candidates.sum(axis=1) > 1)
     if len(border) == 0:
@@ -169,13 +195,13 @@ def inter_depot_mutation(cost: Floats, rng: Any, tours: Chromosome, candidates: 
     place = np.flatnonzero(tours.perm == task)[0]
     elsewhere = candidates[task].copy()
     elsewhere[np.searchsorted(np.cumsum(tours.sizes), place, side="right")] = False
-    move_task(cost, tours, task, elsewhere)
+    move_task(costs, tours, task, elsewhere)
 
 
 @njit(cache=True)
-def move_task(cost: Floats, tours: Chromosome, task: int, allowed: Bools) -> None:
+def move_task(costs: Costs, tours: Chromosome, task: int, allowed: Bools) -> None:
     """Take `task` out and put it to its best place over the allowed depots."""
     marked = np.zeros(tours.perm.size, dtype=np.bool_)
     marked[task] = True
-    remove_marked(cost, tours, marked)
-    insert_best(cost, tours, task, allowed)
+    remove_marked(costs.out, tours, marked)
+    insert_best(costs, tours, legs_of(costs.out, tours), task, allowed)

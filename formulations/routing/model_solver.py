@@ -8,9 +8,8 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Any, ClassVar
 
-import numpy as np
-
-from formulations.routing.greedy import greedy_routes
+from formulations.limits import Limits
+from formulations.routing.greedy import Greedy
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.solver import Result
 from instances import Instance
@@ -26,14 +25,18 @@ class ModelSolver(RecordedSolver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the construction of the first routes."""
-        greedy_routes(Instance("warm-up", np.zeros((2, 2)), 1, 1))
+        Greedy().prepare(instance)
 
     def search(self, recorder: Recorder, seed: int) -> Result:
-        """Improve on the first routes, unless they cost nothing."""
-        recorder.incumbent(greedy_routes(recorder.instance))
-        if recorder.objective > 0:
+        """Improve on the first routes, unless they cost nothing or took all the time."""
+        first = Greedy().solve(recorder.instance, limits=Limits(time=max(recorder.remaining, 1e-9)))
+        assert first.routes is not None
+        recorder.incumbent(first.routes)
+        if recorder.objective > 0 and recorder.remaining > 0:
             return self.improve(recorder, seed)
         nothing_done: dict[str, Any] = dict.fromkeys(self.counters, 0)
+        if recorder.objective > 0:
+            return recorder.result("time", **nothing_done)
         return recorder.result("proof" if self.proves else "finished", proved=self.proves, **nothing_done)
 
     @abstractmethod

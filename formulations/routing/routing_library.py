@@ -22,6 +22,7 @@ from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import scale_costs
 from formulations.routing.solver import Result
 from instances import InputError
+from instances.arrays import Ints
 
 
 @dataclass(frozen=True)
@@ -43,26 +44,49 @@ class RoutingLibrary(ModelSolver):
     def improve(self, recorder: Recorder, seed: int) -> Result:
         """Search until a limit is reached."""
         asked = recorder.limits.iterations
-        solutions = 0 if asked == 0 else _Search(self, recorder, seed).run()
+        if asked == 0:
+            return recorder.result("iterations", solutions=0)
+        scaled = scale_costs(recorder.instance, recorder.objective)
+        table = _table(scaled.cost, recorder)
+        if table is None:
+            return recorder.result("time", solutions=0)
+        search = _Search(self, recorder, seed, scaled.upper, table)
+        del table  # the library has its own now; this one takes several times the memory
+        solutions = search.run()
         if asked is not None and solutions >= asked:
             return recorder.result("iterations", solutions=solutions)
         return recorder.result("finished" if recorder.remaining > 0 else "time", solutions=solutions)
 
 
+def _table(cost: Ints, recorder: Recorder) -> list[list[int]] | None:
+    """Return `cost` as lists, which is how the library takes it; None where too little time is left for it to do so.
+
+    The library does not look at the clock while it builds its model: some seconds at n = 5000, about a third of what
+    the lists take.
+    """
+    began, rows = recorder.elapsed, []
+    for row in cost:
+        if recorder.remaining == 0:
+            return None
+        rows.append(row.tolist())
+    return rows if recorder.remaining > recorder.elapsed - began else None
+
+
 class _Search:
     """One search of the library from the recorder's routes; every accepted solution is offered to the recorder."""
 
-    def __init__(self, options: RoutingLibrary, recorder: Recorder, seed: int) -> None:
+    def __init__(
+        self, options: RoutingLibrary, recorder: Recorder, seed: int, longest: int, table: list[list[int]]
+    ) -> None:
         self.recorder = recorder
         self.solutions = 0
         instance = recorder.instance
-        scaled = scale_costs(instance, recorder.objective)
         depots = list(instance.depots)
         self.manager = pywrapcp.RoutingIndexManager(instance.n_nodes, len(depots), depots, depots)
         self.routing = pywrapcp.RoutingModel(self.manager)
-        transit = self.routing.RegisterTransitMatrix(scaled.cost.tolist())
+        transit = self.routing.RegisterTransitMatrix(table)
         self.routing.SetArcCostEvaluatorOfAllVehicles(transit)
-        horizon = (scaled.upper + 1) * (instance.n_tasks + 1)
+        horizon = (longest + 1) * (instance.n_tasks + 1)
         self.routing.AddDimension(transit, 0, horizon, True, "distance")
         self.routing.GetDimensionOrDie("distance").SetGlobalSpanCostCoefficient(options.span_weight)
         self.routing.AddAtSolutionCallback(self._on_solution)
@@ -72,11 +96,11 @@ class _Search:
         """Search until a limit; return the number of accepted solutions."""
         parameters = pywrapcp.DefaultRoutingSearchParameters()
         parameters.local_search_metaheuristic = routing_enums_pb2.LocalSearchMetaheuristic.GUIDED_LOCAL_SEARCH
-        parameters.time_limit.FromMilliseconds(max(1, int(1000 * self.recorder.remaining)))
         if self.recorder.limits.iterations is not None:
             parameters.solution_limit = self.recorder.limits.iterations
         self.routing.CloseModelWithParameters(parameters)
         first = self.routing.ReadAssignmentFromRoutes([list(route) for route in self.recorder.routes or ()], True)
+        parameters.time_limit.FromMilliseconds(max(1, int(1000 * self.recorder.remaining)))
         self.routing.SolveFromAssignmentWithParameters(first, parameters)
         return self.solutions
 

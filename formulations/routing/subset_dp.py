@@ -19,6 +19,7 @@ Floating point: a tour is a sum of at most n + 1 non-negative costs, so the recu
 from __future__ import annotations
 
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -50,7 +51,7 @@ class SubsetDp(RecordedSolver):
         n = instance.n_tasks
         if n <= LARGEST:
             return None
-        need = 8 * 2.0**n * (n + 2 * instance.n_depots) / 1e9
+        need = 8 * Decimal(2) ** n * (n + 2 * instance.n_depots) / 10**9  # no float reaches 2 ** 1024
         return (
             f"subset-dp has a table of all 2^n subsets: at most {LARGEST} tasks, not {n} (that would be {need:.3g} GB)"
         )

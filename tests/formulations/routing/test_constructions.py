@@ -10,7 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
-from formulations.routing.ga import border_line, depot_distance, next_generation, random_chromosome, winner
+from formulations.routing import ga
+from formulations.routing.ga import (
+    border_line,
+    breed,
+    depot_distance,
+    keep_elite,
+    nearest_depots,
+    random_chromosome,
+    unborn,
+    winner,
+)
 from formulations.routing.ga_operators import (
     Chromosome,
     Population,
@@ -20,9 +30,12 @@ from formulations.routing.ga_operators import (
     insert_best,
     inter_depot_mutation,
     intra_depot_mutation,
+    legs_of,
 )
 from formulations.routing.greedy import VARIANTS
+from formulations.routing.recorder import Recorder
 from formulations.routing.registry import make_solver
+from formulations.routing.search.problem_data import both_ways
 from instances import InputError, Instance, Routes, as_routes, check_routes, makespan, tour_costs
 
 Windy = Callable[..., Instance]
@@ -126,11 +139,12 @@ def test_every_operator_keeps_a_chromosome_a_a_chromosome(windy: Windy, n: int, 
     evaluate(instance.cost, second)
     rng = np.random.default_rng(seed)
     pair = together(first, second)
-    best_cost_route_crossover(instance.cost, rng, pair)
+    costs = both_ways(instance.cost)
+    best_cost_route_crossover(costs, rng, pair)
     for row in range(2):
         child = chromosome(pair, row)
-        intra_depot_mutation(instance.cost, rng, child)
-        inter_depot_mutation(instance.cost, rng, child, border_line(instance, 2.0))
+        intra_depot_mutation(costs, rng, child)
+        inter_depot_mutation(costs, rng, child, border_line(instance, 2.0))
         routes = routes_of(child)
         assert check_routes(instance, routes) == []
         fitness = evaluate(instance.cost, child)
@@ -146,7 +160,9 @@ def test_insertion_takes_the_place_of_least_c_max(windy: Windy, seed: int) -> No
     before = (*before[:last], before[last][:-1], *before[last + 1 :])
     tours.sizes[last] -= 1
     evaluate(instance.cost, tours)
-    insert_best(instance.cost, tours, task, np.ones(3, dtype=np.bool_))
+    legs = legs_of(instance.cost, tours)
+    insert_best(both_ways(instance.cost), tours, legs, task, np.ones(3, dtype=np.bool_))
+    assert legs.tolist() == legs_of(instance.cost, tours).tolist()
     every = [
         (*before[:k], (*route[:at], int(task), *route[at:]), *before[k + 1 :])
         for k, route in enumerate(before)
@@ -163,7 +179,7 @@ def test_crossover_leaves_the_other_routes_in_order(windy: Windy) -> None:
     pair = together(first, second)
     rng = np.random.default_rng(0)
     k = int(np.random.default_rng(0).integers(0, 2))
-    best_cost_route_crossover(instance.cost, rng, pair)
+    best_cost_route_crossover(both_ways(instance.cost), rng, pair)
     for child in range(2):
         moved = set(parents[1 - child][k])
         kept = [[i for i in route if i not in moved] for route in parents[child]]
@@ -178,7 +194,8 @@ def test_first_chromosomes_group_by_nearest_depot_and_share_a_place(windy: Windy
     distance = depot_distance(instance)
     used = set()
     for seed in range(10):
-        routes = random_chromosome(instance, np.random.default_rng(seed))
+        perm, sizes = random_chromosome(nearest_depots(instance), np.random.default_rng(seed))
+        routes = as_routes(np.split(perm, np.cumsum(sizes)[:-1]))
         assert check_routes(instance, routes) == []
         for k, route in enumerate(routes):
             assert all(distance[task, k] == distance[task].min() for task in route)
@@ -209,10 +226,12 @@ def test_elite_survives(windy: Windy) -> None:
     for row, perm in enumerate(people.perms):
         rng.shuffle(perm)
         people.fitness[row] = evaluate(instance.cost, chromosome(people, row))
-    candidates = border_line(instance, 2.0)
+    costs, candidates = both_ways(instance.cost), border_line(instance, 2.0)
     for _ in range(10):
-        best = people.fitness.min()
-        people = next_generation(instance.cost, rng, people, candidates, 2, 2, False, (0.8, 0.6, 0.2))
+        best, children = people.fitness.min(), unborn(20, 8, 2)
+        breed(costs, rng, people, children, (0, 20), candidates, 2, False, (0.8, 0.6, 0.2))
+        keep_elite(rng, people, children, 2)
+        people = children
         assert people.fitness.min() <= best
 
 
@@ -222,6 +241,22 @@ def test_bad_options_are_named() -> None:
             make_solver("ga", options)
     with pytest.raises(InputError, match="span_weight"):
         make_solver("routing-library", {"span_weight": 0})
+
+
+def test_ga_whose_time_is_up_in_its_first_population_has_routes(windy: Windy) -> None:
+    instance = windy(30, 3, 0)
+    result = make_solver("ga").solve(instance, limits=Limits(time=1e-9))
+    assert (result.stopped_by, result.statistics["generations"]) == ("time", 0)
+    assert check_routes(instance, result.routes) == []
+
+
+def test_ga_stops_within_a_generation(windy: Windy, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ten chromosomes, two looks at the clock a generation, time for three of them: the second generation is cut."""
+    monkeypatch.setattr(ga, "_LOOKS", 3 * 40**2)
+    looks = iter([1.0] * (10 + 2 + 2 + 1))
+    monkeypatch.setattr(Recorder, "remaining", property(lambda self: next(looks, 0.0)))
+    result = make_solver("ga", {"population": 10}).solve(windy(40, 3, 0), limits=Limits(time=60))
+    assert (result.stopped_by, result.statistics["generations"]) == ("time", 1)
 
 
 def test_ga_ends_with_its_generations(windy: Windy) -> None:

@@ -17,6 +17,7 @@ one, and the claimed bound does not contradict them; stored claims are looked at
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any

@@ -233,7 +233,7 @@ def test_a_false_proof_becomes_an_error(finish, name, words):
     assert words in found.message
 
 
-@pytest.mark.parametrize("product", ["[[Infinity]]", "[" * 60_000, "{}", f"[[{'9' * 400}], []]"], ids=lambda p: p[:9])
+@pytest.mark.parametrize("product", ["[[Infinity]]", "{}", f"[[{'9' * 400}], []]"], ids=lambda p: p[:9])
 def test_a_forged_message_becomes_an_error(finish, all_with_first, product):
     """All other forgeries: test_messages.py; they take the same way."""
     line = '{"kind": "event", "claim": {"product": PRODUCT, "objective": 1.0}}'.replace("PRODUCT", product)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import math
-import sys
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from importlib.metadata import distributions
@@ -20,7 +19,8 @@ from instances.errors import InputError, shown, suggestion
 
 T = TypeVar("T")
 
-LARGEST = sys.float_info.max
+LARGEST = 1e100
+"""The largest number anybody may ask for: its square, and what it is multiplied by, stay finite."""
 LARGEST_WHOLE = 2**63 - 1
 """The largest whole number that compiled code takes."""
 KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}
@@ -173,13 +173,13 @@ def unfit(value: Any, default: Any, at_least: float = -math.inf) -> str:
     fits = type(value) is kind or (kind is float and type(value) is int)
     if fits and (kind not in (int, float) or (value >= at_least and in_range(value))):
         return ""
-    if fits and kind is int and value > LARGEST_WHOLE:
-        return f"{KINDS[kind]} of at most {LARGEST_WHOLE}"
+    if fits and kind in (int, float) and value > at_least:
+        return f"{KINDS[kind]} of at most {LARGEST_WHOLE if kind is int else LARGEST:g}"
     return KINDS[kind] + (f" of at least {at_least:g}" if at_least > -math.inf else "")
 
 
 def in_range(value: float) -> bool:
-    """Return whether a number is finite and, where it is whole, one that compiled code takes."""
+    """Return whether a number is finite and can be computed with: a whole one as compiled code does."""
     return abs(value) <= (LARGEST_WHOLE if isinstance(value, int) else LARGEST)
 
 

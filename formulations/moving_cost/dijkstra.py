@@ -28,8 +28,8 @@ class Dijkstra(MovingCostMethod):
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.samples < 1 or not self.radius_factor > 0:
-            raise InputError("dijkstra: samples must be at least 1 and radius_factor positive")
+        if self.samples < 1 or not 0 < self.radius_factor <= 100:
+            raise InputError("dijkstra: samples must be at least 1 and radius_factor from 0 to 100")
 
     def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
         """Return costs and paths between all terminals."""

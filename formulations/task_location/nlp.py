@@ -34,6 +34,7 @@ from formulations.task_location.placement import PlacementMethod, PlacementProbl
 from formulations.task_location.starts import greedy_start
 from instances.arrays import Floats
 from instances.environment.region import Region
+from instances.errors import InputError
 
 HOP = 0.65
 """Standard deviation of a hop in mean distances between tasks, √(area / n)."""
@@ -54,6 +55,10 @@ class Nlp(PlacementMethod):
     starts: int = 0
     iterations: int = 100
     tolerance: float = 1e-6
+
+    def __post_init__(self) -> None:
+        if not self.tolerance > 0:
+            raise InputError(f"nlp: tolerance must be positive, got {self.tolerance:g}")
 
     def prepare(self, problem: PlacementProblem) -> None:
         """Load IPOPT, which casadi does on first use."""

@@ -142,6 +142,11 @@ class PlacementMethod(Protocol):
         ...
 
 
+def share_of(value: float, certificate: float) -> float:
+    """Return value / certificate; 1 where nothing can be learned, as under a noise that drowns the signal."""
+    return value / certificate if certificate > 0 else 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class Placement:
     """Task locations and what they are worth.
@@ -169,7 +174,7 @@ class Placement:
     @property
     def ratio(self) -> float | None:
         """mutual_information / certificate, ≤ 1; None without a certificate."""
-        return None if self.certificate is None else self.mutual_information / self.certificate
+        return None if self.certificate is None else share_of(self.mutual_information, self.certificate)
 
     def summary(self) -> str:
         """One line for people."""

@@ -59,7 +59,7 @@ def length_scales_of(text: str) -> tuple[float, float]:
     except ValueError:
         scales = []
     if len(scales) not in (1, 2):
-        raise InputError(f"--length-scale: must be one length or two, lx,ly [m], got '{text}'")
+        raise InputError(f"--length-scale: must be one length or two, lx,ly [m], got {text[:80]!r}")
     return scales[0], scales[-1]
 
 
@@ -74,7 +74,7 @@ def tests_of(text: str | list[list[float]], region: Region) -> tuple[Floats, Flo
     if shape:
         columns, rows = int(shape[1]), int(shape[2])
         if columns < 1 or rows < 1:
-            raise InputError(f"--tests: needs at least one column and one row, got '{text}'")
+            raise InputError(f"--tests: needs at least one column and one row, got {text[:80]!r}")
         if columns * rows > MOST_CELLS:
             raise InputError(f"--tests: {text} are too many cells; at most {MOST_CELLS} can be looked at")
         points = region.cell_centres(columns, rows)
@@ -82,7 +82,7 @@ def tests_of(text: str | list[list[float]], region: Region) -> tuple[Floats, Flo
             raise InputError(f"--tests: none of the {text} cell centres lies inside the region; ask for more")
         return points, None
     if not text.lower().endswith(".csv"):
-        raise InputError(f"--tests: must be COLUMNSxROWS such as 20x20, or a .csv file with columns x, y, got '{text}'")
+        raise InputError(f"--tests: must be COLUMNSxROWS such as 20x20, or a .csv with columns x, y, got {text[:80]!r}")
     return _inside(rows_of_tests(Path(text)), region, text)
 
 

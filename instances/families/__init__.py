@@ -76,6 +76,6 @@ def make_scenario(name: str, n_tasks: int, n_depots: int, seed: int, **parameter
     """
     for label, value, least in (("n_tasks", n_tasks, 1), ("n_depots", n_depots, 1), ("seed", seed, 0)):
         if isinstance(value, bool) or not isinstance(value, int) or value < least:
-            raise InputError(f"{label} must be a whole number of at least {least}, got {value!r}")
+            raise InputError(f"{label} must be a whole number of at least {least}, got {shown(value)}")
     check_size(n_tasks, n_depots)
     return FAMILIES.load(name).scenario(n_tasks, n_depots, seed, parameters)

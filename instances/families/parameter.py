@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from instances.errors import InputError, suggestion
+from instances.errors import InputError, shown, suggestion
 from instances.registry import unfit
 
 Values = dict[str, Any]
@@ -32,13 +32,13 @@ class Parameter:
         if isinstance(self.default, str):
             if not isinstance(value, str) or value not in self.choices:
                 near = suggestion(value, self.choices) if isinstance(value, str) else ""
-                raise InputError(f"{self.name}: {value!r} is not one of {', '.join(self.choices)}{near}")
+                raise InputError(f"{self.name}: {shown(value)} is not one of {', '.join(self.choices)}{near}")
             return value
         kind = type(self.default)
         number = _read(value, kind)
         if wanted := unfit(number, self.default, self.at_least):
             unit = f" [{self.unit}]" if self.unit else ""
-            raise InputError(f"{self.name}: must be {wanted}{unit}, got {value!r}")
+            raise InputError(f"{self.name}: must be {wanted}{unit}, got {shown(value)}")
         return kind(number)
 
 

@@ -138,7 +138,7 @@ def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, d
     from workbench.settings import shard as shard_of
 
     again = statuses_to_retry(study.problem, [] if retry is None else names(retry, "--retry"))
-    part = shard_of(shard) if shard else (1, 1)
+    part = (1, 1) if shard is None else shard_of(shard)
     store = Store(folder)
     jobs, sources = jobs_of(study)
     if not dry_run:

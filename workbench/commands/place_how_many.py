@@ -43,7 +43,7 @@ class Asked(NamedTuple):
 def numbers_from(text: str) -> list[int]:
     """Return the numbers of ``n=5..80``, ``5..80:5`` or ``5,40,200``; InputError where it says something else."""
     body = text.removeprefix("n=").strip()
-    number = r"(\d{1,7})"  # no more digits: every number of the span is tried
+    number = r"(\d{1,5})"  # no more digits: every number of the span is tried
     span = re.fullmatch(rf"{number}\.\.{number}(?::{number})?", body)
     if span:
         first, last, step = int(span[1]), int(span[2]), int(span[3] or 1)

@@ -119,7 +119,7 @@ def study_from(
         if key in ("threads", "iterations") and key not in problem.limits:
             raise InputError(f"compare: --{key} cannot be given with a {problem.name} study")
     asked = {"name": name, **data, **changes}
-    check_name(asked["name"])  # its results go into a folder of this name
+    check_name(typed(asked["name"], str, "name"))  # its results go into a folder of this name
     for key, read in READERS.items():  # also what no method takes, as every one has its own
         if key in data:
             read(data[key], key)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from instances.errors import InputError, shown, suggestion
-from instances.registry import in_range
+from instances.registry import LARGEST, LARGEST_WHOLE, in_range
 
 MOST_RUNS = 1_000_000
 """Runs of a study, and combinations of what one of its tables lists; asked before any is made."""
@@ -69,7 +69,7 @@ def typed(value: Any, kind: Any, where: str) -> Any:
     """Return `value` where it is of `kind`; numbers are finite, true and false are none."""
     fits = isinstance(value, kind) and (kind is bool or not isinstance(value, bool))
     if not fits or (isinstance(value, (int, float)) and not in_range(value)):
-        wanted = {str: "a text", int: "a whole number", dict: "a table"}.get(kind, "a finite number")
-        more = " below 2^63" if kind is int and fits else ""
+        wanted = {str: "a text", int: "a whole number", dict: "a table"}.get(kind, "a number")
+        more = f" of at most {LARGEST_WHOLE if isinstance(value, int) else LARGEST:g}" if fits else ""
         raise InputError(f"{where}: must be {wanted}{more}, got {shown(value)}")
     return value

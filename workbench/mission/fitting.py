@@ -14,7 +14,8 @@ from instances.environment.propagation import MODELS
 from instances.environment.radio import RadioSource
 from instances.errors import InputError, shown, suggestion
 from instances.instance import check_size
-from instances.registry import MethodRegistry
+from instances.registry import LARGEST, MethodRegistry
+from workbench.mission.keys import SMALLEST
 from workbench.mission.settings import Mission
 
 BASELINES = ("lawnmower", "random", "greedy")
@@ -81,6 +82,8 @@ def _check_units(mission: Mission) -> None:
                     "lengths are in metres"
                 )
     radius, speed = mission.flight.turning_radius, mission.speed
+    if not SMALLEST <= speed <= LARGEST:
+        raise InputError(f"a speed of {speed:g} m/s cannot be flown: speeds are in m/s")
     load = speed**2 / radius / 9.81
     if load > MOST_G:
         raise InputError(

@@ -8,11 +8,12 @@ from typing import Any, TypeVar
 
 from formulations.limits import LARGEST_SEED
 from instances.errors import InputError, shown, suggestion
+from instances.registry import LARGEST
 
 T = TypeVar("T")
 
-SMALLEST, LARGEST = 1e-100, 1e100
-"""Beyond these the square of a positive number is 0 or infinite in float64."""
+SMALLEST = 1e-100
+"""The square of a smaller positive number is 0 in float64."""
 MOST = 10_000
 """Of whatever is counted, unless the key says otherwise."""
 

@@ -34,6 +34,7 @@ from formulations.task_location.placement import (
     PlacementStatus,
     checked_points,
     place,
+    share_of,
 )
 from formulations.task_location.registry import METHODS
 from formulations.task_location.setting import criterion_of, region_of, rows_of_tests
@@ -46,7 +47,15 @@ from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published,
 from workbench.jobs.tables import counts_from, listed, typed
 from workbench.terminal import print_table, say
 
-KERNEL_KEYS = ("tests", "signal_sd", "length_scale", "noise_sd", "test_noise_sd")
+NUMBER = (int, float)
+KERNEL_KEYS: dict[str, Any] = {
+    "tests": str,
+    "signal_sd": NUMBER,
+    "length_scale": (*NUMBER, str),
+    "noise_sd": NUMBER,
+    "test_noise_sd": NUMBER,
+}
+"""Key of the setting → its type."""
 TOLERANCE = 1e-6
 """Relative: a claim further from the recomputed information is refuted."""
 LOOSER = 1e-3
@@ -100,10 +109,10 @@ class PlacementStudy(Problem[PlacementItem]):
     def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[PlacementItem]]:
         """Return every region with every number of tasks."""
         setting = {key: tables[key] for key in KERNEL_KEYS if key in tables}
-        setting |= {key: str(setting[key]) for key in ("tests", "length_scale") if key in setting}
-        for key in ("signal_sd", "noise_sd", "test_noise_sd"):
+        for key, kinds in KERNEL_KEYS.items():
             if key in setting:
-                typed(setting[key], (int, float), key)
+                typed(setting[key], kinds, key)
+        setting |= {key: str(setting[key]) for key in ("tests", "length_scale") if key in setting}
         if str(setting.get("tests", "")).lower().endswith(".csv"):
             setting["tests"] = rows_of_tests(base / setting["tests"]).tolist()  # a store explains itself
         for region in listed(tables.get("regions", ["square"])):
@@ -188,7 +197,7 @@ class PlacementStudy(Problem[PlacementItem]):
         worth = {} if product is None else _worth(item, product)
         value = worth.get(Convention.BOTH_NOISY)
         bound = item.certificate
-        ratio = None if value is None or bound is None else value / bound
+        ratio = None if value is None or bound is None else share_of(value, bound)
         about = {"points": product, "mutual_information": value, "certificate": bound, "ratio": ratio}
         return about | {"information": worth}
 

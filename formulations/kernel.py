@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from instances import InputError
 from instances.arrays import Floats
 
-SMALLEST, LARGEST = 1e-100, 1e100
+SMALLEST, LARGEST = 1e-120, 1e120
 """Beyond these the square of a parameter, or of a distance over it, is 0 or infinite in float64."""
 
 

@@ -48,8 +48,8 @@ class Registry(Generic[T]):
 
     def targets(self) -> dict[str, tuple[str, str]]:
         """Return every registered one, built in or third party: name → (target, one line); nothing is imported."""
-        others = _third_party(self.group)[0] if self.group else {}
-        return {name: (value, f"third party ({value})") for name, value in others.items()} | dict(self.built_in)
+        others = {name: (value, f"third party ({value})") for name, value in _third_party(self.group)[0].items()}
+        return {**self.built_in, **{name: other for name, other in others.items() if name not in self.built_in}}
 
     def target(self, name: str) -> str:
         """Return the ``module:attribute`` of the one registered as `name`, or named so; nothing is imported.
@@ -58,9 +58,9 @@ class Registry(Generic[T]):
         """
         if name in self.built_in:
             return self.built_in[name][0]
-        others, damaged = ({name: name}, 0) if ":" in name else _third_party(self.group)
-        if not self.group or name not in others:
-            names = [*self.built_in, *others] if self.group else [*self.built_in]
+        others, damaged = ({name: name}, 0) if self.group and ":" in name else _third_party(self.group)
+        if name not in others:
+            names = [*self.built_in, *others]
             known = f"{self.listing} lists them" if self.listing else f"known: {', '.join(names)}"
             more = f"; the entry points of {damaged} installed packages cannot be read" if damaged else ""
             raise InputError(f"unknown {self.kind} {shown(name)}{suggestion(name, names)} ({known}){more}")
@@ -143,10 +143,10 @@ class MethodRegistry(Registry[type[T]]):
 
 
 def _third_party(group: str) -> tuple[dict[str, str], int]:
-    """Return what installed packages register, name → target, and how many of them cannot be read."""
+    """Return what installed packages register, name → target, and how many of them cannot be read; "" is no group."""
     found: dict[str, str] = {}
     damaged = 0
-    for package in distributions():
+    for package in distributions() if group else ():
         try:
             entries = [(entry.name, entry.value) for entry in package.entry_points if entry.group == group]
         except (OSError, TypeError, ValueError):  # another package's file: what it would add cannot be known

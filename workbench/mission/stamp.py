@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -94,4 +95,4 @@ def referenced_files(value: Any, folder: Path) -> dict[str, str]:
     path = folder / value
     # a WindNinja speed grid has its directions and projection beside it
     beside = [path, *(path.with_name(path.name.replace("_vel.asc", end)) for end in ("_ang.asc", "_vel.prj"))]
-    return {f"{value} {p.name}": file_digest(p) for p in dict.fromkeys(beside) if p.is_file()}
+    return {f"{value} {p.name}": file_digest(p) for p in dict.fromkeys(beside) if os.path.isfile(p)}

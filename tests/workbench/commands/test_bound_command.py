@@ -75,7 +75,7 @@ def test_nonsense_is_refused(cli, instance_file, time_limit):
     code, out, err = cli("bound", instance_file, "--time-limit", time_limit)
     assert code == 2
     assert out == ""
-    assert "time limit must be positive" in err
+    assert "--time-limit: must be a positive number" in err
 
 
 def test_a_missing_instance_is_named(cli):

@@ -14,6 +14,7 @@ from instances.errors import InputError
 from workbench.mission.file import mission_of
 from workbench.mission.fitting import refuse_plugins
 from workbench.mission.settings import TABLES
+from workbench.mission.stamp import referenced_files
 
 TABLE: dict[str, Any] = {
     "airspeed": 100.0,
@@ -64,3 +65,8 @@ def test_code_of_others_is_refused_where_asked(changes: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=r"--no-plugins: .* = 'os:abort' is not built in"):
         refuse_plugins(mission)
     refuse_plugins(mission_of(TABLE, Path(), "m"))
+
+
+@pytest.mark.parametrize("text", ["x" * 400, "a\0b", "\udcff"], ids=["long", "zero", "bytes"])
+def test_a_text_that_no_file_can_be_named_is_none(tmp_path: Path, text: str) -> None:
+    assert referenced_files({"provenance": {"about": text}}, tmp_path) == {}

@@ -16,10 +16,11 @@ from formulations.limits import Limits
 from instances.errors import InputError
 from instances.families import FAMILIES, Family, Legs
 from instances.instance import check_size
+from instances.registry import MethodRegistry
 from instances.scenario import Scenario
 from instances.scenario_folder import keep_scenario, kept_scenario
 from workbench.jobs.job import Job
-from workbench.jobs.problem import Claim, Listener
+from workbench.jobs.problem import Claim, Listener, Problem
 from workbench.jobs.runner import run
 
 LONGEST = 60.0
@@ -55,55 +56,46 @@ class _Wanted:
     n_tasks: int
     n_depots: int
     folder: Path
+    digest: str = ""
 
 
-class _Families:
+class _Families(MethodRegistry[Any]):
     """The registry as the child sees it: a method is a family with its parameters."""
 
-    def make(self, name: str, options: Mapping[str, Any]) -> tuple[Family, Mapping[str, Any]]:
-        return FAMILIES.load(name), options
+    def make(self, name: str, options: Mapping[str, Any] | None = None) -> Any:
+        """Return the family and its parameters."""
+        return FAMILIES.load(name), options or {}
 
 
-class _Making:
-    """As much of `workbench.jobs.problem.Problem` as one run needs; its product is the name of the legs."""
+class _Making(Problem[_Wanted]):
+    """As much of a problem as one run needs; its product is the name of the legs."""
 
-    name, item = "family", "size"
-    methods = _Families()
-
-    def accepts(self, method: Any, item: _Wanted) -> None:
-        """Take every size."""
-
-    def prepare(self, method: Any, item: _Wanted) -> None:
-        """Do nothing: the import is done."""
+    name = "family"
+    methods = _Families("family", FAMILIES.built_in)
+    item = "scenario"
+    product = str
+    found = "legs"
+    statuses = ("FEASIBLE",)
 
     def solve(
-        self,
-        method: tuple[Family, Mapping[str, Any]],
-        item: _Wanted,
-        limits: Limits,
-        seed: int,
-        tell: Listener,
-        start: Any,
+        self, method: tuple[Family, Any], item: _Wanted, limits: Limits, seed: int, tell: Listener, start: Any
     ) -> Claim:
+        """Make the scenario and leave it in the folder."""
         family, parameters = method
         keep_scenario(family.scenario(item.n_tasks, item.n_depots, seed, parameters), item.folder)
         return Claim(Legs(family.legs).name, status="FEASIBLE", stopped_by="finished")
 
-    def bound(self, item: _Wanted) -> None:
-        """Know none."""
-
     def judge(self, item: _Wanted, product: Any, claimed: float | None) -> tuple[float | None, str]:
-        known = product in Legs.__members__
-        return (0.0, "") if known else (None, "made legs that are unknown here")
-
-    def refute_ending(self, claim: Claim, objective: float | None) -> str:
-        return ""
+        """Take legs that are known here."""
+        return (0.0, "") if product in Legs.__members__ else (None, "made legs that are unknown here")
 
     def describe(self, item: _Wanted) -> dict[str, Any]:
+        """Return the name."""
         return {"name": item.name}
 
     def own_columns(self, item: _Wanted, product: Any) -> dict[str, Any]:
+        """Return the name of the legs."""
         return {"legs": product}
 
 
-MAKING: Any = _Making()
+MAKING = _Making()  # type: ignore[abstract] # no study asks for it: nothing is read, kept or published

@@ -16,10 +16,13 @@ FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 
 def csv_text(frame: pd.DataFrame, raw: bool = False) -> str:
     """Return `frame` as CSV, a row a row; raw : texts as they are, for programs that read them back."""
-    texts = [] if raw else [name for name in frame if not is_numeric_dtype(frame[name])]
-    quoted = {str(name): pd.Series(map(_quoted, frame[name]), frame.index, dtype=object) for name in texts}
-    return frame.assign(**quoted).to_csv(index=False, lineterminator="\n")
+    texts = [name for name in frame if not is_numeric_dtype(frame[name])]
+    cells = {str(name): pd.Series([_cell(v, raw) for v in frame[name]], frame.index, dtype=object) for name in texts}
+    return frame.assign(**cells).to_csv(index=False, lineterminator="\n")
 
 
-def _quoted(value: Any) -> Any:
-    return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA_STARTS) else value
+def _cell(value: Any, raw: bool) -> Any:
+    if not isinstance(value, str):
+        return value
+    text = value.replace("\r", "\n")  # a lone carriage return would end the row
+    return f"'{text}" if not raw and value.startswith(FORMULA_STARTS) else text

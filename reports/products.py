@@ -1,4 +1,7 @@
-"""Products of a mission, read from the folders of its stages where they are asked for."""
+"""Products of a mission, read from the folders of its stages where they are asked for.
+
+Each is checked as it is read: what is missing, no number or of another shape is an InputError that names the file.
+"""
 
 from __future__ import annotations
 
@@ -8,22 +11,48 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from instances.arrays import Floats
 from instances.disk import read_json, read_text
 from instances.environment.radio import RadioMap
 from instances.environment.terrain import Terrain
-from instances.errors import InputError
+from instances.errors import InputError, naming
 from instances.files import read_instance
 from instances.formats.netcdf import read_grids
 from instances.instance import Instance
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
+from reports.damage import reading
 from reports.figures.field import Extent, extent_of
+from reports.kinds import is_number
+from reports.record import Run, read_json, read_run
 
 FOLDERS = ("environment", "place", "costs", "routes", "flight", "map", "compare")
 """The stages that have products."""
+
+_SCORES = ("rmse", "nlpd", "coverage", "mean_sd", "max_sd")
+NUMBERS: dict[str, tuple[str, ...]] = {
+    "tasks.csv": ("x", "y"),
+    "reference.csv": ("uav", "x", "y"),
+    "flown.csv": ("uav", "time", "x", "y"),
+    "flight-check.csv": (
+        "uav", "length", "reference_length", "task_distance", "least_radius", "deviation", "closure", "in_no_fly",
+    ),
+    "samples.csv": ("time", "x", "y"),
+    "ticks.csv": ("time", "samples", "information", *_SCORES),
+    "compare.csv": ("draw", "count", "length", "longest", "outside", "samples", *_SCORES),
+    "compare-ticks.csv": ("draw", "samples", *_SCORES),
+    "tracks.csv": ("draw", "uav", "x", "y"),
+}  # fmt: skip
+"""Table → its columns of numbers that are read."""
+NAMED = ("compare.csv", "compare-ticks.csv", "tracks.csv")
+"""Tables of several plans, whose `name` says which."""
+WHOLE = ("uav", "draw", "count", "samples")
+"""Columns of whole numbers from 0."""
+LARGEST = 1e12
+"""No product has a greater number; pictures of greater ones cannot be drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,17 +81,20 @@ class Products:
     @cached_property
     def scenario(self) -> Scenario:
         """The scenario, its wind as it was solved."""
-        return kept_scenario(self.folders["environment"])
+        with reading(self.folders["environment"] / "scenario.toml", "a scenario"):
+            return kept_scenario(self.folders["environment"])
 
     @cached_property
     def terrain(self) -> Terrain | None:
         """The ground, or None."""
-        return kept_terrain(self.folders["environment"])
+        with reading(self.folders["environment"] / "terrain.nc", "the ground"):
+            return kept_terrain(self.folders["environment"])
 
     @cached_property
     def field(self) -> RadioMap:
         """The field that was measured."""
-        return kept_field(self.folders["environment"])
+        with reading(self.folders["environment"] / "field.nc", "a field"):
+            return kept_field(self.folders["environment"])
 
     @cached_property
     def unit(self) -> str:
@@ -77,21 +109,94 @@ class Products:
     @cached_property
     def maps(self) -> Maps:
         """The maps that were kept, the last included."""
-        over = dict.fromkeys(("mean", "sd"), ("time", "y", "x")) | {"truth": ("y", "x")}
-        axes, values = read_grids(self.folders["map"] / "maps.nc", over)
-        arrays = (values[name].values for name in ("mean", "sd", "truth"))
-        return Maps(axes["time"], axes["x"], axes["y"], *arrays)
+        path = self.folders["map"] / "maps.nc"
+        with reading(path, "maps"):
+            axes, values = read_grids(path)
+            maps = Maps(axes["time"], axes["x"], axes["y"], *(values[name].values for name in ("mean", "sd", "truth")))
+            _check_maps(maps)
+            return maps
+
+    @cached_property
+    def ticks(self) -> pd.DataFrame:
+        """What the map was worth over time, a row a tick, those of the kept maps among them."""
+        ticks = self.table("map", "ticks.csv").drop_duplicates("time")
+        if not np.isin(self.maps.time, ticks["time"]).all():
+            raise InputError(f"{self.folders['map'] / 'ticks.csv'}: has no row for some of the maps kept beside it")
+        return ticks
+
+    @cached_property
+    def compared(self) -> pd.DataFrame:
+        """The plans compared, a row each, the mission first."""
+        table = self.table("compare", "compare.csv")
+        if table["name"].iloc[0] != "mission" or table.duplicated(["name", "draw"]).any():
+            raise InputError(f"{self.folders['compare'] / 'compare.csv'}: must have a row a plan, the mission first")
+        return table
+
+    def of_plans(self, file: str) -> pd.DataFrame:
+        """Return a table about the plans compared, without rows of others."""
+        plans = self.compared[["name", "draw"]]
+        return self.table("compare", file).merge(plans, on=["name", "draw"])
+
+    @cached_property
+    def placement(self) -> dict[str, Any]:
+        """What the placing of tasks said: method and points; of a method's own also what they are worth."""
+        path = self.folders["place"] / "placement.json"
+        with reading(path, "a placement"):
+            said: dict[str, Any] = read_json(path)
+            numbers = () if said["method"] == "given" else ("mutual_information",)
+            numbers += ("certificate", "ratio") if said.get("certificate") else ()
+            if not all(is_number(said[name]) for name in numbers) or not isinstance(said["points"], list):
+                raise InputError("must hold points and finite numbers")
+            return said
+
+    @cached_property
+    def routes(self) -> Run:
+        """The run that made the routes."""
+        path = self.folders["routes"] / "run.json"
+        with naming(path):
+            run = read_run(path)
+            if run.objective is None:
+                raise InputError("holds no routes")
+            return run
 
     def table(self, stage: str, file: str) -> pd.DataFrame:
-        """Return a CSV product as a frame."""
+        """Return a CSV product as a frame, its `NUMBERS` being numbers."""
         path = self.folders[stage] / file
-        try:
-            return pd.read_csv(io.StringIO(read_text(path)))
-        except InputError:
-            raise
-        except ValueError as error:
-            raise InputError(f"{path}: cannot be read as a table ({error})") from None
+        with reading(path, "a table"):
+            frame = pd.read_csv(io.StringIO(read_text(path)))
+            for name in NUMBERS[file]:
+                frame[name] = _numbers(frame[name], name)
+            if file in NAMED:
+                frame["name"] = frame["name"].astype(str)
+            if frame.empty:
+                raise InputError("has no rows")
+            return frame
 
-    def values(self, stage: str, file: str) -> Any:
-        """Return a JSON product."""
-        return read_json(self.folders[stage] / file)
+
+def _numbers(column: pd.Series, name: str) -> pd.Series:
+    values = pd.to_numeric(column).astype(float)
+    if not (values.abs() <= LARGEST).all():
+        raise InputError(f"column '{name}' must hold finite numbers up to {LARGEST:g}")
+    if name not in WHOLE:
+        return values
+    if (values < 0).any() or (values % 1 != 0).any():
+        raise InputError(f"column '{name}' must hold whole numbers from 0")
+    return values.astype(int)
+
+
+def _check_maps(maps: Maps) -> None:
+    """Raise InputError where the arrays do not fit together or hold nothing."""
+    shape = (len(maps.y), len(maps.x))
+    for axis, least in ((maps.time, 1), (maps.x, 2), (maps.y, 2)):
+        if len(axis) < least or not (np.abs(axis) <= LARGEST).all() or (np.diff(axis) <= 0).any():
+            raise InputError("an axis does not increase, or is too short")
+    for values, wanted in (
+        (maps.mean, (len(maps.time), *shape)),
+        (maps.sd, (len(maps.time), *shape)),
+        (maps.truth, shape),
+    ):
+        if values.shape != wanted:
+            raise InputError(f"the maps have the shape {values.shape}, their axes {wanted}")
+        inside = ~np.isnan(values)
+        if not inside.any(axis=(-2, -1)).all() or (np.abs(values[inside]) > LARGEST).any():
+            raise InputError("a map is empty or not finite")

@@ -24,10 +24,13 @@ def print_table(headings: Sequence[str], rows: Iterable[Sequence[str]], words: i
     from rich.table import Table
     from rich.text import Text
 
+    def text(cell: str) -> Text:
+        return Text(one_line(cell, LONGEST_SENTENCE))  # in which [brackets] are no markup
+
     table = Table(box=box.SIMPLE_HEAD)
     for number, heading in enumerate(headings):
-        table.add_column(Text(heading), justify="left" if number < words else "right", no_wrap=number < words)
+        table.add_column(text(heading), justify="left" if number < words else "right", no_wrap=number < words)
     for row in rows:
-        table.add_row(*(Text(one_line(cell, LONGEST_SENTENCE)) for cell in row))  # [brackets] are no markup in Text
+        table.add_row(*map(text, row))
     console = Console()
-    Console(width=None if console.is_terminal else max(console.width, 160)).print(table)
+    Console(width=None if console.is_terminal else max(console.width, 180)).print(table)

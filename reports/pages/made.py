@@ -10,9 +10,16 @@ from typing import Any
 import pandas as pd
 
 from instances import InputError
+from instances.errors import one_line
 from reports import numbers
+from reports.kinds import is_number
 from reports.pages.blocks import Block, Facts, Note, Section
 from reports.record import code_note, read_json
+
+MOST_FACTS = 60
+"""Entries shown of a machine."""
+LONGEST_FACT = 300
+"""Characters of each."""
 
 
 def limits_and_machines(runs: pd.DataFrame, environments: Mapping[str, Any]) -> Section:
@@ -53,7 +60,8 @@ def environments_of(paths: Iterable[Path]) -> dict[str, Any]:
 def machine(about: Any, title: str = "", digest: str = "") -> Section:
     """Return what an environment, ``{"machine": {…}, "versions": {…}}``, says; or that it is not stated."""
     parts = [about.get(part) for part in ("machine", "versions")] if isinstance(about, dict) else []
-    rows = [(str(k), _plain(v, str(k))) for part in parts if isinstance(part, dict) for k, v in part.items()]
+    stated = [(str(k), _plain(v, str(k))) for part in parts if isinstance(part, dict) for k, v in part.items()]
+    rows = stated[:MOST_FACTS]
     missing = [("Machine", f"not stated in the store ({digest or 'no digest'})")]
     return Section(title or "Machine and versions", [Facts(rows or missing)])
 
@@ -65,4 +73,4 @@ def _limits(runs: pd.DataFrame) -> str:
 
 
 def _plain(value: Any, key: str) -> str:
-    return numbers.memory(value) if key == "memory" and isinstance(value, (int, float)) else str(value)
+    return numbers.memory(value) if key == "memory" and is_number(value) else one_line(str(value), LONGEST_FACT)

@@ -21,6 +21,7 @@ from reports.figures.map import draw_judged, draw_stages, signal_range
 from reports.figures.mission import draw_comparison, draw_progress
 from reports.figures.svg import Drawn
 from reports.figures.wind import draw_wind
+from reports.kinds import is_number
 from reports.pages.blocks import Beside, Block, Facts, Lines, Section, Source, Table, table_of
 from reports.pages.page import Page, fragment, write_page
 from reports.products import Products
@@ -34,7 +35,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     """
     products = Products(folders)
     scenario, unit = products.scenario, products.unit
-    ticks, table = products.table("map", "ticks.csv"), products.table("compare", "compare.csv")
+    ticks, table = products.ticks, products.compared
     flown, samples = products.table("flight", "flown.csv"), products.table("map", "samples.csv")
     wind = [] if scenario.wind is None else [draw_wind(scenario.wind, scenario.region)]
     source = tuple(scenario.radio["position"]) if scenario.radio else None
@@ -43,8 +44,8 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     stages = draw_stages(products.maps, scenario.region, scenario.depots, flown, samples, unit)
     judged = [draw_judged(products.maps, scenario.region, unit), draw_progress(ticks, unit)]
     compared = [
-        draw_comparison(products.table("compare", "compare-ticks.csv"), table, unit),
-        draw_plans(scenario.region, scenario.depots, products.table("compare", "tracks.csv"), table, unit),
+        draw_comparison(products.of_plans("compare-ticks.csv"), table, unit),
+        draw_plans(scenario.region, scenario.depots, products.of_plans("tracks.csv"), table, unit),
     ]
     data = film(products, flown, samples, ticks)
     planned: list[Block] = [_placed(products), _routed(products), flight, _checks(products), _exported(products)]
@@ -173,12 +174,12 @@ def _headline(products: Products, ticks: pd.DataFrame) -> list[tuple[str, str]]:
         ("NLPD", f"{end['nlpd']:.2f} nats"),
         ("covered by the 95 % interval", f"{end['coverage']:.1%}"),
         ("information gathered", f"{end['information']:.0f} nats"),
-        ("longest tour, cost", f"{products.values('routes', 'run.json')['objective']:.1f} s"),
+        ("longest tour, cost", f"{products.routes.objective:.1f} s"),
     ]
 
 
 def _placed(products: Products) -> str:
-    said = products.values("place", "placement.json")
+    said = products.placement
     if said["method"] == "given":
         return f"The scenario gives {len(said['points'])} tasks."
     bound = ""
@@ -191,19 +192,24 @@ def _placed(products: Products) -> str:
 
 
 def _routed(products: Products) -> str:
-    run, instance = products.values("routes", "run.json"), products.instance
-    gap = f", gap {run['gap']:.1%}" if run.get("gap") is not None else ""
-    effect = instance.provenance.get("wind_effect", {})
-    left = effect.get("rotational_asymmetry", 0.0)
+    run, effect = products.routes, products.instance.provenance.get("wind_effect", {})
+    gap = f", gap {run.gap:.1%} by its own bound" if run.gap is not None else ""
+    left, asymmetry = (_share(effect, name) for name in ("rotational_asymmetry", "asymmetry"))
     matters = (
         f"the wind's vorticity leaves an asymmetry of {left:.2%} that tours feel"
         if left > 1e-4
         else "the wind is as good as a potential and changes no closed tour"
     )
     return (
-        f"Routes by {run['label']} ({run['status']}{gap}): longest tour {run['objective']:.2f} s. Costs differ by "
-        f"direction by {effect.get('asymmetry', 0.0):.1%}; {matters}."
+        f"Routes by {run.label} ({run.status}{gap}): longest tour {run.objective:.2f} s. Costs differ by "
+        f"direction by {asymmetry:.1%}; {matters}."
     )
+
+
+def _share(effect: object, name: str) -> float:
+    """Return a number of the stated effect of the wind, 0 where it states none."""
+    value = effect.get(name) if isinstance(effect, dict) else None
+    return float(value) if is_number(value) else 0.0
 
 
 def _exported(products: Products) -> str:

@@ -86,13 +86,19 @@ def _blocks(runs: Sequence[dict[str, Any]], frame: pd.DataFrame) -> list[Block]:
 
 def _convergence(runs: Sequence[dict[str, Any]], digest: str) -> Drawn | None:
     """Return the convergence of each method's median run (by final information) on one problem."""
-    mine = [run for run in runs if run["instance"]["digest"] == digest and run["trace"]]
+    solved = [run for run in runs if run["mutual_information"] is not None]
+    mine = [run for run in solved if run["instance"]["digest"] == digest and _traced(run)]
     traces: dict[str, list[tuple[float, float]]] = {}
     for label in dict.fromkeys(run["label"] for run in mine):
         ranked = sorted((run for run in mine if run["label"] == label), key=lambda run: run["mutual_information"])
-        traces[label] = [(elapsed, -objective) for elapsed, objective, _ in ranked[(len(ranked) - 1) // 2]["trace"]]
+        traces[label] = _traced(ranked[(len(ranked) - 1) // 2])
     if not traces:
         return None
     name, bound = mine[0]["instance"]["name"], float(np.min([run["certificate"] for run in mine]))
     drawn = draw_placement_convergence(traces, bound, f"{name}, certificate {bound:.2f} nats")
     return None if drawn is None else replace(drawn, key=f"convergence-{digest}", title=f"{drawn.title}, {name}")
+
+
+def _traced(run: dict[str, Any]) -> list[tuple[float, float]]:
+    """Return elapsed [s] and information [nats] of each improvement."""
+    return [(elapsed, -objective) for elapsed, objective, _ in run["trace"] if objective is not None]

@@ -34,6 +34,7 @@ from instances.families import make_scenario
 from instances.paths import Paths, check_paths
 from instances.scenario import Scenario, read_scenario
 from instances.scenario_folder import keep_scenario, kept_scenario
+from reports.damage import reading
 from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
@@ -148,14 +149,10 @@ class MovingCostStudy(Problem[MovingCostItem]):
     def read(self, folder: Path) -> MovingCostItem:
         """Return the scenario kept in `folder`."""
         path = folder / ITEM_FILES[self.name][0]
-        try:
+        with reading(path, "a scenario"):
             data = read_json(path)
             item = MovingCostItem(kept_scenario(folder), data["starts"])
             digest = item.digest
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
-        except (KeyError, TypeError, ValueError) as error:
-            raise InputError(f"{path}: does not describe a scenario ({error!r})") from None
         if not folder.name.endswith(digest):
             raise InputError(f"{path}: is not the scenario of its folder (its digest is {digest})")
         return item

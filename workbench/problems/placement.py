@@ -40,7 +40,7 @@ from formulations.task_location.registry import METHODS
 from formulations.task_location.setting import criterion_of, region_of, rows_of_tests
 from instances.disk import write_aside
 from instances.environment.region import Region, single_polygon
-from instances.errors import InputError
+from reports.damage import reading
 from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
@@ -142,15 +142,11 @@ class PlacementStudy(Problem[PlacementItem]):
     def read(self, folder: Path) -> PlacementItem:
         """Return the problem kept in `folder`."""
         path = folder / ITEM_FILES[self.name][0]
-        try:
+        with reading(path, "a placement problem"):
             data = read_json(path)
             bound = float(data["certificate"]["bound"])
-            item = PlacementItem(data["name"], data["polygon"], data["setting"], data["n_tasks"], bound)
+            item = PlacementItem(str(data["name"]), data["polygon"], data["setting"], data["n_tasks"], bound)
             _ = item.problem
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise InputError(f"{path}: does not describe a placement problem ({error!r})") from None
         return item
 
     def describe(self, item: PlacementItem) -> dict[str, Any]:

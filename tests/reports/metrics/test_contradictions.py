@@ -7,6 +7,7 @@ import pytest
 from reports import load
 from reports.metrics import contradictions, summary
 from reports.pages.study import write_report
+from workbench.problems.routing import refute_cost
 
 
 @pytest.fixture
@@ -51,6 +52,19 @@ LIES = [
         "stated tolerance",
     ),
     ("INFEASIBLE refuted", "*/greedy*.json", {"status": "INFEASIBLE", "routes": None, "objective": None}, "infeasible"),
+    ("INFEASIBLE refuted", "*/greedy*.json", {"status": "INFEASIBLE"}, "but holds routes of"),
+    ("routes denied", "*/greedy*.json", {"status": "NO_SOLUTION"}, "but holds routes of"),
+    *(
+        (
+            "bound above routes",
+            "*/greedy*.json",
+            {"status": status, "trace": lambda r: [[0.1, r["objective"], 1.5 * r["objective"]]]},
+            "in its trace is above the routes of",
+        )
+        for status in ("FEASIBLE", "KILLED")
+    ),
+    ("bound without a proof", "*/greedy*.json", {"bound": lambda r: r["objective"]}, "its method proves nothing"),
+    ("trace below routes", "*/ga*.json", {"trace": lambda r: [[0.1, 0.5 * r["objective"], None]]}, "Its trace claims"),
 ]
 
 
@@ -127,3 +141,29 @@ def test_a_proof_that_does_not_hold_is_none(store, place):
     after = load(root)
     assert before["proved"].sum() - after["proved"].sum() == 1
     assert summary(after).loc["milp", "proved"] == 0.5
+
+
+def test_infeasible_is_false_where_nothing_stands_beside_it(store):
+    root, plant = store
+    for path in root.glob("*/*-s*.json"):
+        plant(str(path.relative_to(root)), status="INFEASIBLE", routes=None, objective=None, bound=None, trace=[])
+    found = contradictions(load(root))
+    assert set(found["kind"]) == {"INFEASIBLE refuted"}
+    assert "all costs of an instance are finite" in found["sentence"][0]
+
+
+def test_a_bound_that_may_be_cut_off_certifies_nothing_and_a_bound_is_its_methods(store):
+    root, plant = store
+    alone = {"status": "FEASIBLE", "bound": lambda r: r["objective"], "trace": []}
+    for path in [*root.glob("*/milp-*.json"), *root.glob("*/memetic-*.json")]:
+        plant(str(path.relative_to(root)), **alone)
+    assert summary(load(root))["certified"].max() == 0
+    plant("*/milp-d*.json", status="OPTIMAL")
+    table = summary(load(root))
+    assert table.loc["milp", "certified_by"] == "own bound"
+    assert table.loc["memetic", "certified_by"] == "milp"
+
+
+def test_an_infinite_cost_is_close_to_none():
+    assert refute_cost(5.0, float("inf"))
+    assert not refute_cost(5.0, 5.0)

@@ -87,10 +87,9 @@ def _is_item(value: object) -> bool:
     if not isinstance(value, dict) or not all(isinstance(value.get(key), str) for key in ("name", "digest")):
         return False
     sizes = (value.get("n_tasks"), value.get("n_depots"))
-    numbers = (value.get("asymmetry"), value.get("best_known"))
     return (
         all(size is None or (_is_whole(size, MOST_TASKS) and size >= 0) for size in sizes)
-        and all(number is None or is_number(number) for number in numbers)
+        and all(map(_is_amount, (value.get("asymmetry"), value.get("best_known"))))
         and isinstance(value.get("family", ""), (str, type(None)))
     )
 

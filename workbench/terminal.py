@@ -33,4 +33,4 @@ def print_table(headings: Sequence[str], rows: Iterable[Sequence[str]], words: i
     for row in rows:
         table.add_row(*map(text, row))
     console = Console()
-    Console(width=None if console.is_terminal else max(console.width, 180)).print(table)
+    Console(width=None if console.is_terminal else max(console.width, 200)).print(table)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 
@@ -30,7 +30,7 @@ class Kind(NamedTuple):
     keep: Callable[[Any], Any] = lambda value: value
 
 
-def is_number(value: object) -> bool:
+def is_number(value: object) -> TypeGuard[float]:
     """Return whether `value` is a finite number that a float can hold; true and false are none."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
@@ -38,7 +38,7 @@ def is_number(value: object) -> bool:
 
 
 def _is_amount(value: object) -> bool:
-    return value is None or (is_number(value) and value >= 0)  # type: ignore[operator]
+    return value is None or (is_number(value) and value >= 0)
 
 
 def _is_whole(value: object, largest: int = LARGEST_WHOLE) -> bool:
@@ -113,7 +113,7 @@ def _is_paths(value: object) -> bool:
     return (
         isinstance(value, dict)
         and _is_numbers(value.get("offsets"), None)
-        and all(type(offset) is int for offset in value["offsets"])
+        and all(_is_whole(offset) for offset in value["offsets"])
         and _is_numbers(value.get("points"), None, 2)
     )
 

@@ -26,11 +26,11 @@ def moving_cost_frame(runs: Mapping[Path, Run]) -> pd.DataFrame:
     mean_cost [s]; mean, p95, largest : excess over the best path of any run on the same scenario, as a share of the
     flight time there and back over two, which is never negative, unlike the cost of a leg down a strong wind.
     """
-    best: dict[str, Floats] = {}
+    best: dict[tuple[str, int], Floats] = {}
     for run in runs.values():
         if (cost := _cost(run)) is not None:
-            digest = run.instance["digest"]
-            best[digest] = np.minimum(best[digest], cost) if digest in best else cost
+            key = run.instance["digest"], len(cost)
+            best[key] = np.minimum(best[key], cost) if key in best else cost
     return pd.DataFrame([_row(run, best) for run in runs.values()], columns=FRAME)
 
 
@@ -66,16 +66,17 @@ def moving_cost_summary(frame: pd.DataFrame) -> pd.DataFrame:
     return groups.agg(runs=("seed", "size"), **first, cpu_seconds=("cpu_seconds", "min")).reset_index()
 
 
-def _row(run: Run, best: Mapping[str, Floats]) -> dict[str, Any]:
+def _row(run: Run, best: Mapping[tuple[str, int], Floats]) -> dict[str, Any]:
     cost, digest = _cost(run), run.instance["digest"]
     options = run.label.removeprefix(run.solver).strip(" ()") or "default"
     row: dict[str, Any] = {"instance": run.instance["name"], "digest": digest, "starts": run.instance["n_tasks"]}
     mean_cost = np.nan if cost is None or run.status == "ERROR" else run.objective
     row |= {"method": run.label, "options": options, "mean_cost": mean_cost}
     if cost is not None:
-        tau = (best[digest] + best[digest].T) / 2
+        least = best[digest, len(cost)]
+        tau = (least + least.T) / 2
         counted = tau > 0
-        excess = (cost - best[digest])[counted] / tau[counted] if counted.any() else np.zeros(1)
+        excess = (cost - least)[counted] / tau[counted] if counted.any() else np.zeros(1)
         row |= {"mean": excess.mean(), "p95": float(np.quantile(excess, 0.95)), "largest": excess.max()}
     return {name: getattr(run, name, np.nan) for name in FRAME} | row
 

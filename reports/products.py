@@ -143,7 +143,7 @@ class Products:
         path = self.folders["place"] / "placement.json"
         with reading(path, "a placement"):
             said: dict[str, Any] = read_json(path)
-            numbers = () if said["method"] == "given" else ("mutual_information",)
+            numbers: tuple[str, ...] = () if said["method"] == "given" else ("mutual_information",)
             numbers += ("certificate", "ratio") if said.get("certificate") else ()
             if not all(is_number(said[name]) for name in numbers) or not isinstance(said["points"], list):
                 raise InputError("must hold points and finite numbers")

@@ -20,6 +20,7 @@ BAD = [
     (BASE, "instance", {"name": "i", "digest": "d", "n_tasks": 1.5}),
     (BASE, "instance", {"name": "i", "digest": "d", "n_tasks": 10**400}),
     (BASE, "instance", {"name": "i", "digest": "d", "family": 3}),
+    (BASE, "instance", {"name": "i", "digest": "d", "best_known": -1e300}),
     (BASE, "seed", 10**400), (BASE, "seed", True), (BASE, "seed", None),
     (BASE, "time_limit", None), (BASE, "time_limit", 0), (BASE, "time_limit", 10**400), (BASE, "elapsed", -4747.0),
     (BASE, "peak_memory", -1), (BASE, "threads", "2"), (BASE, "objective", float("inf")), (BASE, "bound", 10**400),

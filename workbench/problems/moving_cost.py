@@ -215,20 +215,21 @@ class MovingCostStudy(Problem[MovingCostItem]):
         from reports.pages.moving_cost import write_moving_cost_page
         from reports.stores import read_runs
 
-        runs, warnings = read_runs(*folders, problem=self.name)
+        runs, damaged = read_runs(*folders, problem=self.name)
+        items = _items(runs, damaged)
         frame = moving_cost_frame(runs)
         if outputs.table is not None:
             write_aside(outputs.table, csv_text(frame, outputs.raw_table))
         if outputs.page is not None:
             title = f"Moving costs: {study_title(folders)}"
-            write_moving_cost_page(_cases(runs, frame), frame, runs, outputs.page, title)
+            write_moving_cost_page(_cases(items, runs, frame), frame, runs, outputs.page, title)
         if len(frame):
             print_table([c.heading for c in MOVING_COSTS], texts(MOVING_COSTS, moving_cost_summary(frame)), words=2)
         if note := code_note(run.code for run in runs.values()):
             say(note)
         failed = int(frame["mean_cost"].isna().sum())
-        problems = [*warnings, *([f"{failed} runs ended without paths"] if failed else [])]
-        return Published([path for path in (outputs.table, outputs.page) if path], problems)
+        problems = [*damaged, *([f"{failed} runs ended without paths"] if failed else [])]
+        return Published([path for path in (outputs.table, outputs.page) if path], problems, len(damaged))
 
 
 MOVING_COST = MovingCostStudy()
@@ -240,7 +241,10 @@ def costs_of(product: Mapping[str, Any]) -> tuple[Floats, Paths]:
     points = np.array(product["points"], dtype=np.float64).reshape(-1, 2)
     if not np.isfinite(cost).all() or not np.isfinite(points).all():
         raise ValueError("values are not finite")
-    return cost, Paths(len(cost), points, np.array(product["offsets"], dtype=np.int64))
+    offsets = np.array(product["offsets"], dtype=np.int64)
+    if (np.diff(offsets) < 0).any():
+        raise ValueError("paths overlap")
+    return cost, Paths(len(cost), points, offsets)
 
 
 def mean_cost(cost: Floats) -> float:
@@ -249,26 +253,40 @@ def mean_cost(cost: Floats) -> float:
     return float(cost.sum() / (n * (n - 1))) if n > 1 else 0.0
 
 
-def _cases(runs: Mapping[Path, Run], frame: pd.DataFrame) -> list[Case]:
-    """Return for each scenario its best run's paths and its tables; scenarios of few starts add to the whole's CPU."""
+def _items(runs: Iterable[Path], damaged: list[str]) -> list[MovingCostItem]:
+    """Return the scenarios beside `runs`; what cannot be read is added to `damaged`."""
+    items = []
+    for folder in dict.fromkeys(path.parent for path in runs):
+        try:
+            items.append(MOVING_COST.read(folder))
+        except InputError as error:
+            damaged.append(f"{error}; left alone.")
+    return items
+
+
+def _cases(items: list[MovingCostItem], runs: Mapping[Path, Run], frame: pd.DataFrame) -> list[Case]:
+    """Return for each scenario the best run's paths that can be flown, and its tables.
+
+    Scenarios of few starts add to the whole's CPU.
+    """
     from formulations.moving_cost.effect import wind_effect
     from reports.moving_costs import methods_table, scaling_table
     from reports.pages.moving_cost import Case
 
-    items = {folder: MOVING_COST.read(folder) for folder in dict.fromkeys(path.parent for path in runs)}
     largest: dict[str, MovingCostItem] = {}
-    for item in items.values():
+    for item in items:
         of = largest.setdefault(item.scenario.name, item)
         if MOVING_COST.size(item) > MOVING_COST.size(of):
             largest[item.scenario.name] = item
     cases = []
     for name, item in largest.items():
-        solved = [run for run in runs.values() if run.instance["digest"] == item.digest and run.own["cost"]]
-        if not solved:
+        on = [run for run in runs.values() if run.instance["digest"] == item.digest]
+        ranked = sorted((run for run in on if run.objective is not None), key=lambda run: run.objective or 0.0)
+        best = next((run for run in ranked if not _false_claims(item, run)), None)
+        if best is None:
             continue
-        best = min(solved, key=lambda run: run.objective or 0.0)
         cost, paths = costs_of({"cost": best.own["cost"], **best.own["paths"]})
-        parts = [each.name for each in items.values() if each.scenario.name == name]
+        parts = [each.name for each in items if each.scenario.name == name]
         scaling = scaling_table(frame[frame["instance"].isin(parts)])
         methods = methods_table(frame[frame["digest"] == item.digest])
         cases.append(Case(item.scenario, paths, methods, scaling, wind_effect(item.query, cost).summary()))

@@ -217,18 +217,18 @@ class PlacementStudy(Problem[PlacementItem]):
         from reports.pages.placement import placement_summary, write_placement_page
         from reports.placement_store import placement_contradictions, read_placements
 
-        runs, warnings = read_placements(*folders)
+        runs, damaged = read_placements(*folders)
         frame = write_placement_page(runs, outputs.page, f"Task locations: {study_title(folders)}")
         if outputs.table is not None:
             write_aside(outputs.table, csv_text(frame, outputs.raw_table))
         if len(frame):
             print_table([c.heading for c in PLACEMENTS], texts(PLACEMENTS, placement_summary(frame)), words=2)
-        problems = [*warnings, *(sentence for _, sentence in placement_contradictions(runs))]
+        problems = [*damaged, *(sentence for _, sentence in placement_contradictions(runs))]
         if failed := int(frame["mutual_information"].isna().sum()):
             problems.append(f"{failed} runs ended without a placement")
         if note := code_note([run["code"] for run in runs]):
             say(note)
-        return Published([path for path in (outputs.table, outputs.page) if path], problems)
+        return Published([path for path in (outputs.table, outputs.page) if path], problems, len(damaged))
 
 
 PLACEMENT = PlacementStudy()

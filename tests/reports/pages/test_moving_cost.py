@@ -48,6 +48,13 @@ def test_the_papers_figure_draws_every_path_from_and_to_one_node(
     assert (tmp_path / "p.svg").read_text(encoding="utf-8").startswith("<?xml")
 
 
+def test_paths_between_the_first_nodes_alone_are_drawn(scenario: Scenario) -> None:
+    p = scenario.points[:3]
+    paths = Paths.of(3, [np.empty((0, 2)) if i == j else p[[i, j]] for i in range(3) for j in range(3)])
+    outward, _ = draw_paths(scenario, paths).figure.axes
+    assert sum(len(line.get_xydata()) == 2 for line in outward.lines) == 2
+
+
 def test_environment_and_comparison_figures_name_their_units(scenario: Scenario) -> None:
     words = {
         drawn.key: " ".join(a.get_xlabel() + a.get_ylabel() for a in drawn.figure.axes)

@@ -1,0 +1,60 @@
+"""`workbench report` on damaged and hostile stores: what is whole is reported, what is not is counted, exit code 1."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from instances import makespan, tour_costs
+from instances.files import write_instance
+
+
+@pytest.fixture
+def store(tmp_path, instance):
+    """A store of one instance with one run, and how to add others."""
+    folder = tmp_path / "runs" / f"{instance.name}-{instance.digest}"
+    folder.mkdir(parents=True)
+    write_instance(instance, folder / "instance.json")
+    routes = [[0, 1], [2, 3]]
+    cost = makespan(instance, routes)
+    run = {
+        "schema": 1, "instance": {"name": instance.name, "digest": instance.digest, "n_tasks": 4, "n_depots": 2},
+        "solver": "s", "label": "s", "seed": 0, "time_limit": 1.0, "status": "FEASIBLE", "objective": cost,
+        "bound": None, "elapsed": 0.5, "routes": routes, "tour_costs": tour_costs(instance, routes).tolist(),
+        "claimed_objective": cost, "message": "=cmd|' /C calc'!A0",
+    }  # fmt: skip
+
+    def put(name, **changes):
+        (folder / name).write_text(json.dumps(run | changes))
+
+    put("s-default-s0-t1.json")
+    return put
+
+
+def test_damaged_files_are_counted_and_end_in_exit_code_1(cli, store):
+    assert cli("report", "runs")[0] == 0
+    store("s-default-s1-t1.json", seed=1, time_limit=None)
+    store("s-default-s2-t1.json", seed=2, routes="\x1b[31m")
+    code, out, err = cli("report", "runs", "--csv", "a.csv")
+    assert code == 1
+    assert err.count("left alone") == 2
+    assert "2 damaged files left out" in err
+    assert "\x1b" not in out + err
+    assert len(pd.read_csv("a.csv")) == 1
+
+
+def test_formulas_are_marked_unless_asked_for_raw(cli, store):
+    assert cli("report", "runs", "--csv", "a.csv")[0] == 0
+    assert cli("report", "runs", "--csv", "b.csv", "--raw-csv")[0] == 0
+    assert pd.read_csv("a.csv")["message"][0] == "'" + pd.read_csv("b.csv")["message"][0]
+
+
+def test_check_names_whose_bounds_were_held_against_the_routes(cli, store):
+    store("s-default-s1-t1.json", seed=1, bound=0.001)
+    code, out, _ = cli("check", "runs")
+    assert code == 0
+    assert "1 lower bounds claimed by s" in out
+    store("s-default-s2-t1.json", seed=2, trace=[[0.1, None, 1e6]], message="")
+    code, out, _ = cli("check", "runs")
+    assert code == 1
+    assert "in its trace is above the routes" in out

@@ -29,6 +29,7 @@ from instances import InputError, Instance, as_routes, check_routes, makespan, t
 from instances.best_known import best_known
 from instances.families import check_family
 from instances.files import read_instance, write_instance
+from reports.numbers import counted
 from reports.record import ITEM_FILES, Run, code_note
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.tables import combined, counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
@@ -206,7 +207,7 @@ def _bounds_of(runs: pd.DataFrame) -> str:
     stated = runs[runs["bound"].notna()]
     if stated.empty:
         return ""
-    return f", {len(stated)} lower bounds claimed by {', '.join(sorted(stated['solver'].unique()))}"
+    return f", {counted(len(stated), 'lower bound')} claimed by {', '.join(sorted(stated['solver'].unique()))}"
 
 
 def _kept(folder: Path) -> Path | None:

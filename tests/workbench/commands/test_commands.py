@@ -104,7 +104,7 @@ def runs(finished_runs, tmp_path):
 
 
 def test_compare_then_status_check_and_report(cli, runs, stored_json, tmp_path):
-    assert cli("check", runs)[:2] == (0, "6 runs on 3 instances: all right\n")
+    assert cli("check", runs)[:2] == (0, "6 runs on 3 instances, 3 lower bounds claimed by subset-dp: all right\n")
     code, out, _ = cli("status", runs)
     assert (code, out.splitlines()[-1]) == (0, "6 of 6 runs stored, 0 missing")
     assert "3 stored: 3 OPTIMAL" in out

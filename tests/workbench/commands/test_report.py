@@ -53,7 +53,7 @@ def test_check_names_whose_bounds_were_held_against_the_routes(cli, store):
     store("s-default-s1-t1.json", seed=1, bound=0.001)
     code, out, _ = cli("check", "runs")
     assert code == 0
-    assert "1 lower bounds claimed by s" in out
+    assert "1 lower bound claimed by s" in out
     store("s-default-s2-t1.json", seed=2, trace=[[0.1, None, 1e6]], message="")
     code, out, _ = cli("check", "runs")
     assert code == 1

@@ -7,6 +7,7 @@ than its neighbours, is refused rather than guessed at.
 from __future__ import annotations
 
 import importlib
+import io
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -144,14 +145,19 @@ def _ascii_head(lines: list[str], path: Path) -> dict[str, float]:
 @contextmanager
 def open_netcdf(path: Path) -> Iterator[xarray.Dataset]:
     """Give the content of a NetCDF file; InputError where it cannot be read or the extra ``geo`` is not installed."""
-    size = check_file(path)
+    content = read_bytes(path)
     xarray, netcdf4 = (geo(module, path, "reading NetCDF") for module in ("xarray", "netCDF4"))
     try:
-        with netcdf4.Dataset(path) as raw:
+        if content[:4] in (b"CDF\x01", b"CDF\x02"):  # a damaged header makes the C library take gigabytes, scipy not
+            with xarray.open_dataset(io.BytesIO(content), engine="scipy") as data:
+                yield data
+            return
+        if content[1:4] != b"HDF":
+            raise ValueError("neither NetCDF-4 nor classic NetCDF")
+        with netcdf4.Dataset(path.name, memory=content) as raw:
             for name, variable in raw.variables.items():
-                _check_opened(f"{path}: variable {shown(name)}", size, variable.shape)
-        with xarray.open_dataset(path, engine="netcdf4") as data:
-            yield data
+                _check_opened(f"{path}: variable {shown(name)}", len(content), variable.shape)
+            yield xarray.open_dataset(xarray.backends.NetCDF4DataStore(raw))
     except InputError:
         raise
     except Exception as error:  # damaged files meet the libraries anywhere, and they raise anything

@@ -71,7 +71,7 @@ def test_an_exchanged_instance_is_noticed(store, instance):
         (b"[]", "not a run of this workbench"),
         (b'{"solver": "ga", "status": "OPTIMAL", "schema": 2}', "has schema 2"),
         (b'{"solver": "ga", "status": "OPTIMAL", "schema": 1}', "is missing"),
-        (b"\xff\xfe", "is not valid JSON"),
+        (b"\xff\xfe", "is not UTF-8 text"),
     ],
 )
 def test_a_damaged_or_foreign_file_is_named(store, job, content, words):

@@ -19,9 +19,13 @@ from numpy.typing import ArrayLike
 from formulations.mapping import dubins
 from instances import InputError
 from instances.arrays import Floats, Ints
+from instances.extent import check_positions, positive
 
 HEADINGS = 16
 """Candidate headings a waypoint: 16 add 0.3 % to a tour's Euclidean length at r_min = 50 m, more hardly help."""
+
+LONGEST = 1e7
+"""Longest flight [s] that is read: its track has a pose every fraction of a second."""
 
 STRAY_RADII = 0.2
 """Waypoints inside a leg keep to the reference path within this many turning radii (Douglas & Peucker 1973)."""
@@ -99,14 +103,22 @@ class Flight:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Flight:
-        """Read what `to_json` wrote."""
-        return cls(
+        """Read what `to_json` wrote; InputError where it is no flight."""
+        flight = cls(
             np.array(data["starts"], dtype=float).reshape(-1, 3),
             np.array(data["words"], dtype=np.int64),
             np.array(data["segments"], dtype=float).reshape(-1, 3),
-            float(data["radius"]),
-            float(data["speed"]),
+            positive(data["radius"], "radius [m]"),
+            positive(data["speed"], "speed [m/s]"),
         )
+        if not len(flight.starts) == len(flight.words) == len(flight.segments):
+            raise InputError("starts, words and segments of a flight must be equally many")
+        if not np.isin(flight.words, np.arange(len(dubins.TURNS))).all() or not (flight.segments >= 0).all():
+            raise InputError("words of a flight must be numbers of Dubins words, and its segments not negative")
+        check_positions(flight.starts, "starts")
+        if not flight.duration <= LONGEST:
+            raise InputError(f"a flight must take at most {LONGEST:g} s, got {flight.duration:g} s")
+        return flight
 
 
 def plan_flight(legs: list[Floats], *, speed: float = 100.0, radius: float = 50.0) -> Flight:

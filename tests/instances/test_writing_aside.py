@@ -1,5 +1,8 @@
 import errno
 import os
+import resource
+import stat
+import sys
 
 import numpy as np
 import pytest
@@ -45,6 +48,56 @@ def test_a_link_keeps_its_place(tmp_path):
     write_aside(tmp_path / "link", "new")
     assert (tmp_path / "link").is_symlink()
     assert (tmp_path / "real").read_text() == "new"
+
+
+def test_a_device_is_written_to_and_stays_one(tmp_path):
+    device = tmp_path / "null"
+    device.symlink_to("/dev/null")
+    write_aside(device, "gone")
+    assert device.is_symlink()
+    assert stat.S_ISCHR(device.stat().st_mode)
+    with pytest.raises(InputError, match=r"/dev/full: cannot be written \(No space left on device\)"):
+        write_aside("/dev/full", "x" * 100_000)
+
+
+def test_a_pipe_is_written_to_where_somebody_reads_it(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match="pipe: cannot be written"):
+        write_aside(tmp_path / "pipe", "nobody reads")
+    reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    write_aside(tmp_path / "pipe", "through")
+    assert os.read(reader, 100) == b"through"
+    os.close(reader)
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
+    assert [p.name for p in tmp_path.iterdir()] == ["pipe"]
+
+
+def test_the_own_output_is_written_after_what_was_printed(tmp_path, monkeypatch):
+    with (tmp_path / "out").open("w") as out:
+        monkeypatch.setattr(sys, "stdout", out)
+        print("first")
+        write_aside(f"/proc/self/fd/{out.fileno()}", "second\n")
+        print("third")
+    assert (tmp_path / "out").read_text() == "first\nsecond\nthird\n"
+
+
+def test_a_file_size_limit_leaves_the_old_file(tmp_path):
+    (tmp_path / "a").write_text("old")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
+        with pytest.raises(InputError, match=r"a: cannot be written \(File too large\)"):
+            write_aside(tmp_path / "a", "x" * 2000)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert (tmp_path / "a").read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["a"]
+
+
+def test_text_that_cannot_be_encoded_is_a_sentence(tmp_path):
+    with pytest.raises(InputError, match="a: cannot be written"):
+        write_aside(tmp_path / "a", "\ud800")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_unknown_endings_write_nothing(tmp_path):

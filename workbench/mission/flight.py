@@ -168,5 +168,5 @@ def kept_flights(folder: Path) -> list[Flight]:
     flights = read_json(path)
     try:
         return [Flight.from_json(data) for data in flights]
-    except (KeyError, TypeError, ValueError, OverflowError) as error:
+    except (LookupError, TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{path}: holds no flights ({error})") from None

@@ -121,3 +121,26 @@ def test_unreadable_files_are_named(tmp_path: Path, name: str, words: str) -> No
 def test_grid_table_needs_a_file() -> None:
     with pytest.raises(InputError, match="name of a file"):
         wind_from_toml({"kind": "grid"})
+
+
+@pytest.mark.parametrize(
+    ("origin", "spacing", "words"),
+    [
+        ((0.0, 0.0), (1e-317, 100.0), "spacing must be positive, at least 1e-06 m"),
+        ((0.0, 0.0), (float("nan"), 100.0), "spacing must be positive"),
+        ((0.0, 0.0), (1e300, 100.0), "coordinates must be finite and at most 1e.09 m"),
+        ((float("inf"), 0.0), (100.0, 100.0), "coordinates must be finite"),
+    ],
+)
+def test_nodes_that_lie_nowhere_are_refused(
+    origin: tuple[float, float], spacing: tuple[float, float], words: str
+) -> None:
+    with pytest.raises(InputError, match=f"wind grid: {words}"):
+        Grid(origin, spacing, np.zeros((3, 4)), np.zeros((3, 4)))
+
+
+def test_a_walk_over_a_grid_ends_however_far_and_fine(tmp_path: Path) -> None:
+    grid = Grid((0.0, 0.0), (1e-6, 1e-6), np.ones((50, 9000)), np.ones((50, 9000)))
+    ends = np.array([[1e9, 1e9], [-1e9, 3.0], [8e-3, 1e-300], [float("nan"), 0.0]])
+    grid.line_integral(-ends, ends)
+    assert grid.line_integral([[0.0, 0.0]], [[1e9, 0.0]])[0] == pytest.approx(1e9)

@@ -50,12 +50,19 @@ def read_text(path: Path | str) -> str:
         return text_of(content)
 
 
+def read_unpacked(path: Path | str) -> bytes | bytearray:
+    """Return the content of the file, decompressed where its name ends in ``.gz``."""
+    content = read_bytes(path)
+    if not str(path).lower().endswith(".gz"):
+        return content
+    with naming(path):
+        return decompressed(content)
+
+
 def read_json(path: Path | str) -> Any:
     """Return the value in the JSON file (`documents.json_of`), decompressed where its name ends in ``.gz``."""
-    content: bytes | bytearray = read_bytes(path)
+    content = read_unpacked(path)
     with naming(path):
-        if str(path).lower().endswith(".gz"):
-            content = decompressed(content)
         return json_of(text_of(content))
 
 

@@ -47,7 +47,7 @@ def most_opened(size: int) -> int:
     return max(OPENS_AT_LEAST, OPENS_TO * size)
 
 
-def decompressed(content: bytes | bytearray) -> bytearray:
+def decompressed(content: bytes) -> bytearray:
     """Return what gzip packed into `content`; no more than `most_opened` of it is ever held."""
     opened, most = bytearray(), most_opened(len(content))
     try:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from instances.errors import InputError
+from instances.errors import InputError, shown
 
 
 def toml_text(table: Mapping[str, Any]) -> str:
@@ -36,7 +36,7 @@ def _value(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, (int, float)):
         return repr(value)
-    raise InputError(f"{value!r} cannot be written as TOML")
+    raise InputError(f"{shown(value)} cannot be written as TOML")
 
 
 def _key(key: str) -> str:

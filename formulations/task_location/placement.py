@@ -22,7 +22,7 @@ from formulations.task_location.blas import one_thread
 from formulations.task_location.criterion import Convention, Criterion
 from instances.arrays import Floats
 from instances.environment.region import Region
-from instances.errors import InputError
+from instances.errors import InputError, shown
 
 CANDIDATES_PER_AXIS = 41
 TRACE_STEP = 0.01
@@ -59,7 +59,7 @@ class PlacementProblem:
     def __post_init__(self) -> None:
         n = self.n_tasks
         if not isinstance(n, (int, np.integer)) or isinstance(n, bool) or n < 1:
-            raise InputError(f"placement: the number of tasks must be a whole number of at least 1, got {n!r}")
+            raise InputError(f"placement: the number of tasks must be a whole number of at least 1, got {shown(n)}")
         if n > len(self.candidates):
             raise InputError(
                 f"placement: {n} tasks do not fit: the region has {len(self.candidates)} candidate sites "

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from instances.arrays import Floats
-from instances.disk import read_json, read_text
+from instances.disk import read_text
 from instances.environment.radio import RadioMap
 from instances.environment.terrain import Terrain
 from instances.errors import InputError, naming

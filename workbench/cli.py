@@ -86,7 +86,7 @@ def commands() -> None:
 
 
 @contextlib.contextmanager
-def _signals_as_exits() -> Iterator[None]:
+def signals_as_exits() -> Iterator[None]:
     """Let SIGTERM and SIGHUP end what runs as Ctrl-C does, children included; where ignored (nohup) they stay so."""
 
     def leave(number: int, frame: object) -> NoReturn:
@@ -111,7 +111,7 @@ def main(args: list[str] | None = None) -> NoReturn:
     """
     keep_to_one()
     try:
-        with _signals_as_exits():
+        with signals_as_exits():
             # click's own standalone mode would turn Ctrl-C into exit code 1
             code = commands.main(args=args, standalone_mode=False)
     except click.ClickException as error:

@@ -185,3 +185,29 @@ def test_a_false_claim_is_told_at_the_end(cli, instance_file):
 def test_too_many_threads_are_warned_of(cli, instance_file):
     args = ["compare", instance_file, "--solvers", "misbehaving:Honest", "--threads", 64, "--dry-run"]
     assert "64 threads each" in cli(*args)[2]
+
+
+@pytest.mark.parametrize(("given", "meant"), [("2GB", 2 * 10**9), ("1.5 G", 15 * 10**8), ("700M", 7 * 10**8), ("9", 9)])
+def test_a_memory_limit_is_that_of_each_run(cli, instance_file, monkeypatch, given, meant):
+    limits = []
+
+    def stopped(*args, memory_limit, **more):
+        limits.append(memory_limit)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("workbench.jobs.execute.run", stopped)
+    assert cli("compare", instance_file, "--solvers", "greedy", "--out", "runs", "--memory-limit", given)[0] == 130
+    assert limits == [meant]
+
+
+@pytest.mark.parametrize("given", ["lots", "0", "-2GB", "1e9", "2GiB", "9" * 400, "nan"])
+def test_a_memory_limit_that_is_none_is_refused(cli, instance_file, given):
+    code, _, err = cli("compare", instance_file, "--solvers", "greedy", "--memory-limit", given)
+    assert (code, err.count("\n")) == (2, 1)
+    assert err.startswith("workbench: --memory-limit: must be a size such as 2GB")
+
+
+def test_an_item_that_cannot_be_made_leaves_no_store(cli, study, tmp_path):
+    study.write_text(study.read_text() + '[[families]]\nfamily = "uniform"\ntasks = [4, 200000000]\ndepots = 2\n')
+    assert cli("compare", study, "--out", "runs")[0] == 2
+    assert not (tmp_path / "runs").exists()

@@ -20,6 +20,7 @@ import pytest
 from instances import InputError
 from instances.disk import write_aside
 from reports.record import Run
+from workbench.cli import signals_as_exits
 from workbench.jobs import execute
 from workbench.jobs.backlog import Backlog
 from workbench.jobs.execute import DAMAGED, plan, run_locally, shortfall
@@ -290,6 +291,40 @@ class TestNoRoom:
         monkeypatch.setattr(os, "link", refuse)
         monkeypatch.setattr(os, "symlink", refuse)
         assert len(study(opened(), jobs)[0].here) == len(jobs)
+
+
+class TestInterrupted:
+    """Ctrl-C, and what counts as it."""
+
+    def test_a_run_that_cannot_be_stopped_is_not_waited_for(self, opened, jobs, ran, tmp_path):
+        class Interrupted(Told):
+            def finished(self, job: Job, run: Run) -> None:
+                raise KeyboardInterrupt
+
+        stuck = threading.Event()
+        ran.act = lambda: stuck.wait(60)
+        began = time.monotonic()
+        with pytest.raises(KeyboardInterrupt), Backlog([jobs[4], jobs[5]], opened()) as backlog:
+            run_locally(backlog, ROUTING, 2, Interrupted())
+        assert time.monotonic() - began < 2
+        assert hidden(tmp_path / "runs") == []
+        stuck.set()
+
+    @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+    def test_other_signals_unwind_as_it_does(self, number, code):
+        before = signal.getsignal(number)
+        with pytest.raises(SystemExit) as left, signals_as_exits():
+            signal.raise_signal(number)
+        assert left.value.code == code
+        assert signal.getsignal(number) is before
+
+    def test_a_signal_that_is_ignored_stays_so(self):
+        before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        try:
+            with signals_as_exits():
+                signal.raise_signal(signal.SIGHUP)  # as under nohup
+        finally:
+            signal.signal(signal.SIGHUP, before)
 
 
 class TestDamaged:

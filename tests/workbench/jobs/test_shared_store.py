@@ -21,7 +21,7 @@ from instances import InputError
 from instances.disk import write_aside
 from reports.record import Run
 from workbench.cli import signals_as_exits
-from workbench.jobs import execute
+from workbench.jobs import claims, execute
 from workbench.jobs.backlog import Backlog
 from workbench.jobs.execute import DAMAGED, plan, run_locally, shortfall
 from workbench.jobs.job import Job, folder_of
@@ -125,7 +125,9 @@ class TestShared:
             thread.join(60)
         return found
 
-    def test_each_run_is_done_once_and_both_end_with_all(self, opened, jobs, ran, tmp_path):
+    @pytest.mark.parametrize("machine", [lambda: "this", lambda: threading.current_thread().name], ids=["one", "two"])
+    def test_each_run_is_done_once_and_both_end_with_all(self, opened, jobs, ran, tmp_path, machine, monkeypatch):
+        monkeypatch.setattr(claims, "_here", lambda: (machine(), "boot"))
         ran.act = lambda: time.sleep(0.7)  # longer than a look at what others do
         found = self.both(opened, jobs)
         assert ran == dict.fromkeys(SEEDS, 1)
@@ -135,9 +137,11 @@ class TestShared:
         assert any(told.waited for told in found)
         assert hidden(tmp_path / "runs") == []
 
-    def test_a_retry_is_done_once(self, opened, jobs, ran):
+    @pytest.mark.parametrize("year", [1971, 2000, 2037])
+    def test_a_retry_is_done_once_whatever_the_clocks_said(self, opened, jobs, ran, year):
         store = opened()
         study(store, jobs)
+        os.utime(store.root / jobs[0].path, ((year - 1970) * 31_556_952,) * 2)
         first, second = plan(jobs, store, ["ERROR"]), plan(jobs, store, ["ERROR"])
         assert [job.seed for job in first.todo] == [0]
         assert study(opened(), first.todo, first.seen)[0].here == [jobs[0].path]

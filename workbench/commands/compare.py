@@ -82,7 +82,8 @@ def command(
         _tell_plan(plan, parallel)
         return
     problems = _execute(study, plan, store, Means(parallel, limit, scheduler))
-    problems += _publish(folder) if report else plan.damaged
+    problems += _publish(folder) if report else []
+    problems += [sentence for sentence in plan.damaged if f"{sentence}." not in problems]  # what publishing left unsaid
     problems += shortfall(plan.jobs, store)
     for problem in problems:
         say(problem, err=True)

@@ -54,7 +54,7 @@ class Store:
 
     def create(self) -> None:
         """Make the folder and make sure it can be written to; InputError where not."""
-        probe = make_folder(self.root, KIND) / ".probe"
+        probe = make_folder(self.root, KIND) / f".{secrets.token_hex(4)}.probe"
         write_aside(probe, PROBE)
         probe.unlink(missing_ok=True)
 

@@ -49,6 +49,7 @@ class Store:
         self._rows = Rows()
         self._environments: dict[str, dict[str, Any]] = {}
         self._sources: dict[str, tuple[Problem[Any], Source[Any]]] = {}
+        self._kept: dict[str, dict[str, Version | None]] = {}
         self._asked: tuple[dict[str, Any], list[str]] | None = None
         self._restoring = threading.Lock()
 
@@ -114,14 +115,10 @@ class Store:
 
     def item(self, folder: str) -> Any:
         """Return the item of `folder`, made again where its copy is gone or damaged; InputError where it cannot be."""
-        problem, _ = self._sources[folder]
         with contextlib.suppress(InputError):
-            return problem.read(self.root / folder)
+            return self._sources[folder][0].read(self.root / folder)
         with self._restoring:
-            for name in ITEM_FILES.get(problem.name, ()):
-                _move_aside(self.root / folder / name)
-            self._keep_item(folder)
-            return problem.read(self.root / folder)
+            return self._renewed(folder)
 
     def put_study(self, asked: dict[str, Any], paths: Iterable[str]) -> None:
         """State what was asked, together with what had been asked of this folder before, by whatever process."""
@@ -163,9 +160,10 @@ class Store:
             if self._asked is not None and not (self.root / "study.json").is_file():
                 _move_aside(self.root / "study.json")
                 self.put_study(*self._asked)
-            for folder in self._sources:
-                with contextlib.suppress(InputError):  # its source is gone too: its rows are kept all the same
-                    self._keep_item(folder)
+            for folder, kept in self._kept.items():
+                if self._item_files(folder) != kept:
+                    with contextlib.suppress(InputError):  # its source is gone too: its rows are kept all the same
+                        self._renewed(folder)
             for path in self._rows:
                 if not (target := self.root / path).is_file():
                     self._make_way(target.parent)
@@ -188,12 +186,37 @@ class Store:
 
     def _keep_item(self, folder: str) -> None:
         problem, source = self._sources[folder]
-        if any((self.root / folder / name).is_file() for name in ITEM_FILES.get(problem.name, ())):
-            return
-        item = source.load()
-        if folder_of(item) != folder:
-            raise InputError(f"{self.root / folder}: its {problem.item} cannot be made again, its source has changed")
-        self.put_item(problem, item)
+        if not any((self.root / folder / name).is_file() for name in ITEM_FILES.get(problem.name, ())):
+            item = source.load()
+            if folder_of(item) != folder:
+                raise InputError(f"{self.root / folder}: its {problem.item} cannot be made again: its source changed")
+            self.put_item(problem, item)
+        self._kept[folder] = self._item_files(folder)
+
+    def _renewed(self, folder: str) -> Any:
+        """Return the item of `folder`, having made it again where it cannot be read."""
+        problem, _ = self._sources[folder]
+        try:
+            item = problem.read(self.root / folder)
+        except InputError:
+            for name in ITEM_FILES.get(problem.name, ()):
+                _move_aside(self.root / folder / name)
+            self._keep_item(folder)
+            item = problem.read(self.root / folder)
+        self._kept[folder] = self._item_files(folder)
+        return item
+
+    def _item_files(self, folder: str) -> dict[str, Version | None]:
+        """Return which files lie beside the runs of `folder`."""
+        try:
+            names = os.listdir(self.root / folder)
+        except OSError:
+            return {}
+        return {
+            name: self.version(f"{folder}/{name}")
+            for name in names
+            if not name.startswith(".") and not RUN_FILE.fullmatch(name)
+        }
 
     def _make_way(self, folder: Path) -> None:
         """Make `folder`; what is no folder in its place is moved aside, the permission to write there is taken back."""

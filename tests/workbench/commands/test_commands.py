@@ -121,7 +121,7 @@ def test_compare_then_status_check_and_report(cli, runs, stored_json, tmp_path):
     assert (code, out.splitlines()[-1]) == (0, "5 of 6 runs stored, 1 missing")
     others[0].write_text("{")
     code, out, err = cli("status", runs)
-    assert (code, out.splitlines()[-1]) == (1, "4 of 6 runs stored, 1 missing")
+    assert (code, out.splitlines()[-1]) == (1, "4 of 6 runs stored, 1 damaged, 1 missing")
     assert others[0].name in err
     lie = json.loads(others[1].read_text())
     others[1].write_text(json.dumps(lie | {"bound": 2 * lie["objective"]}))

@@ -44,7 +44,8 @@ class Pool:
     def reversed(self) -> Pool:
         """Return the same paths flown backwards, last candidate first."""
         offsets = self.offsets[-1] - self.offsets[::-1]
-        return Pool(self.target[::-1], self.start[::-1], self.points[::-1], self.corner[::-1], offsets)
+        # copies: the kernels would be compiled once more for views that run backwards
+        return Pool(self.target[::-1], self.start[::-1], self.points[::-1].copy(), self.corner[::-1].copy(), offsets)
 
     def best(self, cost: Floats) -> Ints:
         """Return the cheapest candidate of each ordered pair, by (start, target)."""

@@ -94,6 +94,7 @@ def test_only_runs_with_a_partner_are_compared(pair):
     assert "10 are only in the new store" in found.remarks[0]
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_the_page_shows_the_comparison(pair, tmp_path):
     old, new = pair
     worsen(new, "*/ga-*.json", 16)
@@ -111,6 +112,7 @@ def test_a_store_without_runs_is_an_input_error(tmp_path):
     assert not (tmp_path / "page.html").exists()
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_stores_without_a_common_run_compare_to_nothing(make_store, tmp_path):
     old = make_store("old").study(sizes=((5, 2),), count=1, seeds=1, efforts=EFFORTS)
     new = make_store("new").study(sizes=((6, 2),), count=1, seeds=1, efforts=EFFORTS)

@@ -22,18 +22,31 @@ COARSE = {"wind-mountains": {"cells": 40}}
 """A flow over mountains that takes little time."""
 
 
+ELSEWHERE = """
+import json, sys
+from pathlib import Path
+from formulations.moving_cost.families import generate
+from instances.files import write_instance
+folder, parameters = Path(sys.argv[1]), json.loads(sys.argv[2])
+for name in parameters:
+    write_instance(generate(name, 3, 2, seed=5, **parameters[name]), folder / f"{name}.json")
+"""
+
+
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory):
+    """An instance of each family, made in another process."""
+    folder = tmp_path_factory.mktemp("elsewhere")
+    parameters = {name: COARSE.get(name, {}) for name in FAMILIES.built_in}
+    subprocess.run([sys.executable, "-c", ELSEWHERE, str(folder), json.dumps(parameters)], check=True)
+    return folder
+
+
 @pytest.mark.parametrize("name", FAMILIES.built_in)
-def test_same_seed_same_file_in_another_process(tmp_path, name):
+def test_same_seed_same_file_in_another_process(tmp_path, elsewhere, name):
     here = generate(name, 3, 2, seed=5, **COARSE.get(name, {}))
     write_instance(here, tmp_path / "here.json")
-    program = (
-        "import json, sys; from formulations.moving_cost.families import generate; "
-        "from instances.files import write_instance; "
-        "write_instance(generate(sys.argv[1], 3, 2, seed=5, **json.loads(sys.argv[3])), sys.argv[2])"
-    )
-    parameters = json.dumps(COARSE.get(name, {}))
-    subprocess.run([sys.executable, "-c", program, name, str(tmp_path / "there.json"), parameters], check=True)
-    assert (tmp_path / "here.json").read_bytes() == (tmp_path / "there.json").read_bytes()
+    assert (tmp_path / "here.json").read_bytes() == (elsewhere / f"{name}.json").read_bytes()
     assert generate(name, 3, 2, seed=6, **COARSE.get(name, {})).digest != here.digest
 
 

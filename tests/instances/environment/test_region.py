@@ -109,9 +109,9 @@ def test_points_inside_outside_snapped_and_sampled_agree(seed, corners):
 
 def test_a_thin_region_is_sampled_too():
     thin = Region(Polygon([(0, 0), (1000, 1000), (1000, 1000.2), (0, 0.2)]))
-    p = thin.sample(200, np.random.default_rng(0))
+    p = thin.sample(20, np.random.default_rng(0))
     assert thin.contains(p).all()
-    assert p[:, 0].mean() == pytest.approx(500, abs=5 * 289 / np.sqrt(200))
+    assert p[:, 0].mean() == pytest.approx(500, abs=5 * 289 / np.sqrt(20))
 
 
 def test_samples_are_uniform():

@@ -9,6 +9,8 @@ from reports.metrics import contradictions, summary
 from reports.pages.study import write_report
 from workbench.problems.routing import refute_cost
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 
 @pytest.fixture
 def store(make_store):

@@ -81,6 +81,7 @@ def test_without_coordinates_nor_trace(store_maker, make_store, tmp_path):
     assert data["details"]["0"]["tours"] == [4]
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_a_large_store_embeds_only_so_much_and_says_so(make_store, tmp_path, monkeypatch):
     monkeypatch.setattr("reports.pages.payload.DETAILS_BUDGET", 12_000)
     html, data = write(make_store().study(count=2, seeds=3), tmp_path / "page.html")

@@ -143,6 +143,7 @@ def test_what_does_not_fit_a_placement_study_is_refused(words, finished, capsys)
     assert f"{flag} cannot be given with a placement study" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_both_problems_in_one_store(store, tmp_path, capsys):
     assert call("generate", "uniform", "--tasks", 5, "--depots", 2, "--out", tmp_path / "u.json") == 0
     run = ["--solvers", "greedy", "--seeds", 1, "--time-limit", 1, "--jobs", 1, "--out", store]

@@ -2,7 +2,8 @@
 
 numba looks at the file of a kernel when it decides whether kept machine code is still good, not at the kernels and
 constants that the file imports. So machine code lives in the user's cache folder, below the digest of every source a
-kernel can come from (`instances.code`); folders of other digests that nobody used for a week are removed.
+kernel can come from (`instances.code`); folders of other digests that nobody used for a week are removed. Below that
+numba would go by where the sources lie; here a second checkout or installation of the same ones finds what is there.
 Every kernel takes `njit` from here.
 """
 
@@ -14,12 +15,14 @@ import shutil
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numba
 from numba import njit
+from numba.core.caching import UserProvidedCacheLocator
 from platformdirs import user_cache_path
 
-from instances.code import KERNEL_PACKAGES, code_digest
+from instances.code import KERNEL_PACKAGES, ROOT, code_digest
 
 __all__ = ["njit"]
 
@@ -51,8 +54,25 @@ def remove_old(parent: Path) -> None:
                 shutil.rmtree(folder, ignore_errors=True)
 
 
+class KernelLocator(UserProvidedCacheLocator):
+    """Keeps the machine code of a kernel of ours by its module and numba's version, wherever the sources lie."""
+
+    def __init__(self, py_func: Any, py_file: str) -> None:
+        super().__init__(py_func, py_file)
+        inside = Path(py_file).parent.relative_to(ROOT)
+        self._cache_path = str(Path(self._cache_path).parent / numba.__version__ / inside)
+
+    @classmethod
+    def from_function(cls, py_func: Any, py_file: str) -> KernelLocator | None:
+        """Return the locator of a kernel, or None for one of somebody else."""
+        ours = any(Path(py_file).is_relative_to(ROOT / package) for package in KERNEL_PACKAGES)
+        return super().from_function(py_func, py_file) if ours else None
+
+
 _folder = cache_folder()
 remove_old(_folder.parent)
-# Both: numba reads the variable again when the environment changes, and child processes inherit it.
-os.environ["NUMBA_CACHE_DIR"] = str(_folder)
-vars(numba.config)["CACHE_DIR"] = str(_folder)
+os.environ["NUMBA_CACHE_DIR"] = str(_folder)  # child processes inherit it
+numba.config.reload_config()  # else numba would do so later and forget the next line
+vars(numba.config)["CACHE_LOCATOR_CLASSES"] = (
+    f"{__name__}.{KernelLocator.__name__},UserProvidedCacheLocator,IPythonCacheLocator"
+)

@@ -15,6 +15,7 @@ import pytest
 from instances import code, kernels
 
 HERE = Path(__file__).parents[1]
+KERNEL = "from instances.kernels import njit\n\n@njit(cache=True)\ndef inner(x):\n    return x + STEP\n"
 
 
 @pytest.fixture
@@ -39,17 +40,28 @@ def workbench(*args: str) -> str:
 
 
 def test_a_changed_constant_in_an_imported_kernel_takes_effect(checkout):
-    kernel = "from instances.kernels import njit\n\n@njit(cache=True)\ndef inner(x):\n    return x + STEP\n"
     inner = checkout / "formulations" / "inner.py"
     (checkout / "formulations" / "outer.py").write_text(
         "from formulations.inner import inner\nfrom instances.kernels import njit\n\n"
         "@njit(cache=True)\ndef outer(x):\n    return 10 * inner(x)\n"
     )
     for step in (1, 2, 1):
-        inner.write_text(kernel.replace("STEP", str(step)))
+        inner.write_text(KERNEL.replace("STEP", str(step)))
         assert python("from formulations.outer import outer; print(outer(1))").strip() == str(10 * (1 + step))
-    kept = list((checkout.parent / "machine-code").glob("kernels-*/formulations_*/outer.*.nbc"))
+    kept = list((checkout.parent / "machine-code").glob("kernels-*/*/formulations/outer.*.nbc"))
     assert len(kept) == 2  # the third time is the first again
+
+
+def test_another_checkout_of_the_same_sources_compiles_nothing_again(checkout, monkeypatch):
+    (checkout / "formulations" / "inner.py").write_text(KERNEL.replace("STEP", "1"))
+    program = "from formulations.inner import inner; inner(1)"
+    python(program)
+    kept = {path: path.stat().st_mtime_ns for path in checkout.parent.glob("machine-code/**/inner.*")}
+    assert len(kept) == 2  # the index and the code
+    other = checkout.rename(checkout.with_name("other"))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(other), str(HERE)]))
+    python(program)
+    assert {path: path.stat().st_mtime_ns for path in other.parent.glob("machine-code/**/inner.*")} == kept
 
 
 def test_compare_runs_again_exactly_what_other_code_made(checkout, instance_folder):

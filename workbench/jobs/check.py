@@ -9,7 +9,6 @@ from typing import Any
 
 from instances.errors import InputError
 from reports.record import ITEM_FILES, Run
-from reports.stores import read_runs, walk
 from workbench.jobs.job import folder_of
 from workbench.jobs.problem import Problem
 
@@ -27,6 +26,8 @@ def check_runs(
 
     item_faults : what is wrong with an item. run_faults : what is wrong with a run on an item, beside its ending.
     """
+    from reports.stores import read_runs, walk  # here: pandas takes its time, and every child imports this
+
     runs, problems = read_runs(root, problem=problem.name)
     beside: dict[Path, list[tuple[Path, Run]]] = defaultdict(list)
     for path, run in runs.items():

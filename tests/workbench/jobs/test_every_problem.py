@@ -120,15 +120,15 @@ class TestEveryProblem:
         assert case.lies in found.message
 
     def test_shards_make_the_whole(self, case, cli, tmp_path):
-        study = written(case, "Honest", "Crashes", seeds=2)
+        study = written(case, "Honest", "Crashes")
         assert cli("compare", study, "--out", "whole", "--no-report")[0] == 1  # some runs end in ERROR
         for part in (1, 2):
             cli("compare", study, "--out", "parts", "--shard", f"{part}/2", "--no-report")
-            assert len(runs_in(tmp_path / "parts")) == 4 * part
+            assert len(runs_in(tmp_path / "parts")) == 2 * part
         assert runs_in(tmp_path / "parts") == runs_in(tmp_path / "whole")
         code, said, _ = cli("status", "parts", "--json")
         told = json.loads(said)
-        assert (code, told["planned"], told["stored"], told["stale"], told["missing"]) == (0, 8, 8, 0, 0)
+        assert (code, told["planned"], told["stored"], told["stale"], told["missing"]) == (0, 4, 4, 0, 0)
 
     def test_only_what_failed_runs_again(self, case, cli, tmp_path):
         study = written(case, "Honest", "Crashes")
@@ -178,7 +178,7 @@ class TestEveryProblem:
 
     def test_a_cluster_gives_the_same_rows(self, case, cli, tmp_path):
         distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
-        study = written(case, "Honest", "Crashes", seeds=2)
+        study = written(case, "Honest", "Crashes")
         with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
             there = ["--scheduler", cluster.scheduler_address]
             assert cli("compare", study, "--out", "there", "--no-report", *there)[0] == 1

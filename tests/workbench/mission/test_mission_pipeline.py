@@ -92,6 +92,17 @@ def copied(made: Path, tmp_path: Path) -> Path:
     return tmp_path / "copy"
 
 
+@pytest.fixture
+def plain_page(monkeypatch) -> None:
+    """A page without figures, for tests of which stages are made: they are most of a small mission's seconds."""
+
+    def write(folders: dict[str, Path], path: Path, said: dict) -> list:
+        path.write_text("plain")
+        return []
+
+    monkeypatch.setattr("workbench.mission.report.write_mission_page", write)
+
+
 def again(mission_file: Path, out: Path, text: str = SMALL, **how: str) -> list[str]:
     """Run a mission and return the stages that were made, not skipped."""
     told: list[str] = []
@@ -160,6 +171,7 @@ def test_nothing_is_made_twice(mission_file: Path, copied: Path) -> None:
     assert again(mission_file, copied) == []
 
 
+@pytest.mark.usefixtures("plain_page")
 def test_a_change_is_made_from_its_stage_on(mission_file: Path, copied: Path) -> None:
     before = (copied / "6-map/samples.csv").read_bytes()
     changed = SMALL.replace("[compare]", '[compare]\nbaselines = ["lawnmower"]')
@@ -197,6 +209,7 @@ def test_one_stage_alone(mission_file: Path, copied: Path) -> None:
     assert not (copied / "7-compare").exists()
 
 
+@pytest.mark.usefixtures("plain_page")
 def test_a_stage_can_be_forced(mission_file: Path, copied: Path) -> None:
     assert again(mission_file, copied, force_from="report") == ["report"]
 
@@ -221,9 +234,11 @@ def test_a_failing_stage_leaves_the_old_products(mission_file: Path, copied: Pat
     assert not list(copied.glob(".*.part"))
 
 
+@pytest.mark.usefixtures("plain_page")
 def test_a_killed_mission_continues_where_it_was(mission_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    slow = SMALL.replace('solver = "greedy"\ntime_limit = 1.0', 'solver = "ruin-recreate"\ntime_limit = 60.0')
+    short = SMALL.replace("[compare]", '[compare]\nbaselines = ["lawnmower"]')
+    slow = short.replace('solver = "greedy"\ntime_limit = 1.0', 'solver = "ruin-recreate"\ntime_limit = 60.0')
     (tmp_path / "zones.geojson").write_text(json.dumps(ZONE))
     (tmp_path / "slow.toml").write_text(slow)
     command = [sys.executable, "-c", "from workbench.cli import main; main()", "mission", "slow.toml", "--out", "out"]
@@ -235,7 +250,7 @@ def test_a_killed_mission_continues_where_it_was(mission_file: Path, tmp_path: P
     child.wait()
     assert (out / "3-costs").exists()
     assert not (out / "4-routes").exists()
-    made_now = again(mission_file, out)
+    made_now = again(mission_file, out, short)
     assert made_now == [name for name in NAMES if name not in ("environment", "place", "costs")]
     assert not list(out.glob(".*.part"))
 
@@ -257,6 +272,7 @@ def test_stage_and_from_exclude_each_other(cli) -> None:
     assert "give one of them" in err
 
 
+@pytest.mark.usefixtures("plain_page")
 def test_a_mission_that_another_process_works_on_is_left_alone(mission_file: Path, copied: Path) -> None:
     other = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
     try:
@@ -268,6 +284,7 @@ def test_a_mission_that_another_process_works_on_is_left_alone(mission_file: Pat
     assert again(mission_file, copied, force_from="report") == ["report"]
 
 
+@pytest.mark.usefixtures("plain_page")
 def test_stages_that_other_code_made_are_made_again(mission_file: Path, copied: Path, monkeypatch) -> None:
     assert again(mission_file, copied) == []
     stamp = json.loads((copied / "4-routes" / "stamp.json").read_text())

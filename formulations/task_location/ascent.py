@@ -21,7 +21,7 @@ from scipy.optimize import minimize
 
 from formulations.task_location.boundary import box, distance_gradient, is_rectangle
 from formulations.task_location.derivatives import Expansion
-from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
+from formulations.task_location.placement import OutOfTime, PlacementMethod, PlacementProblem, PlacementStatus, Progress
 from formulations.task_location.starts import starts
 from instances.arrays import Floats
 
@@ -48,8 +48,12 @@ class LBfgsB(PlacementMethod):
             here = Expansion(criterion, z.reshape(-1, 2) * scales)
             return -here.value, -(here.gradient * scales).ravel()
 
-        for begin in starts(problem, self.starts, seed):
-            done = minimize(negative, (begin / scales).ravel(), jac=True, bounds=bounds, **settings)
+        for begin in starts(problem, self.starts, seed, progress.remaining):
+            try:
+                done = minimize(negative, (begin / scales).ravel(), jac=True, bounds=bounds, **settings)
+            except OutOfTime:
+                progress.offer(begin, criterion.value(begin))  # the first one may be all there is
+                raise
             points = done.x.reshape(-1, 2) * scales
             snapped = problem.region.snap(points)
             if progress.offer(snapped, criterion.value(snapped)):

@@ -74,9 +74,10 @@ class Nlp(PlacementMethod):
         rng = np.random.default_rng(seed)
         hop = HOP * math.sqrt(region.area / problem.n_tasks)
         for start in range(self.starts or enough):
-            progress.check()
+            if start > 0:  # the first one may be all there is
+                progress.check()
             if progress.best is None:
-                begin = greedy_start(problem)
+                begin = greedy_start(problem, progress.remaining)
             elif hopping and start % 4:
                 begin = region.snap(progress.best + rng.normal(0.0, hop, progress.best.shape))
             else:

@@ -42,6 +42,13 @@ def problem(region: Region, n: int, cells: int = 10, **rest: Convention) -> Plac
     return PlacementProblem(region, Criterion(KERNEL, region.cell_centres(cells, cells), **rest), n)
 
 
+@pytest.mark.parametrize("name", METHODS.targets())
+def test_every_method_has_points_when_its_time_is_up_at_once(name):
+    found = place(problem(SQUARE, 12, cells=6), make_method(name), name, limits=Limits(time=1e-9))
+    assert found.points.shape == (12, 2)
+    assert found.stopped_by == "time" or name in ("greedy", "grid", "random")
+
+
 @pytest.mark.parametrize("region", [SQUARE, ANGLE_WITH_HOLE], ids=["square", "angle with hole"])
 @pytest.mark.parametrize("name", METHODS.targets())
 def test_every_method_keeps_the_contract(name, region):
@@ -108,7 +115,7 @@ def test_nlp_is_at_least_as_good_as_its_start_and_as_nelder_mead(region):
 
 def test_nlp_leaves_a_poor_first_end_by_hops(monkeypatch):
     poor = SQUARE.sample(40, np.random.default_rng(2))
-    monkeypatch.setattr("formulations.task_location.nlp.greedy_start", lambda _: poor)
+    monkeypatch.setattr("formulations.task_location.nlp.greedy_start", lambda *_: poor)
     given = problem(SQUARE, 40, cells=20)
     alone = place(given, make_method("nlp", {"starts": 1}), "nlp").mutual_information
     assert alone < 105.0 < place(given, make_method("nlp"), "nlp").mutual_information

@@ -1,0 +1,331 @@
+"""Solvers that start, stop, hide and end processes, or end their own in some way."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import ctypes
+import os
+import resource
+import shutil
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+
+from tests.faults.hostile import Honest, honest, plug_in
+
+FOREVER = 31415
+"""Seconds of sleep by which a process that has hidden its environment is recognised."""
+
+
+def orphan(act):
+    """Run `act` in a process that has a session of its own and a parent that has ended."""
+    if os.fork() == 0:
+        os.setsid()
+        if os.fork() == 0:
+            act()
+        os._exit(0)
+
+
+def spin():
+    while True:
+        pass
+
+
+@plug_in
+def LeavesASession(instance, observe):
+    if os.fork() == 0:
+        os.setsid()
+        time.sleep(FOREVER)
+
+
+@plug_in
+def LeavesADaemon(instance, observe):
+    orphan(lambda: time.sleep(FOREVER))
+
+
+@plug_in
+def LeavesASpinner(instance, observe):
+    orphan(spin)
+
+
+@plug_in
+def LeavesADeafDaemon(instance, observe):
+    def deaf():
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            signal.signal(number, signal.SIG_IGN)
+        time.sleep(FOREVER)
+
+    orphan(deaf)
+
+
+@plug_in
+def LeavesWhatHasForgottenUs(instance, observe):
+    """A daemon that is another program, with an empty environment and no file open."""
+    orphan(lambda: (os.closerange(0, 64), os.execve("/bin/sleep", ["sleep", str(FOREVER)], {})))
+
+
+@plug_in
+def LeavesAChain(instance, observe):
+    """A process that hands over to another every few milliseconds, for a second."""
+
+    def hand_over():
+        until = time.monotonic() + 1
+        while time.monotonic() < until:
+            os.setsid() if os.getpid() != os.getsid(0) else None
+            time.sleep(0.005)
+            if os.fork():
+                os._exit(0)
+        time.sleep(FOREVER)
+
+    orphan(hand_over)
+
+
+@plug_in
+def ForksFifty(instance, observe):
+    for _ in range(50):
+        if os.fork() == 0:
+            os.setsid()
+            time.sleep(FOREVER)
+
+
+@plug_in
+def ForksFiftyThatFork(instance, observe):
+    for _ in range(25):
+        orphan(lambda: (os.fork(), time.sleep(FOREVER)))
+    spin()
+
+
+@plug_in
+def Sleeps(instance, observe):
+    time.sleep(FOREVER)
+
+
+@plug_in
+def SleepsDeafly(instance, observe):
+    for number in range(1, 32):
+        with contextlib.suppress(OSError):
+            signal.signal(number, signal.SIG_IGN)
+    while True:
+        time.sleep(FOREVER)
+
+
+@plug_in
+def StopsItself(instance, observe):
+    os.kill(os.getpid(), signal.SIGSTOP)
+
+
+@plug_in
+def StopsItsParent(instance, observe):
+    os.kill(os.getppid(), signal.SIGSTOP)
+
+
+@plug_in
+def StopsItsParentAndSleeps(instance, observe):
+    os.kill(os.getppid(), signal.SIGSTOP)
+    time.sleep(FOREVER)
+
+
+@plug_in
+def KillsItsGroup(instance, observe):
+    os.killpg(0, signal.SIGKILL)
+
+
+@plug_in
+def KillsItsParent(instance, observe):
+    orphan(lambda: time.sleep(FOREVER))
+    os.kill(os.getppid(), signal.SIGKILL)
+    time.sleep(FOREVER)
+
+
+@plug_in
+def KillsItself(instance, observe):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@plug_in
+def TerminatesItself(instance, observe):
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+@plug_in
+def OutlivesItsParent(instance, observe):
+    ctypes.CDLL(None).prctl(1, 0)  # PR_SET_PDEATHSIG: not killed with the keeper
+    os.kill(os.getppid(), signal.SIGKILL)
+    time.sleep(FOREVER)
+
+
+@plug_in
+def Adopts(instance, observe):
+    ctypes.CDLL(None).prctl(36, 1)  # PR_SET_CHILD_SUBREAPER: orphans come to us instead
+    orphan(lambda: time.sleep(FOREVER))
+    time.sleep(FOREVER)
+
+
+@plug_in
+def ClosesEverything(instance, observe):
+    os.closerange(0, 1024)
+
+
+@plug_in
+def ClosesItsStreams(instance, observe):
+    sys.stdin.close()
+    sys.stdout.close()
+    os.closerange(0, 3)
+
+
+@plug_in
+def ExitsQuietly(instance, observe):
+    os._exit(0)
+
+
+@plug_in
+def Exits(instance, observe):
+    sys.exit(0)
+
+
+@plug_in
+def Aborts(instance, observe):
+    os.abort()
+
+
+@plug_in
+def Segfaults(instance, observe):
+    ctypes.string_at(0)
+
+
+@plug_in
+def BecomesAnotherProgram(instance, observe):
+    os.execv("/bin/true", ["true"])
+
+
+@plug_in
+def LeavesAThread(instance, observe):
+    threading.Thread(target=time.sleep, args=(FOREVER,)).start()
+
+
+@plug_in
+def SleepsAtExit(instance, observe):
+    atexit.register(time.sleep, FOREVER)
+
+
+@plug_in
+def Recurses(instance, observe):
+    sys.setrecursionlimit(10**9)
+
+    def again(n):
+        return again(n + 1) + again(n + 2)
+
+    again(0)
+
+
+@plug_in
+def Dumps(instance, observe):
+    resource.setrlimit(resource.RLIMIT_NOFILE, (3, 3))
+
+
+@plug_in
+def LosesItsFolder(instance, observe):
+    here = Path("lost").absolute()
+    here.mkdir(exist_ok=True)
+    os.chdir(here)
+    shutil.rmtree(here)
+
+
+@plug_in
+def GoesElsewhere(instance, observe):
+    os.chdir("/")
+    os.umask(0o777)
+
+
+@plug_in
+def PrintsGigabytes(instance, observe):
+    block = b"no end of it " * 5000
+    while True:
+        os.write(1, block)
+
+
+@plug_in
+def TurnsClocksBack(instance, observe):
+    time.perf_counter = time.monotonic = time.time = lambda: -5000.0
+    time.sleep(0.1)
+
+
+class SpinsWhilePreparing(Honest):
+    def prepare(self, instance):
+        spin()
+
+
+class SleepsWhilePreparing(Honest):
+    def prepare(self, instance):
+        time.sleep(FOREVER)
+
+
+class SolvesWhilePreparing(Honest):
+    """Takes its time where it is not timed."""
+
+    def prepare(self, instance):
+        until = time.process_time() + 3
+        while time.process_time() < until:
+            pass
+
+
+class ForksWhilePreparing(Honest):
+    """Spins in processes of its own, where its own processor time does not show it."""
+
+    def prepare(self, instance):
+        orphan(spin)
+        orphan(spin)
+        time.sleep(FOREVER)
+
+
+@plug_in
+def EatsMemory(instance, observe):
+    eaten = []
+    while True:
+        eaten.append(os.urandom(20_000_000))
+        time.sleep(0.01)
+
+
+@plug_in
+def OrphanEatsMemory(instance, observe):
+    def eat():
+        eaten = []
+        while True:
+            eaten.append(os.urandom(20_000_000))
+            time.sleep(0.01)
+
+    orphan(eat)
+    time.sleep(FOREVER)
+
+
+@plug_in
+def FourHoldMemory(instance, observe):
+    """Each less than the limit, together more."""
+
+    def hold():
+        held = os.urandom(200_000_000)
+        time.sleep(FOREVER + len(held) * 0)
+
+    for _ in range(4):
+        orphan(hold)
+    time.sleep(FOREVER)
+
+
+@plug_in
+def LiesAfterwards(instance, observe):
+    """Leaves a process that goes on talking for it after its end."""
+    result = honest(instance, observe)
+
+    def talk():
+        while True:
+            observe_again()
+
+    def observe_again():
+        honest(instance, observe)
+
+    orphan(talk)
+    return result

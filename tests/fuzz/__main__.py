@@ -17,11 +17,15 @@ from tests.fuzz.targets import TARGETS
 from tests.fuzz.workers import Plan, Tally, distinct, fuzz, warm_up
 
 
+MEMORY = Path("/dev/shm")
+"""Where there is one, files that are made and thrown away by the thousand never reach a disk."""
+
+
 def main() -> int:
     """Make the corpus, run the cases, print the table, and say how to replay what was found."""
     asked = _asked()
     began = time.monotonic()
-    work = Path(tempfile.mkdtemp(prefix="fuzz-"))
+    work = Path(tempfile.mkdtemp(prefix="fuzz-", dir=MEMORY if MEMORY.is_dir() else None))
     here = Path.cwd()
     try:
         made = asked.corpus.resolve() if asked.corpus else work / "corpus"

@@ -131,7 +131,7 @@ def squeezed(inner: Mutation) -> Mutation:
 def bomb(rng: Random, data: bytes) -> bytes:
     """Return gzip that opens to a hundred times its size, of the file's own beginning or of brackets."""
     piece = rng.choice((b"[", b" ", b"1,", b"\n"))
-    return gzip.compress(piece * (rng.choice((1, 8, 64)) << 20), 9, mtime=0)
+    return gzip.compress(piece * (rng.choice((1, 1, 4)) << 20), 9, mtime=0)
 
 
 RAW = (flipped, cut, doubled, inserted)

@@ -26,8 +26,8 @@ CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\u202e]")
 """What could change a terminal."""
 CPU_LIMIT = 10.0
 """Seconds of processor time a case may take."""
-WALL_LIMIT = 30.0
-"""Seconds of wall clock after which a case is ended: blocked, on a machine that does other things as well."""
+WALL_LIMIT = 120.0
+"""Seconds of wall clock after which a case is ended: it is blocked, however busy the machine is."""
 MEMORY_LIMIT = 1 << 30
 """Bytes a case may hold beyond what was held before."""
 ROOT = str(Path(__file__).parents[2])

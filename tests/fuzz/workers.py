@@ -14,10 +14,13 @@ import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cache
+from importlib.metadata import entry_points
 from pathlib import Path
 from random import Random
 from typing import Any
 
+from instances import registry
 from tests.fuzz.case import Room, keep
 from tests.fuzz.oracle import MEMORY_LIMIT, WALL_LIMIT, Find
 from tests.fuzz.targets import TARGETS, Target
@@ -60,6 +63,7 @@ class _Worker:
 
 def warm_up(plan: Plan, tell: Callable[[str], None]) -> None:
     """Run every target as the corpus has it, so that workers start with all imported; RuntimeError where one fails."""
+    registry.entry_points = cache(entry_points)  # type: ignore[assignment]  # to look for packages takes most of a case
     for name in plan.targets:
         began = time.monotonic()
         wrong = Room(TARGETS[name], plan.corpus, plan.work / "warm").fault_of_itself()

@@ -18,38 +18,38 @@ def value_of(instance):
 
 
 @plug_in
-def BoundStreamedTooHigh(instance, observe):
+def bound_streamed_too_high(instance, observe):
     observe(Event(0.0, None, 1.5 * value_of(instance), None))
 
 
 @plug_in
-def BoundInTheEndTooHigh(instance, observe):
+def bound_in_the_end_too_high(instance, observe):
     return honest(instance, observe, bound=1.5 * value_of(instance))
 
 
 @plug_in
-def OptimalWithoutBound(instance, observe):
+def optimal_without_bound(instance, observe):
     return honest(instance, observe, status=Status.OPTIMAL)
 
 
 @plug_in
-def OptimalWithoutRoutes(instance, observe):
+def optimal_without_routes(instance, observe):
     value = value_of(instance)
     return Result(Status.OPTIMAL, value, value, 0.0, None, stopped_by="proof")
 
 
 @plug_in
-def OptimalWithGap(instance, observe):
+def optimal_with_gap(instance, observe):
     return honest(instance, observe, status=Status.OPTIMAL, bound=0.9 * value_of(instance))
 
 
 @plug_in
-def OptimalWithinAnything(instance, observe):
+def optimal_within_anything(instance, observe):
     return honest(instance, observe, status=Status.OPTIMAL, bound=0.0, tolerance=value_of(instance))
 
 
 @plug_in
-def InfeasibleBesideRoutes(instance, observe):
+def infeasible_beside_routes(instance, observe):
     return honest(instance, observe, status=Status.INFEASIBLE, stopped_by="proof")
 
 
@@ -72,22 +72,22 @@ class Gives(Honest):
 
 
 @plug_in
-def TooFewRoutes(instance, observe):
+def too_few_routes(instance, observe):
     return honest(instance, observe, routes=routes_of(instance)[:1])
 
 
 @plug_in
-def TooManyRoutes(instance, observe):
+def too_many_routes(instance, observe):
     return honest(instance, observe, routes=(*routes_of(instance), ()))
 
 
 @plug_in
-def RoutesAreAText(instance, observe):
+def routes_are_a_text(instance, observe):
     return honest(instance, observe, routes="0 1 2 3")
 
 
 @plug_in
-def RoutesOfFractions(instance, observe):
+def routes_of_fractions(instance, observe):
     return honest(instance, observe, routes=((0.5, 1.0, 2.0, 3.0), ()))
 
 
@@ -120,29 +120,29 @@ class Evil:
 
 
 @plug_in
-def CostIsHalf(instance, observe):
+def cost_is_half(instance, observe):
     return honest(instance, observe, objective=0.5 * value_of(instance))
 
 
 @plug_in
-def CostIsHalfWhileStreaming(instance, observe):
+def cost_is_half_while_streaming(instance, observe):
     observe(Event(0.0, 0.5 * value_of(instance), None, routes_of(instance)))
 
 
 @plug_in
-def FloodOfEvents(instance, observe):
+def flood_of_events(instance, observe):
     value = value_of(instance)
     for number in range(30_000):
         observe(Event(0.0, value, 1e-5 * number * value, None))
 
 
 @plug_in
-def NotAResult(instance, observe):
+def not_a_result(instance, observe):
     return "banana"
 
 
 @plug_in
-def AnEvilResult(instance, observe):
+def an_evil_result(instance, observe):
     return Evil()
 
 

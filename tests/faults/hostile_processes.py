@@ -35,24 +35,24 @@ def spin():
 
 
 @plug_in
-def LeavesASession(instance, observe):
+def leaves_a_session(instance, observe):
     if os.fork() == 0:
         os.setsid()
         time.sleep(FOREVER)
 
 
 @plug_in
-def LeavesADaemon(instance, observe):
+def leaves_a_daemon(instance, observe):
     orphan(lambda: time.sleep(FOREVER))
 
 
 @plug_in
-def LeavesASpinner(instance, observe):
+def leaves_a_spinner(instance, observe):
     orphan(spin)
 
 
 @plug_in
-def LeavesADeafDaemon(instance, observe):
+def leaves_a_deaf_daemon(instance, observe):
     def deaf():
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             signal.signal(number, signal.SIG_IGN)
@@ -62,13 +62,13 @@ def LeavesADeafDaemon(instance, observe):
 
 
 @plug_in
-def LeavesWhatHasForgottenUs(instance, observe):
+def leaves_what_has_forgotten_us(instance, observe):
     """A daemon that is another program, with an empty environment and no file open."""
     orphan(lambda: (os.closerange(0, 64), os.execve("/bin/sleep", ["sleep", str(FOREVER)], {})))
 
 
 @plug_in
-def LeavesAChain(instance, observe):
+def leaves_a_chain(instance, observe):
     """A process that hands over to another every few milliseconds, for a second."""
 
     def hand_over():
@@ -84,7 +84,7 @@ def LeavesAChain(instance, observe):
 
 
 @plug_in
-def ForksFifty(instance, observe):
+def forks_fifty(instance, observe):
     for _ in range(50):
         if os.fork() == 0:
             os.setsid()
@@ -92,19 +92,19 @@ def ForksFifty(instance, observe):
 
 
 @plug_in
-def ForksFiftyThatFork(instance, observe):
+def forks_fifty_that_fork(instance, observe):
     for _ in range(25):
         orphan(lambda: (os.fork(), time.sleep(FOREVER)))
     spin()
 
 
 @plug_in
-def Sleeps(instance, observe):
+def sleeps(instance, observe):
     time.sleep(FOREVER)
 
 
 @plug_in
-def SleepsDeafly(instance, observe):
+def sleeps_deafly(instance, observe):
     for number in range(1, 32):
         with contextlib.suppress(OSError):
             signal.signal(number, signal.SIG_IGN)
@@ -113,107 +113,107 @@ def SleepsDeafly(instance, observe):
 
 
 @plug_in
-def StopsItself(instance, observe):
+def stops_itself(instance, observe):
     os.kill(os.getpid(), signal.SIGSTOP)
 
 
 @plug_in
-def StopsItsParent(instance, observe):
+def stops_its_parent(instance, observe):
     os.kill(os.getppid(), signal.SIGSTOP)
 
 
 @plug_in
-def StopsItsParentAndSleeps(instance, observe):
+def stops_its_parent_and_sleeps(instance, observe):
     os.kill(os.getppid(), signal.SIGSTOP)
     time.sleep(FOREVER)
 
 
 @plug_in
-def KillsItsGroup(instance, observe):
+def kills_its_group(instance, observe):
     os.killpg(0, signal.SIGKILL)
 
 
 @plug_in
-def KillsItsParent(instance, observe):
+def kills_its_parent(instance, observe):
     orphan(lambda: time.sleep(FOREVER))
     os.kill(os.getppid(), signal.SIGKILL)
     time.sleep(FOREVER)
 
 
 @plug_in
-def KillsItself(instance, observe):
+def kills_itself(instance, observe):
     os.kill(os.getpid(), signal.SIGKILL)
 
 
 @plug_in
-def TerminatesItself(instance, observe):
+def terminates_itself(instance, observe):
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     os.kill(os.getpid(), signal.SIGTERM)
 
 
 @plug_in
-def OutlivesItsParent(instance, observe):
+def outlives_its_parent(instance, observe):
     ctypes.CDLL(None).prctl(1, 0)  # PR_SET_PDEATHSIG: not killed with the keeper
     os.kill(os.getppid(), signal.SIGKILL)
     time.sleep(FOREVER)
 
 
 @plug_in
-def Adopts(instance, observe):
+def adopts(instance, observe):
     ctypes.CDLL(None).prctl(36, 1)  # PR_SET_CHILD_SUBREAPER: orphans come to us instead
     orphan(lambda: time.sleep(FOREVER))
     time.sleep(FOREVER)
 
 
 @plug_in
-def ClosesEverything(instance, observe):
+def closes_everything(instance, observe):
     os.closerange(0, 1024)
 
 
 @plug_in
-def ClosesItsStreams(instance, observe):
+def closes_its_streams(instance, observe):
     sys.stdin.close()
     sys.stdout.close()
     os.closerange(0, 3)
 
 
 @plug_in
-def ExitsQuietly(instance, observe):
+def exits_quietly(instance, observe):
     os._exit(0)
 
 
 @plug_in
-def Exits(instance, observe):
+def exits(instance, observe):
     sys.exit(0)
 
 
 @plug_in
-def Aborts(instance, observe):
+def aborts(instance, observe):
     os.abort()
 
 
 @plug_in
-def Segfaults(instance, observe):
+def segfaults(instance, observe):
     ctypes.string_at(0)
 
 
 @plug_in
-def BecomesAnotherProgram(instance, observe):
+def becomes_another_program(instance, observe):
     os.execv("/bin/true", ["true"])
 
 
 @plug_in
-def LeavesAThread(instance, observe):
+def leaves_a_thread(instance, observe):
     threading.Thread(target=time.sleep, args=(FOREVER,)).start()
 
 
 @plug_in
-def SleepsAtExit(instance, observe):
+def sleeps_at_exit(instance, observe):
     atexit.register(time.sleep, FOREVER)
 
 
 @plug_in
-def Recurses(instance, observe):
+def recurses(instance, observe):
     sys.setrecursionlimit(10**9)
 
     def again(n):
@@ -223,12 +223,12 @@ def Recurses(instance, observe):
 
 
 @plug_in
-def Dumps(instance, observe):
+def dumps(instance, observe):
     resource.setrlimit(resource.RLIMIT_NOFILE, (3, 3))
 
 
 @plug_in
-def LosesItsFolder(instance, observe):
+def loses_its_folder(instance, observe):
     here = Path("lost").absolute()
     here.mkdir(exist_ok=True)
     os.chdir(here)
@@ -236,20 +236,20 @@ def LosesItsFolder(instance, observe):
 
 
 @plug_in
-def GoesElsewhere(instance, observe):
+def goes_elsewhere(instance, observe):
     os.chdir("/")
     os.umask(0o777)
 
 
 @plug_in
-def PrintsGigabytes(instance, observe):
+def prints_gigabytes(instance, observe):
     block = b"no end of it " * 5000
     while True:
         os.write(1, block)
 
 
 @plug_in
-def TurnsClocksBack(instance, observe):
+def turns_clocks_back(instance, observe):
     time.perf_counter = time.monotonic = time.time = lambda: -5000.0
     time.sleep(0.1)
 
@@ -283,7 +283,7 @@ class ForksWhilePreparing(Honest):
 
 
 @plug_in
-def EatsMemory(instance, observe):
+def eats_memory(instance, observe):
     eaten = []
     while True:
         eaten.append(os.urandom(20_000_000))
@@ -291,7 +291,7 @@ def EatsMemory(instance, observe):
 
 
 @plug_in
-def OrphanEatsMemory(instance, observe):
+def orphan_eats_memory(instance, observe):
     def eat():
         eaten = []
         while True:
@@ -303,7 +303,7 @@ def OrphanEatsMemory(instance, observe):
 
 
 @plug_in
-def FourHoldMemory(instance, observe):
+def four_hold_memory(instance, observe):
     """Each less than the limit, together more."""
 
     def hold():
@@ -316,7 +316,7 @@ def FourHoldMemory(instance, observe):
 
 
 @plug_in
-def LiesAfterwards(instance, observe):
+def lies_afterwards(instance, observe):
     """Leaves a process that goes on talking for it after its end."""
     result = honest(instance, observe)
 

@@ -8,6 +8,7 @@ as KILLED but where the child alone was hit, and five seconds after a kill of pa
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import json
 import os
@@ -19,7 +20,6 @@ import time
 import uuid
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
@@ -80,7 +80,8 @@ class Kind:
 
 
 def _study(problem: str, items: str, entries: str, method: str) -> Kind:
-    text = f'problem = "{problem}"\nseeds = {SEEDS}\ntime_limit = 5\n{items}\n[[{entries}]]\nname = "tests.faults.logged:{method}"\n'
+    text = f'problem = "{problem}"\nseeds = {SEEDS}\ntime_limit = 5\n{items}\n'
+    text += f'[[{entries}]]\nname = "tests.faults.logged:{method}"\n'
     files = {"study.toml": text, "a.toml": SCENARIO}
     args = ("compare", "study.toml", "--out", "runs", "--jobs", "2", "--no-report")
     return Kind(problem, files, args, "*/*-s*-t*.json", SEEDS)
@@ -102,7 +103,6 @@ class Tally:
     kills: Counter[str] = field(default_factory=Counter)
     wrong: list[str] = field(default_factory=list)
     killed_rows: int = 0
-    restarts: int = 0
 
 
 class Trial:
@@ -113,6 +113,7 @@ class Trial:
         self.token = uuid.uuid4().hex
         self.executed = folder / "executed.txt"
         self.kept: dict[str, str] = {}
+        self.hit = False
         for name, text in kind.files.items():
             (folder / name).write_text(text)
 
@@ -134,27 +135,34 @@ class Trial:
 
     def _once(self, kill: bool) -> int | None:
         """Run the command to its end and return its exit code, or None where parent, child or group was killed."""
+        self.hit = False
         with self._started() as process:
             if not kill:
                 return process.wait()
-            wait = self.rng.uniform(0.3, 6.0)
-            try:
-                return process.wait(wait)
-            except subprocess.TimeoutExpired:
-                pass
             whom = self.rng.choice(("parent", "group", "child"))
-            if not self._kill(process, whom):
-                return process.wait()
-            self.tally.kills[f"{self.kind.name} {whom}"] += 1
-            self.tally.restarts += 1
-            if whom == "child":
-                process.wait()
-                self._children_only()
-                return None
+            self._wait_for_a_moment(process)
+            while process.poll() is None and not self._kill(process, whom):
+                time.sleep(0.02)
+            if process.poll() is not None and process.returncode != -signal.SIGKILL and whom != "child":
+                return process.returncode
             process.wait()
-            self._orphans(f"after the {whom} was killed")
+            if whom == "child" and not self.hit:
+                return process.returncode
+            self.tally.kills[f"{self.kind.name} {whom}"] += 1
+            if whom == "child":
+                self._forget_killed_rows()
+            self._orphans(f"after {whom} was killed")
             self._files_stay()
         return None
+
+    def _wait_for_a_moment(self, process: subprocess.Popen[bytes]) -> None:
+        """Wait until one more run or some more are stored, or not even that, and then a little."""
+        enough = len(self._stored()) + self.rng.choice((0, 0, 1, 1, 2, 3))
+        while process.poll() is None and len(self._stored()) < min(enough, self.kind.count):
+            time.sleep(0.02)
+        until = time.monotonic() + self.rng.uniform(0.0, 3.0)
+        while process.poll() is None and time.monotonic() < until:
+            time.sleep(0.02)
 
     def _kill(self, process: subprocess.Popen[bytes], whom: str) -> bool:
         parent = psutil.Process(process.pid)
@@ -164,16 +172,20 @@ class Trial:
                 if not workers:
                     return False
                 self.rng.choice(workers).kill()
+                self.hit = True
             elif whom == "group":
-                for each in [parent, *parent.children(recursive=True)]:  # as a batch system does: one after the other
-                    each.kill()
+                all_of_it = [parent, *parent.children(recursive=True)]
+                self.rng.shuffle(all_of_it)  # one after the other, as a batch system does
+                for each in all_of_it:
+                    with contextlib.suppress(psutil.NoSuchProcess):
+                        each.kill()
             else:
                 parent.kill()
         except psutil.NoSuchProcess:
             return whom != "child"
         return True
 
-    @contextmanager
+    @contextlib.contextmanager
     def _started(self) -> Iterator[subprocess.Popen[bytes]]:
         env = os.environ | {TOKEN: self.token, LOG: str(self.executed), "PYTHONPATH": str(ROOT)}
         with (self.folder / "said.txt").open("wb") as said:
@@ -205,18 +217,16 @@ class Trial:
                 self._wrong(f"{name} was {'lost' if name not in now else 'written again'}")
         self.kept = now
 
-    def _children_only(self) -> None:
+    def _forget_killed_rows(self) -> None:
         """A child killed alone may be a KILLED row: run again, as a user would, by removing it."""
         found = {name: json.loads(path.read_bytes()) for name, path in self._stored().items()}
-        killed = [name for name, run in found.items() if run.get("status") == "KILLED"]
+        killed = [name for name, run in found.items() if run.get("status") in ("KILLED", "ERROR")]
         if len(killed) > 1:
             self._wrong(f"one child was killed, {len(killed)} rows are KILLED")
         for name in killed:
             self.tally.killed_rows += 1
             self._stored()[name].unlink()
             self.kept.pop(name, None)
-        self._orphans("after a child was killed and the command ended")
-        self._files_stay()
 
     def _orphans(self, when: str) -> None:
         for process in left_after(self.token, ORPHAN_LIMIT):
@@ -258,7 +268,9 @@ def kill(kills: int, seed: int, below: Path, kinds: tuple[Kind, ...] = KINDS, ea
         folder.mkdir()
         most = min(each, kills - sum(tally.kills.values()))
         Trial(kind, folder, rng, tally, most).run()
-        print(f"{folder.name}: {sum(tally.kills.values())} kills, {len(tally.wrong)} wrong", file=sys.stderr, flush=True)
+        print(
+            f"{folder.name}: {sum(tally.kills.values())} kills, {len(tally.wrong)} wrong", file=sys.stderr, flush=True
+        )
     return tally
 
 

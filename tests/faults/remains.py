@@ -1,4 +1,4 @@
-"""What is left of a study: its processes, told by a variable of their environment or by what they were started to do."""
+"""What is left of a study: processes, told by a variable of their environment or by what they were started to do."""
 
 from __future__ import annotations
 

@@ -6,18 +6,19 @@
 from __future__ import annotations
 
 import os
-import shutil
 import uuid
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from instances import Instance
+from reports.record import Run
 from tests.faults.faults import FAULTS, MODULES, Fault
 from tests.faults.remains import TOKEN, left_after
 from tests.workbench.conftest import random_instance
-from workbench.jobs import execute
+from workbench.jobs.backlog import Backlog
 from workbench.jobs.execute import run_locally
 from workbench.jobs.job import Job, folder_of
 from workbench.jobs.process import child
@@ -46,22 +47,63 @@ def token(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     left_after(mark, 0)
 
 
-def study_of(faults: Sequence[Fault], store: Store, instance: Instance) -> list[Job]:
+@dataclass(frozen=True)
+class Given:
+    """An item of a study that is already made."""
+
+    instance: Instance
+
+    def load(self) -> Instance:
+        """Return it."""
+        return self.instance
+
+
+def kept(store: Store) -> str:
+    """Begin a store that holds one instance; return the folder of its runs."""
+    instance = random_instance(4, 2, 0)
+    store.create()
+    store.keep_items(ROUTING, {folder_of(instance): Given(instance)})
+    return folder_of(instance)
+
+
+def study_of(faults: Sequence[Fault], store: Store, memory_limit: int) -> list[Job]:
     """Run `faults` as one study, two at once, and return its jobs, an honest one at the end."""
-    folder = store.put_item(ROUTING, instance)
+    folder = kept(store)
     jobs = [Job(folder, f.method, f.options, number, 0.5) for number, f in enumerate(faults)]
     jobs.append(Job(folder, HONEST, {}, 0, 5.0))
-    told: list[str] = []
-    run_locally(ROUTING, jobs, store, 2, lambda job, run: told.append(job.path))
+    told = work_off(jobs, store, parallel=2, memory_limit=memory_limit)
     assert sorted(told) == sorted(job.path for job in jobs)
     return jobs
 
 
-def judge(faults: Sequence[Fault], tmp_path: Path, token: str) -> None:
+class Heard:
+    """Listens to a study: the paths of the runs that have ended."""
+
+    def __init__(self) -> None:
+        self.paths: list[str] = []
+
+    def finished(self, job: Job, run: Run) -> None:
+        self.paths.append(job.path)
+
+    def elsewhere(self, job: Job) -> None:
+        raise AssertionError(f"{job.path} is said to be run by another")
+
+    def waiting(self, count: int) -> None:
+        raise AssertionError(f"waits for {count} runs of another")
+
+
+def work_off(jobs: Sequence[Job], store: Store, parallel: int, memory_limit: int = 4 << 30) -> list[str]:
+    """Run jobs as `compare` does; return the paths of those that have ended."""
+    heard = Heard()
+    with Backlog(jobs, store) as backlog:
+        assert run_locally(backlog, ROUTING, parallel, heard, memory_limit) == []
+    return heard.paths
+
+
+def judge(faults: Sequence[Fault], tmp_path: Path, token: str, memory_limit: int = 4 << 30) -> None:
     """Run a study and assert what is stored and what is left."""
     store = Store(tmp_path / "runs")
-    store.create()
-    jobs = study_of(faults, store, random_instance(4, 2, 0))
+    jobs = study_of(faults, store, memory_limit)
     left = left_after(token, 5)
     wrong = [f"left running: {process}" for process in left]
     for fault, job in zip([*faults, Fault(HONEST, ("FEASIBLE",))], jobs, strict=True):
@@ -95,9 +137,8 @@ def test_every_hostile_plug_in(tmp_path: Path, token: str) -> None:
 
 @pytest.mark.slow
 def test_memory_is_that_of_all_processes(tmp_path: Path, token: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execute, "usable_memory", lambda: 2 * 600 * 2**20)
     monkeypatch.setattr(child, "grace", lambda limit: 60.0)
-    judge(those("memory"), tmp_path, token)
+    judge(those("memory"), tmp_path, token, memory_limit=600 << 20)
 
 
 @pytest.mark.slow
@@ -112,33 +153,24 @@ import os, shutil
 from tests.faults.hostile import plug_in
 
 @plug_in
-def TheStore(instance, observe):
+def the_store(instance, observe):
     shutil.rmtree(os.environ["STORE"])
 
 @plug_in
-def TheInstances(instance, observe):
+def the_instances(instance, observe):
     for folder in os.listdir(os.environ["STORE"]):
         shutil.rmtree(os.path.join(os.environ["STORE"], folder), ignore_errors=True)
-
-@plug_in
-def TheFolderBecomesAFile(instance, observe):
-    for folder in os.listdir(os.environ["STORE"]):
-        path = os.path.join(os.environ["STORE"], folder)
-        if os.path.isdir(path):
-            shutil.rmtree(path)
-            open(path, "w").close()
 """
 
 
-@pytest.mark.parametrize("name", ["TheStore", "TheInstances"])
+@pytest.mark.parametrize("name", ["the_store", "the_instances"])
 def test_a_plug_in_that_deletes(tmp_path: Path, token: str, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     """The store is made again; the row is written, and the study goes on."""
     (tmp_path / "modules" / "deletes.py").write_text(DELETES)
     store = Store(tmp_path / "runs")
     monkeypatch.setenv("STORE", str(store.root))
-    store.create()
-    folder = store.put_item(ROUTING, random_instance(4, 2, 0))
+    folder = kept(store)
     jobs = [Job(folder, f"deletes:{name}", {}, 0, 2.0), Job(folder, HONEST, {}, 0, 2.0)]
-    run_locally(ROUTING, jobs, store, 1, lambda job, run: None)
+    work_off(jobs, store, parallel=1)
     assert [store.get(job.path).status for job in jobs] == ["FEASIBLE", "FEASIBLE"]
     assert not left_after(token, 5)

@@ -1,4 +1,4 @@
-"""kill −9 of parent, child or group: nothing lost, repeated or left running. A hundred: ``python -m tests.faults.kills``."""
+"""kill −9: nothing lost, repeated or left running. A hundred of them: ``python -m tests.faults.kills``."""
 
 from __future__ import annotations
 

@@ -16,7 +16,6 @@ from tests.fuzz.case import Room, kept_change
 from tests.fuzz.targets import TARGETS
 from tests.fuzz.workers import Plan, Tally, distinct, fuzz, warm_up
 
-
 MEMORY = Path("/dev/shm")
 """Where there is one, files that are made and thrown away by the thousand never reach a disk."""
 

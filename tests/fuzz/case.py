@@ -42,7 +42,8 @@ class Room:
         traps(self.inside)
         found = [path for path in sorted(self.inside.rglob("*")) if path.is_file() and not path.is_symlink()]
         self.kept = {path: path.read_bytes() for path in found}
-        self.changeable = [p for p in found if any(p.relative_to(self.inside).match(pattern) for pattern in target.files)]
+        changed = {path for pattern in target.files for path in self.inside.glob(pattern)}
+        self.changeable = [path for path in found if path in changed]
         self._seen: dict[str, tuple[int, ...]] = {}
         self._look()
 
@@ -86,7 +87,8 @@ class Room:
         self._seen = {entry: _signature(entry) for entry in self._entries()}
 
     def _entries(self) -> list[str]:
-        return [os.path.join(root, name) for root, folders, names in os.walk(self.outside) for name in (*folders, *names)]
+        walk = os.walk(self.outside)
+        return [os.path.join(root, name) for root, folders, names in walk for name in (*folders, *names)]
 
     def _restore(self) -> None:
         now = {entry: _signature(entry) for entry in self._entries()}

@@ -59,7 +59,8 @@ WINDS = {
     "ninja": 'kind = "grid"\nfile = "ninja_vel.asc"\nunits = "mph"\n',
     "sum": 'kind = "sum"\nparts = [{kind = "uniform", velocity = [-4, -4]}, {kind = "vortices", '
     "centres = [[3000, 4000]], circulation = [3e4], core = [800]}, {kind = \"shear\", rate = 1e-3, centre = [0, 0]}]\n",
-    "terrain": 'kind = "terrain"\ndem = "dem.asc"\nvelocity = [3, 2]\nprofile = "log"\nreference = 100.0\naltitude = 100.0\ncells = 8\n',
+    "terrain": 'kind = "terrain"\ndem = "dem.asc"\nvelocity = [3, 2]\nprofile = "log"\nreference = 100.0\n'
+    'altitude = 100.0\ncells = 8\n',
 }  # fmt: skip
 MISSION = """airspeed = 50.0
 size = [6000, 5000]
@@ -99,7 +100,7 @@ frames = 2
 baselines = ["random"]
 time_limit = 2.0
 """
-STUDIES = {
+STUDIES = {  # the first item and the first method of each are stored as well
     "routing": 'files = ["small.json"]\nseeds = 2\ntime_limit = 2\n[[families]]\nfamily = "uniform"\ntasks = [3]\n'
     "depots = 2\nseeds = [1]\nparameters = {wind = [\"none\", \"shear\"]}\n"
     '[[solvers]]\nname = "greedy"\noptions = {variant = ["nearest", "cheapest"]}\nmax_tasks = 9\n',

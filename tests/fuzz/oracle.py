@@ -174,5 +174,3 @@ def _memory(reset: bool = False) -> int:
     text = Path("/proc/self/status").read_text()
     found = re.search(r"VmHWM:\s+(\d+)", text)
     return int(found[1]) * 1024 if found else 0
-
-

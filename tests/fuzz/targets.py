@@ -42,10 +42,12 @@ FILES = (
     *(_reads(f"instance {e}", f"convert small.{e} new.json", f"small.{e}", outputs="new.json")
       for e in ("json", "json.gz", "atsp", "tsp", "mtsp", "mdm", "vrp")),
     _reads("routes", "check small.json small.sol", "small.sol", beside="small.json"),
-    _reads("paths", "check planned.paths.json.gz", "planned.paths.json.gz", beside="planned.json sum.toml zones.geojson"),
+    _reads("paths", "check planned.paths.json.gz", "planned.paths.json.gz",
+           beside="planned.json sum.toml zones.geojson"),
     _reads("planned instance", "check planned.paths.json.gz", "planned.json",
            beside="planned.paths.json.gz sum.toml zones.geojson"),
-    *(_reads(f"scenario {e}", f"costs {e}.toml {COSTS}", f"{e}.toml", beside=GROUND, outputs="new.json new.paths.json.gz")
+    *(_reads(f"scenario {e}", f"costs {e}.toml {COSTS}", f"{e}.toml", beside=GROUND,
+             outputs="new.json new.paths.json.gz")
       for e in ("grid", "ninja", "sum", "terrain")),
     _reads("wind .nc", f"costs grid.toml {COSTS}", "wind.nc", beside=f"grid.toml {GROUND}",
            outputs="new.json new.paths.json.gz"),
@@ -124,10 +126,12 @@ def retyped(rng: Random, args: tuple[str, ...]) -> list[str]:
 
 
 _SPECIAL = {
-    "solve": ("variant=nearest", "variant=[1]", "x=nan", "variant=\x1b[31m", "threads=" + "9" * 5000, "x=" + "[" * 20_000),
+    "solve": ("variant=nearest", "variant=[1]", "x=nan", "variant=\x1b[31m", "threads=" + "9" * 5000,
+              "x=" + "[" * 20_000),
     "generate": ("size=1e308", "size=nan", "size=-1", "wind=vortices", "wind=none", "x=" + "9" * 5000, "size=[1, 2]"),
-    "place": ("n=1..3", "n=5..1", "n=1.." + "9" * 30, "3x3", "99999x99999", "0x0", "1e-320", "1,2,3", "tests.csv", "ig"),
-    "compare": ("1/2", "0/0", "1/" + "9" * 5000, "killed", "stale", "tcp://nowhere:1", "greedy,greedy", "ga", ",", "quick"),
+    "place": ("n=1..3", "n=5..1", "n=1.." + "9" * 30, "3x3", "99999x99999", "0x0", "1e-320", "1,2,3", "ig"),
+    "compare": ("1/2", "0/0", "1/" + "9" * 5000, "killed", "stale", "tcp://nowhere:1", "greedy,greedy", ",",
+                "ga", "quick", "misbehaving:Crashes"),
     "costs": ("samples=1", "samples=-1", "samples=" + "9" * 5000, "x=1", "samples=nan", "samples=[1]", "refined"),
     "mission": ("environment", "place", "report", "routes"),
 }  # fmt: skip

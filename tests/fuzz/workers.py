@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import faulthandler
 import json
 import os
@@ -192,10 +193,8 @@ def _ended(plan: Plan, worker: _Worker) -> dict[str, Any] | None:
     """Wait for a worker; return the find where a case ended or hung it, or None where it was done."""
     _, status = os.waitpid(worker.pid, 0)
     code = os.waitstatus_to_exitcode(status)
-    try:
+    with contextlib.suppress(ProcessLookupError):
         os.killpg(worker.pid, signal.SIGKILL)  # whatever its cases left
-    except ProcessLookupError:
-        pass
     if code == 0:
         return None
     name, case = json.loads((plan.work / f"{worker.number}.current").read_text())

@@ -38,7 +38,7 @@ def token(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
         (tmp_path / "modules" / f"{name}.py").write_text(text)
     monkeypatch.setenv(TOKEN, mark)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(tmp_path / "modules")]), prepend=os.pathsep)
-    monkeypatch.setattr(child, "grace", lambda limit: 0.5)
+    monkeypatch.setattr(child, "grace", lambda limit: 3.0)
     monkeypatch.setattr(child, "EXIT_GRACE", 1.0)
     monkeypatch.setattr(child, "KILLER_GRACE", 0.1)
     (tmp_path / "cwd").mkdir()
@@ -69,7 +69,7 @@ def kept(store: Store) -> str:
 def study_of(faults: Sequence[Fault], store: Store, memory_limit: int) -> list[Job]:
     """Run `faults` as one study, two at once, and return its jobs, an honest one at the end."""
     folder = kept(store)
-    jobs = [Job(folder, f.method, f.options, number, 0.5) for number, f in enumerate(faults)]
+    jobs = [Job(folder, f.method, f.options, number, 1.0) for number, f in enumerate(faults)]
     jobs.append(Job(folder, HONEST, {}, 0, 5.0))
     told = work_off(jobs, store, parallel=2, memory_limit=memory_limit)
     assert sorted(told) == sorted(job.path for job in jobs)

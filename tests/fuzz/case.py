@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from random import Random
@@ -55,9 +56,10 @@ class Room:
         content = mutated(rng, path.name, self.kept[path])
         return Change(self.target.args, path.relative_to(self.inside).as_posix(), content)
 
-    def find(self, change: Change) -> Find | None:
-        """Run a change and return what was wrong; the folder is afterwards as it was before."""
+    def find(self, change: Change, prepare: Callable[[Path], None] = lambda folder: None) -> Find | None:
+        """Run a change and return what was wrong; `prepare` may change the folder, which is restored afterwards."""
         os.chdir(self.inside)
+        prepare(self.inside)
         names: tuple[str, ...] = ("",)
         if change.name:
             path = self.inside / change.name
@@ -102,6 +104,7 @@ class Room:
         for path, content in self.kept.items():
             if now.get(str(path)) != self._seen[str(path)]:
                 path.parent.mkdir(parents=True, exist_ok=True)
+                path.unlink(missing_ok=True)  # it may be a link or a FIFO by now
                 path.write_bytes(content)
         for trap in ("zero", "self", "fifo", "folder"):
             if str(self.inside / trap) not in now:

@@ -7,15 +7,16 @@ DEEP = 20_000
 
 NUMBERS = (
     "nan", "NaN", "inf", "-inf", "Infinity", "-Infinity", "1e308", "-1e308", "1.7976931348623157e308", "1e999",
-    "1e-320", "5e-324", "1e-317", "0", "-0.0", "-1", "0.5", "1e9", "2147483648", "9223372036854775808", "99999999999999999999",
-    "1" + "0" * 400, "9" * 5000, "0x10", "1_000", "١٢",
+    "1e-320", "5e-324", "1e-317", "0", "-0.0", "-1", "0.5", "1e9", "2147483648", "9223372036854775808",
+    "99999999999999999999", "1" + "0" * 400, "9" * 5000, "0x10", "1_000", "١٢",
 )  # fmt: skip
 """Numbers at and beyond the edge of every type, and what only looks like one."""
 
 WORDS = (
     "", " ", ".", "..", "../outside", "../../../outside", "x" * 10_000, "é" * 300, "\x1b[31mred", "a\nb", "a\rb",
-    "a\tb", "[/b]", "[bold]", "$x_{", "<script>alert(1)</script>", "<!--<script>", "=cmd|' /C calc'!A0", "|", "`", "%s", "{}",
-    "\ud800", "\u202e", "\x00", "nowhere", "folder", "os:nothing", "os:", ":x", "json:JSONDecoder", "builtins:print",
+    "a\tb", "[/b]", "[bold]", "$x_{", "<script>alert(1)</script>", "<!--<script>", "=cmd|' /C calc'!A0", "|", "`", "%s",
+    "{}", "\ud800", "\u202e", "\x00", "nowhere", "folder", "os:nothing", "os:", ":x", "json:JSONDecoder",
+    "builtins:print",
 )  # fmt: skip
 """Words that are markup, paths, escapes, nothing or far too long."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
@@ -14,6 +15,10 @@ LONGEST_SENTENCE = 1000
 """Characters of a sentence about an input."""
 
 
+_LONG_WORD = re.compile(r"\S{256,}")
+"""A word longer than any name of a file: a value that was given whole."""
+
+
 class InputError(ValueError):
     """A file, field or value given by the user cannot be used; the message is one sentence naming it.
 
@@ -22,15 +27,18 @@ class InputError(ValueError):
     """
 
     def __init__(self, sentence: str) -> None:
-        super().__init__(one_line(sentence, LONGEST_SENTENCE))
+        short = _LONG_WORD.sub(lambda word: f"{word[0][: LONGEST_VALUE - 1]}…", sentence)
+        super().__init__(one_line(short, LONGEST_SENTENCE))
 
 
 def one_line(text: str, longest: int) -> str:
     """Return `text` on one line: unprintable characters escaped, the end cut where it is longer than `longest`."""
-    cut = text if len(text) <= longest else f"{text[: longest - 1]}…"
-    if cut.isprintable():
-        return cut
-    return "".join(c if c.isprintable() or c == NO_BREAK else " " if c in "\n\r\t" else ascii(c)[1:-1] for c in cut)
+    if not text.isprintable():
+        plain = (
+            c if c.isprintable() or c == NO_BREAK else " " if c in "\n\r\t" else ascii(c)[1:-1] for c in text[:longest]
+        )
+        text = "".join(plain) + text[longest:]
+    return text if len(text) <= longest else f"{text[: longest - 1]}…"
 
 
 def shown(value: object) -> str:

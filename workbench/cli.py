@@ -115,6 +115,9 @@ def main(args: list[str] | None = None) -> NoReturn:
             # click's own standalone mode would turn Ctrl-C into exit code 1
             code = commands.main(args=args, standalone_mode=False)
     except click.ClickException as error:
+        from instances.errors import InputError  # here, not above: --help must not import numpy
+
+        error.message = str(InputError(error.message))  # type: ignore[misc]  # one line, however long the value
         error.show()
         sys.exit(error.exit_code)
     except (click.Abort, KeyboardInterrupt):

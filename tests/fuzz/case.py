@@ -12,6 +12,7 @@ from random import Random
 
 from tests.fuzz.corpus import traps
 from tests.fuzz.mutations import mutated
+from tests.fuzz.nasty import FILES
 from tests.fuzz.oracle import Find, judged, outcome
 from tests.fuzz.targets import Target, retyped
 from workbench.mission.stamp import FILE, products_of
@@ -67,7 +68,7 @@ class Room:
             if self.target.sealed:
                 _seal(path.parent)
             words = [word for word in change.args if not word.startswith("-") and (self.inside / word).exists()]
-            names = (path.name, path.name.split(".")[0], *words)
+            names = (path.name, path.name.split(".")[0], *words, *FILES, "passwd")  # or what the file itself names
         try:
             found = outcome(list(change.args), self.outside)
             return judged(found, names, self.target.outputs, len(change.content))

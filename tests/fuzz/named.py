@@ -174,7 +174,7 @@ STUDIES = (
     _study("signal_sd of 400 digits", "placement", r"signal_sd = 20\.0", f"signal_sd = {LONG}"),
     _study("max_tasks is a text", "routing", "max_tasks = 9", 'max_tasks = "."'),
     _study("tasks are a text", "placement", r"tasks = \[2\]", 'tasks = "."'),
-    _study("max_tasks is a text", "placement", 'name = "greedy"', 'name = "greedy"\nmax_tasks = "."'),
+    _study("max_tasks of placement is a text", "placement", 'name = "greedy"', 'name = "greedy"\nmax_tasks = "."'),
     _study("a milliard seeds", "routing", "seeds = 2", "seeds = 1000000000"),
     _study("a seed of 5,000 digits", "routing", "seeds = 2", f"seeds = [{DIGITS}]"),
     _study("a time limit of 400 digits", "routing", "time_limit = 2", f"time_limit = {LONG}"),

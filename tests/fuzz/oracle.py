@@ -20,7 +20,7 @@ from workbench.cli import main
 CODES = (0, 1, 2, 130)
 LONGEST_SENTENCE = 1200
 """Characters of what is said on exit code 2: a sentence of 1,000 and a path."""
-REPEATED = re.compile(r"([^\s.=─━-])\1{99}")
+REPEATED = re.compile(r"([^\s.=─━-])\1{255}")
 """A value of thousands of characters that is repeated whole; ours are made of one character."""
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\u202e]")
 """What could change a terminal."""

@@ -143,8 +143,8 @@ def test_memory_is_that_of_all_processes(tmp_path: Path, token: str, monkeypatch
 
 @pytest.mark.slow
 def test_preparing_has_limits(tmp_path: Path, token: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(child, "PREPARE_CPU", 10.0)
-    monkeypatch.setattr(child, "PREPARE_WALL", 30.0)
+    monkeypatch.setattr(child, "PREPARE_CPU", 6.0)
+    monkeypatch.setattr(child, "PREPARE_WALL", 40.0)
     judge(those("prepare"), tmp_path, token)
 
 

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 from tests.fuzz import corpus
@@ -18,6 +19,8 @@ from tests.fuzz.workers import Plan, Tally, distinct, fuzz, warm_up
 
 MEMORY = Path("/dev/shm")
 """Where there is one, files that are made and thrown away by the thousand never reach a disk."""
+LEAST = 0.25
+"""Share of the time asked for that is left for cases."""
 
 
 def main() -> int:
@@ -34,12 +37,13 @@ def main() -> int:
             return _replay([place.resolve() for place in asked.replay], made, work)
         finds = (here / asked.finds).resolve()
         names = tuple(name for name in TARGETS if not asked.reader or any(part in name for part in asked.reader))
-        until = began + asked.seconds if asked.seconds else float("inf")
         cases = asked.cases or sys.maxsize
-        plan = Plan(made, work, finds, names, asked.seed, asked.workers, until, cases)
+        plan = Plan(made, work, finds, names, asked.seed, asked.workers, float("inf"), cases)
         warm_up(plan, lambda words: print(f"first run: {words}", file=sys.stderr, flush=True))
         print(f"ready after {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
         fuzzing = time.monotonic()
+        if asked.seconds:  # some cases however long the start has taken
+            plan = replace(plan, until=max(began + asked.seconds, fuzzing + LEAST * asked.seconds))
         tally = fuzz(plan)
         return _told(tally, time.monotonic() - fuzzing)
     finally:

@@ -65,12 +65,12 @@ CLAIMS = (
     _gives("(4,)", "4"),
     _gives("(-1,)", "-1"),
     _gives("(10**6,)", "1000000"),
-    _gives("(10**30,)", "cannot be judged"),
+    _gives("(10**30,)", "not a task"),
     _gives("()", "Task 0 is visited by no route"),
     _claims("too_few_routes", "the routes are not feasible"),
     _claims("too_many_routes", "the routes are not feasible"),
     _claims("routes_are_a_text", ""),
-    _claims("routes_of_fractions", ""),
+    _claims("routes_of_fractions", "", ERROR, FEASIBLE),
     _returns("objective", "math.nan", "objective"),
     _returns("objective", "math.inf", "objective"),
     _returns("objective", "10**400", ""),
@@ -82,7 +82,7 @@ CLAIMS = (
     _returns("tolerance", "-1.0", "tolerance"),
     _returns("statistics", "{'x': np.array([np.nan, 1.0])}", "", ERROR, FEASIBLE),
     _returns("statistics", "{'x': 'y' * 30_000_000}", "", ERROR, FEASIBLE),
-    _returns("statistics", "{str(i): i for i in range(1_000_000)}", "", ERROR, FEASIBLE),
+    _returns("statistics", "{str(i): i for i in range(1_000_000)}", "", ERROR, FEASIBLE, KILLED),
     _returns("statistics", "nested(100_000)", "", ERROR, FEASIBLE),
     _returns("statistics", "{'x': 10**400}", "", ERROR, FEASIBLE),
     _returns("statistics", "{'x': Evil()}", "", ERROR, FEASIBLE),
@@ -114,7 +114,13 @@ CLAIMS = (
 )
 MESSAGES = (
     *(
-        Fault("tests.faults.hostile_messages:Says", (ERROR,), "", {"line": name}, name in ("infinite bound", "no text"))
+        Fault(  # what takes longer to write than the time limit is not read to its end
+            "tests.faults.hostile_messages:Says",
+            (ERROR, KILLED) if name.startswith("100 MB") else (ERROR,),
+            "",
+            {"line": name},
+            name in ("infinite bound", "no text"),
+        )
         for name in LINES
     ),
     Fault("tests.faults.hostile_messages:EventBeforePrepared", (ERROR,), "unreadable message"),
@@ -138,6 +144,9 @@ PROCESSES = (
     _process("stops_its_parent_and_sleeps", KILLED),
     _process("kills_its_group", KILLED, ERROR),
     _process("kills_its_parent", KILLED, ERROR, quick=True),
+    _process("kills_its_parent_amid_forks", KILLED, ERROR),
+    _process("kills_its_parent_unseen", KILLED, ERROR),
+    _process("guarded_by_a_killer", KILLED),
     _process("kills_itself", KILLED, ERROR),
     _process("terminates_itself", KILLED, ERROR),
     _process("outlives_its_parent", KILLED, ERROR),

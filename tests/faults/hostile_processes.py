@@ -67,19 +67,20 @@ def leaves_what_has_forgotten_us(instance, observe):
     orphan(lambda: (os.closerange(0, 64), os.execve("/bin/sleep", ["sleep", str(FOREVER)], {})))
 
 
+def hand_over(seconds=1.0):
+    """Hand over to another process every few milliseconds, then sleep."""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        if os.getpid() != os.getsid(0):
+            os.setsid()
+        time.sleep(0.005)
+        if os.fork():
+            os._exit(0)
+    time.sleep(FOREVER)
+
+
 @plug_in
 def leaves_a_chain(instance, observe):
-    """A process that hands over to another every few milliseconds, for a second."""
-
-    def hand_over():
-        until = time.monotonic() + 1
-        while time.monotonic() < until:
-            os.setsid() if os.getpid() != os.getsid(0) else None
-            time.sleep(0.005)
-            if os.fork():
-                os._exit(0)
-        time.sleep(FOREVER)
-
     orphan(hand_over)
 
 
@@ -137,6 +138,39 @@ def kills_its_group(instance, observe):
 def kills_its_parent(instance, observe):
     orphan(lambda: time.sleep(FOREVER))
     os.kill(os.getppid(), signal.SIGKILL)
+    time.sleep(FOREVER)
+
+
+@plug_in
+def kills_its_parent_amid_forks(instance, observe):
+    """Whoever looks once for what is left misses the next in the chain."""
+    for _ in range(5):
+        orphan(hand_over)
+    os.kill(os.getppid(), signal.SIGKILL)
+    time.sleep(FOREVER)
+
+
+@plug_in
+def kills_its_parent_unseen(instance, observe):
+    """Without the parent, nothing but the kernel knows a process that has another program and no environment."""
+    orphan(lambda: (os.closerange(0, 64), os.execve("/bin/sleep", ["sleep", str(FOREVER)], {})))
+    time.sleep(0.2)
+    os.kill(os.getppid(), signal.SIGKILL)
+    time.sleep(FOREVER)
+
+
+@plug_in
+def guarded_by_a_killer(instance, observe):
+    """Another process kills the parent as soon as this one has ended, before that has looked for what is left."""
+    ours, parent = os.getpid(), os.getppid()
+
+    def guard():
+        while Path(f"/proc/{ours}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX":
+            time.sleep(0.001)
+        os.kill(parent, signal.SIGKILL)
+        time.sleep(FOREVER)
+
+    orphan(guard)
     time.sleep(FOREVER)
 
 

@@ -14,8 +14,8 @@ ERROR, KILLED, FEASIBLE, NONE = "ERROR", "KILLED", "FEASIBLE", "NO_SOLUTION"
 class Fault:
     """One hostile plug-in: `module:Class`, its options, the statuses it may end with, and words of its message.
 
-    quick : whether it is in the suite that runs every time; kind : "solve", or "prepare" where limits on preparing
-    are lowered, or "memory" where that on memory is.
+    quick : whether it is in the suite that runs every time; kind : "solve"; "prepare" or "memory" where the limits on
+    these are lowered; "keeper" where the process between study and run is killed.
     """
 
     method: str
@@ -140,13 +140,13 @@ PROCESSES = (
     _process("sleeps", KILLED, words="ignored its time limit", quick=True),
     _process("sleeps_deafly", KILLED, words="ignored its time limit"),
     _process("stops_itself", KILLED, words="ignored its time limit"),
-    _process("stops_its_parent", FEASIBLE, KILLED),
+    _process("stops_its_parent", FEASIBLE, KILLED, quick=True),
     _process("stops_its_parent_and_sleeps", KILLED),
     _process("kills_its_group", KILLED, ERROR),
-    _process("kills_its_parent", KILLED, ERROR, quick=True),
-    _process("kills_its_parent_amid_forks", KILLED, ERROR),
-    _process("kills_its_parent_unseen", KILLED, ERROR),
-    _process("guarded_by_a_killer", KILLED),
+    _process("kills_its_parent", KILLED, ERROR, kind="keeper"),
+    _process("kills_its_parent_amid_forks", KILLED, ERROR, kind="keeper"),
+    _process("kills_its_parent_unseen", KILLED, ERROR, kind="keeper"),
+    _process("guarded_by_a_killer", KILLED, kind="keeper"),
     _process("kills_itself", KILLED, ERROR),
     _process("terminates_itself", KILLED, ERROR),
     _process("outlives_its_parent", KILLED, ERROR),

@@ -136,6 +136,12 @@ def test_every_hostile_plug_in(tmp_path: Path, token: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.xfail(reason="what the run started outlives a keeper that was killed", strict=True)
+def test_what_is_left_without_a_keeper(tmp_path: Path, token: str) -> None:
+    judge(those("keeper"), tmp_path, token)
+
+
+@pytest.mark.slow
 def test_memory_is_that_of_all_processes(tmp_path: Path, token: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(child, "grace", lambda limit: 60.0)
     judge(those("memory"), tmp_path, token, memory_limit=600 << 20)

@@ -67,7 +67,7 @@ class Room:
             path.write_bytes(change.content)
             if self.target.sealed:
                 _seal(path.parent)
-            words = [word for word in change.args if not word.startswith("-") and (self.inside / word).exists()]
+            words = [word for word in change.args if not word.startswith("-") and "." in word]
             names = (path.name, path.name.split(".")[0], *words, *FILES, "passwd")  # or what the file itself names
         try:
             found = outcome(list(change.args), self.outside)

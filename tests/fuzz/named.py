@@ -68,8 +68,8 @@ def _squeezed(inner: Content) -> Content:
 
 
 def _bomb(data: bytes) -> bytes:
-    """Return gzip that opens to 200 MB of nothing."""
-    return gzip.compress(bytes(200 << 20), 1)
+    """Return gzip that opens to 100 MB of nothing."""
+    return gzip.compress(bytes(100 << 20), 1)
 
 
 def _fifo(pattern: str) -> Callable[[Path], None]:

@@ -187,8 +187,8 @@ def _coordinates(sections: Mapping[str, list[str]], size: int) -> Floats | None:
             raise InputError(
                 f"{name}_SECTION must list the nodes 1 to {size} in order, got {shown(words[0])} as {number}"
             )
-    parsed = vrplib.parse.parse_vrplib(f"{name}_SECTION\n" + "\n".join(lines) + "\nEOF", compute_edge_weights=False)
-    try:
+    try:  # vrplib takes a line with a colon for a specification and refuses it
+        parsed = vrplib.parse.parse_vrplib(f"{name}_SECTION\n" + "\n".join(lines) + "\nEOF", compute_edge_weights=False)
         xy = np.array(parsed[name.lower()], dtype=np.float64).reshape(size, 2)
     except (ValueError, OverflowError):
         raise InputError(f"{name}_SECTION holds something that is not a number") from None

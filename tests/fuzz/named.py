@@ -144,6 +144,7 @@ READ = (
     Named("instance: a FIFO", "instance json", prepare=_fifo("small.json")),
     Named("instance: a link to itself", "instance json", prepare=_linked("small.json", "small.json")),
     Named("tsplib: a dimension of 5,000 digits", "instance tsp", "small.tsp", _with("N: 4", f"N: {DIGITS}")),
+    Named("tsplib: a colon among coordinates", "instance vrp", "small.vrp", _with("1 0 0", "1 0 'a:b'")),
     Named("tsplib: coordinates of 1e308", "instance tsp", "small.tsp", _with("3 4", "1e308 -1e308")),
     Named("region: NaN", "region", "region.geojson", _with(r"6000\.0", "NaN")),
     Named("region: 1e308", "region", "region.geojson", _with(r"6000\.0", "1e308")),

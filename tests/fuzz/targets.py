@@ -132,7 +132,7 @@ _SPECIAL = {
     "place": ("n=1..3", "n=5..1", "n=1.." + "9" * 30, "3x3", "99999x99999", "0x0", "1e-320", "1,2,3", "ig"),
     "compare": ("1/2", "0/0", "1/" + "9" * 5000, "killed", "stale", "tcp://nowhere:1", "greedy,greedy", ",",
                 "ga", "quick", "misbehaving:Crashes"),
-    "costs": ("samples=1", "samples=-1", "samples=" + "9" * 5000, "x=1", "samples=nan", "samples=[1]", "refined"),
+    "costs": ("samples=1", "samples=-1", "samples=" + "9" * 5000, "x=1", "samples=nan", "samples=[1]"),
     "mission": ("environment", "place", "report", "routes"),
 }  # fmt: skip
 """Command → values that its options nearly take."""

@@ -255,6 +255,7 @@ class Trial:
 
     def _wrong(self, sentence: str) -> None:
         self.tally.wrong.append(f"{self.kind.name} in {self.folder.name}: {sentence}")
+        print(self.tally.wrong[-1], file=sys.stderr, flush=True)
 
 
 def kill(kills: int, seed: int, below: Path, kinds: tuple[Kind, ...] = KINDS, each: int = 5) -> Tally:
@@ -288,8 +289,6 @@ def main() -> int:
     for what, count in sorted(tally.kills.items()):
         print(f"{what:20} {count:4d} kills")
     print(f"{sum(tally.kills.values())} kills in {time.monotonic() - began:.0f} s; {tally.killed_rows} runs hit alone")
-    for sentence in tally.wrong:
-        print(sentence)
     return 1 if tally.wrong else 0
 
 

@@ -68,7 +68,13 @@ class Room:
             if self.target.sealed:
                 _seal(path.parent)
             words = [word for word in change.args if not word.startswith("-") and "." in word]
-            names = (path.name, path.name.split(".")[0], *words, *FILES, "passwd")  # or what the file itself names
+            names = (
+                *Path(change.name).parts,
+                path.name.split(".")[0],
+                *words,
+                *FILES,
+                "passwd",
+            )  # or what the file itself names
         try:
             found = outcome(list(change.args), self.outside)
             return judged(found, names, self.target.outputs, len(change.content))

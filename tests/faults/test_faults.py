@@ -136,7 +136,6 @@ def test_every_hostile_plug_in(tmp_path: Path, token: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="what the run started outlives a keeper that was killed", strict=True)
 def test_what_is_left_without_a_keeper(tmp_path: Path, token: str) -> None:
     judge(those("keeper"), tmp_path, token)
 

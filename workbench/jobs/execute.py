@@ -11,7 +11,7 @@ from functools import lru_cache
 from queue import SimpleQueue
 from typing import Any
 
-from instances.code import code_digest
+from instances.code import code_digest, revision
 from instances.errors import InputError, suggestion
 from reports.numbers import counted
 from reports.record import Run
@@ -19,6 +19,7 @@ from workbench.jobs.backlog import Backlog, Progress
 from workbench.jobs.job import Job, folder_of
 from workbench.jobs.machine import environment, environment_digest, usable_memory
 from workbench.jobs.problem import Problem, Source
+from workbench.jobs.process.orphans import adopt
 from workbench.jobs.runner import run
 from workbench.jobs.store import Store, Version
 from workbench.jobs.study import Study
@@ -127,6 +128,8 @@ def run_locally(
     ended: SimpleQueue[tuple[Job, Run | BaseException]] = SimpleQueue()
     given_up: list[str] = []
     store.put_environment(environment_digest(environment()), environment())
+    revision()  # asks git, once: from now on our only children are runs
+    adopt()
 
     def one(job: Job) -> None:
         try:

@@ -15,16 +15,6 @@ import psutil
 LINUX = sys.platform == "linux"
 
 
-def marked(name: str, value: str) -> list[psutil.Process]:
-    """Return the processes in whose environment `name` was `value` when they started, as far as it may be read."""
-    found = []
-    for process in psutil.process_iter():
-        with contextlib.suppress(psutil.Error, OSError):
-            if process.environ().get(name) == value:
-                found.append(process)
-    return found
-
-
 def kill(processes: Iterable[psutil.Process]) -> None:
     """Send SIGKILL to each that still is the process it was (psutil compares the time of its start)."""
     for process in processes:

@@ -17,6 +17,7 @@ from typing import IO
 import psutil
 
 from workbench.jobs.process import processes
+from workbench.jobs.process.orphans import MARK, begun, end_orphans, ended
 from workbench.jobs.process.worker import Assignment
 from workbench.threads import with_threads
 
@@ -26,8 +27,6 @@ SEARCH = 0.5
 """Seconds between two searches for processes that the run started."""
 SPEAKING = {"PYTHONFAULTHANDLER": "1", "PYTHONUNBUFFERED": "1"}
 """Environment in which a crash leaves a trace."""
-MARK = "WORKBENCH_RUN"
-"""Variable of the environment that tells a run's processes from all others, should its keeper be killed."""
 FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 """Signals with which a person or the system ends a whole study."""
 
@@ -49,7 +48,7 @@ class Tree:
         self.messages, childs_end = os.pipe()
         life, self._life = os.pipe()
         self.began = time.monotonic()
-        with _handed_over(assignment) as task:
+        with _handed_over(assignment) as task, begun() as children:
             self._keeper = subprocess.Popen(
                 [sys.executable, "-P", "-m", "workbench.jobs.process.keeper", str(childs_end), str(life)],
                 stdin=task,
@@ -59,6 +58,7 @@ class Tree:
                 env=with_threads(assignment.limits.threads) | SPEAKING | {MARK: self._mark},
                 start_new_session=True,
             )
+            children.add(self._keeper.pid)
         os.close(childs_end)
         os.close(life)
         assert self._keeper.stdout is not None
@@ -77,6 +77,7 @@ class Tree:
                 return True
             self._keeper.returncode = os.waitstatus_to_exitcode(status)
             self.wall, self.usage = time.monotonic() - self.began, usage.ru_utime + usage.ru_stime
+            ended(pid)
         return False
 
     def processor_time(self, *, afresh: bool = True) -> float:
@@ -109,11 +110,13 @@ class Tree:
             with contextlib.suppress(ProcessLookupError):
                 self._keeper.send_signal(signal.SIGCONT)  # should the run have stopped it
             time.sleep(0.001)
-        if self.alive() or self.ended_from_outside:  # it hangs, or was killed itself and could not end the others
-            processes.kill([*processes.marked(MARK, self._mark), *self._all(afresh=True)])
-            self._keeper.kill()
+        if self.alive():  # it hangs
+            processes.kill(self._all(afresh=True))
             while self.alive():
                 time.sleep(0.001)
+        if -self.exit_code in FROM_OUTSIDE:  # perhaps not by itself, and it could not end the others
+            processes.kill(self._found)
+            end_orphans(self._mark)
 
     def close(self) -> None:
         """Close the pipes."""

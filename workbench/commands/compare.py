@@ -14,6 +14,7 @@ from workbench.terminal import say
 
 if TYPE_CHECKING:
     from workbench.jobs.execute import Plan
+    from workbench.jobs.problem import Source
     from workbench.jobs.store import Store
     from workbench.jobs.study import Study
 
@@ -141,7 +142,8 @@ def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, d
     again = statuses_to_retry(study.problem, [] if retry is None else names(retry, "--retry"))
     part = (1, 1) if shard is None else shard_of(shard)
     store = Store(folder)
-    jobs, sources = jobs_of(study)
+    sources: dict[str, Source[Any]] = {}
+    jobs = jobs_of(study, keep=sources.setdefault)
     if not dry_run:
         store.create()
         store.keep_items(study.problem, sources)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
     from instances.scenario import Scenario
+    from workbench.jobs.problem import Source
 
 
 @click.command("costs")
@@ -79,7 +80,8 @@ def _compare(scenario: Scenario, page: Path) -> None:
             tables = load_tables(shipped_studies()[name])
             study = study_from(tables, MOVING_COST, name=scenario.name, base=Path())
             study = replace(study, sources=tuple(MovingCostItem(scenario, count) for count in counts))
-            jobs, sources = jobs_of(study)
+            sources: dict[str, Source[Any]] = {}
+            jobs = jobs_of(study, keep=sources.setdefault)
             store.keep_items(MOVING_COST, sources)
             with StudyProgress(jobs, 1, MOVING_COST.spell) as progress, Backlog(jobs, store) as backlog:
                 run_locally(backlog, MOVING_COST, 1, progress)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from queue import SimpleQueue
@@ -63,20 +63,19 @@ def statuses_to_retry(problem: Problem[Any], named: Collection[str]) -> list[str
     return [known[name.lower()] for name in named]
 
 
-def jobs_of(study: Study) -> tuple[tuple[Job, ...], dict[str, Source[Any]]]:
-    """Return every job of `study`, item by item, and the source of each item by its folder; nothing is kept yet."""
+def jobs_of(study: Study, keep: Callable[[str, Source[Any]], object] = lambda folder, source: None) -> tuple[Job, ...]:
+    """Return every job of `study`, item by item; `keep` is given the folder and the source of each item."""
     if not study.sources:
         raise InputError(f"study {study.name}: names no {study.problem.item}s; give files, folders or [[families]]")
     jobs: dict[str, Job] = {}
-    sources: dict[str, Source[Any]] = {}
     for source in study.sources:
         item = source.load()
         folder = folder_of(item)
-        sources.setdefault(folder, source)
+        keep(folder, source)
         for entry in study.entries:
             for job in entry.jobs(folder, study.problem.size(item)):
                 jobs.setdefault(job.path, job)
-    return tuple(jobs.values()), sources
+    return tuple(jobs.values())
 
 
 def plan(jobs: Iterable[Job], store: Store, retry: Collection[str] = ()) -> Plan:

@@ -130,7 +130,7 @@ def _costs_apart(content: bytes | bytearray) -> tuple[bytes | bytearray, Floats]
             if len(numbers) != len(cost):
                 return None
             cost[i] = numbers
-    except (KeyError, RecursionError, msgspec.MsgspecError):
+    except (KeyError, ValueError, RecursionError, msgspec.MsgspecError):  # ValueError: keys that are no UTF-8
         return None
     before, _, after = content.rpartition(raw)
     return before + b"null" + after, cost

@@ -143,6 +143,39 @@ def test_one_sentence_names_file_field_and_value(tmp_path, changes, sentence):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    "number", ["-0", "-0.0", "1e22", "0.1", "123456789012345678901234567890", "5e-324", "9007199254740993"]
+)
+def test_dense_costs_are_read_to_the_same_bits_as_by_python(tmp_path, number):
+    rows = [", ".join("0" if i == j else number for j in range(20)) for i in range(20)]
+    costs = "[" + ", ".join(f"[{row}]" for row in rows) + "]"
+    text = f'{{"schema": 1, "name": "a", "n_tasks": 18, "n_depots": 2, "cost": {costs}, "provenance": {{"a": 1}}}}'
+    expected = np.array(json.loads(costs), dtype=float).tobytes()
+    for rest, apart in (("", True), (" " * 100_000, False)):  # costs are most of the file, or not
+        assert (native._costs_apart((text + rest).encode()) is not None) == apart
+        (tmp_path / "a.json").write_text(text + rest)
+        instance = read_instance(tmp_path / "a.json")
+        assert instance.cost.tobytes() == expected
+        assert instance.provenance == {"a": 1}
+
+
+@pytest.mark.parametrize(
+    ("costs", "words"),
+    [
+        ("[[0, 1, 2], [1, 0, 2], [1, 2]]", r"cost\[2\] has 2 entries, must have 3"),
+        ("[[0, 1, 2], [1, 0, 2], [1, true, 0]]", r"cost\[2\]\[1\] must be a number, got True"),
+        ("[[0, 1, 2], [1, 0, 2], [1, 1e400, 0]]", r"cost\[2\]\[1\] is infinite"),
+        ("[[0, 1], [1, 0]]", "cost has 2 rows, must have n_tasks . n_depots = 3"),
+        ('[[0, 1, 2], [1, 0, 2], [1, 2, 0]], "cost": 1', "'cost' is given twice"),
+    ],
+)
+def test_dense_costs_that_are_wrong_are_told_as_others(tmp_path, costs, words):
+    padded = costs.replace(", ", "," + " " * 100)
+    (tmp_path / "a.json").write_text(f'{{"schema": 1, "name": "a", "n_tasks": 2, "n_depots": 1, "cost": {padded}}}')
+    with pytest.raises(InputError, match=words):
+        read_instance(tmp_path / "a.json")
+
+
 @pytest.mark.parametrize("key", ["schema", "name", "n_tasks", "n_depots", "cost"])
 def test_a_missing_key_is_named(tmp_path, key):
     file = tmp_path / "bad.json"
@@ -158,6 +191,9 @@ def test_a_missing_key_is_named(tmp_path, key):
         ("a.json", json.dumps(DOCUMENT).encode()[:60], "not valid JSON"),
         ("a.json", bytes(range(256)), "not UTF-8 text"),
         ("a.json", b'{"a": "\x00"}', "binary"),
+        ("a.json", b'{"\xb2": 1, "cost": [[0, 1], [1, 0]]}', "not UTF-8 text"),
+        ("a.json", b'{"cost": 1, "cost": [[0, 1], [1, 0]]}', "'cost' is given twice"),
+        ("a.json", b'{"cost": [[0, 1], [true, 0]], "n": 1}', "schema must be"),
         ("a.json", b"[1, 2]", "must hold a JSON object"),
         ("a.json", b"[" * 100_000, "not valid JSON"),
         ("a.json", b'{"schema": 1, "schema": 1}', "'schema' is given twice"),

@@ -59,8 +59,8 @@ WINDS = {
     "ninja": 'kind = "grid"\nfile = "ninja_vel.asc"\nunits = "mph"\n',
     "sum": 'kind = "sum"\nparts = [{kind = "uniform", velocity = [-4, -4]}, {kind = "vortices", '
     "centres = [[3000, 4000]], circulation = [3e4], core = [800]}, {kind = \"shear\", rate = 1e-3, centre = [0, 0]}]\n",
-    "terrain": 'kind = "terrain"\ndem = "dem.asc"\nvelocity = [3, 2]\nprofile = "log"\nreference = 100.0\n'
-    'altitude = 100.0\ncells = 8\n',
+    **{name: f'kind = "terrain"\ndem = "{dem}"\nvelocity = [3, 2]\nprofile = "log"\nreference = 100.0\n'
+       "altitude = 100.0\ncells = 8\n" for name, dem in (("terrain", "dem.asc"), ("geotiff", "dem.tif"))},
 }  # fmt: skip
 MISSION = """airspeed = 50.0
 size = [6000, 5000]
@@ -100,6 +100,8 @@ frames = 2
 baselines = ["random"]
 time_limit = 2.0
 """
+MODEL = 'model = "free-space"\nshadowing_sd = 2.0\ncells = 10\n'
+"""What a mission measures; in its place may stand a file."""
 STUDIES = {  # the first item and the first method of each are stored as well
     "routing": 'files = ["small.json"]\nseeds = 2\ntime_limit = 2\n[[families]]\nfamily = "uniform"\ntasks = [3]\n'
     "depots = 2\nseeds = [1]\nparameters = {wind = [\"none\", \"shear\"]}\n"
@@ -134,6 +136,8 @@ def make_files(root: Path) -> None:
             Path(f"{name}.toml").write_text(SCENARIO + wind)
         call("costs", "sum.toml", "--method", "dijkstra", "--option", "samples=60", "--out", "planned.json")
         Path("mission.toml").write_text(MISSION)
+        for ending in ("csv", "nc"):
+            Path(f"field-{ending}.toml").write_text(MISSION.replace(MODEL, f'file = "field.{ending}"\n'))
         for name, study in STUDIES.items():
             Path(f"{name}.toml").write_text(study)
             _store(Path(f"{name}.toml"), Store(name))

@@ -106,10 +106,10 @@ def judged(found: Outcome, names: tuple[str, ...], outputs: tuple[str, ...], giv
 
 
 def files_below(folder: Path) -> frozenset[str]:
-    """Return every path below `folder`, relative to where we are."""
+    """Return every file below `folder`, relative to where we are; an empty folder is no harm."""
     found = set()
-    for root, folders, names in os.walk(folder):
-        for name in (*folders, *names):
+    for root, _, names in os.walk(folder):
+        for name in names:
             found.add(os.path.relpath(os.path.join(root, name)))
     return frozenset(found)
 

@@ -30,6 +30,7 @@ def command(
     """
     from formulations.moving_cost.effect import WindEffect
     from formulations.moving_cost.registry import make_method
+    from instances.errors import naming
     from instances.files import endings
     from instances.scenario import read_scenario
     from workbench.planning import plan, write_plan
@@ -41,7 +42,8 @@ def command(
         check_target(path, known)
     scenario = read_scenario(scenario_file)
     began = time.perf_counter()
-    instance, paths = plan(scenario, method, chosen, _tell)
+    with naming(scenario_file):
+        instance, paths = plan(scenario, method, chosen, _tell)
     elapsed = time.perf_counter() - began
     write_plan(instance, paths, out, scenario_file)
     if plot:

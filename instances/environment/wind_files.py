@@ -88,8 +88,10 @@ def _component(data: xarray.Dataset, path: Path, standard: tuple[str, ...], usua
 
 def read_windninja(path: Path, units: str) -> WindData:
     """Read WindNinja's ``*_vel.asc`` together with the ``*_ang.asc`` beside it."""
-    if units not in SPEED:
-        raise InputError(f"{path}: unknown units {shown(units)}{suggestion(units, SPEED)} (known: {', '.join(SPEED)})")
+    if not isinstance(units, str) or units not in SPEED:
+        raise InputError(
+            f"{path}: unknown units {shown(units)}{suggestion(str(units), SPEED)} (known: {', '.join(SPEED)})"
+        )
     stem = path.name.removesuffix("_vel.asc").removesuffix("_ang.asc")
     if stem == path.name:
         raise InputError(f"{path}: a WindNinja grid must be named *_vel.asc, with *_ang.asc beside it")

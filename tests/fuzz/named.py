@@ -153,6 +153,8 @@ READ = (
     Named("test points: a long value", "test points", "tests.csv", _with("4000", "[" * 20_000)),
     Named("test points: 5,000 digits", "test points", "tests.csv", _with("4000", DIGITS)),
     Named("wind: cells of 1e-317 m", "wind .asc", "ninja_vel.asc", _with("cellsize 1300", "cellsize 1e-317")),
+    Named("wind: units are a number", "scenario ninja", "ninja.toml", _with('"mph"', "5.5")),
+    Named("wind: units are a list", "scenario ninja", "ninja.toml", _with('"mph"', "[1]")),
     Named("wind: nodes without end", "wind .asc", "ninja_vel.asc", _with("ncols 6", "ncols 99999999999")),
 )  # fmt: skip
 STORES = (

@@ -98,11 +98,12 @@ KINDS = (
 
 @dataclass
 class Tally:
-    """What came of the kills: how many of each, and everything that should not be."""
+    """What came of the kills: how many of each, everything that should not be, and files left aside."""
 
     kills: Counter[str] = field(default_factory=Counter)
     wrong: list[str] = field(default_factory=list)
     killed_rows: int = 0
+    litter: int = 0
 
 
 class Trial:
@@ -236,9 +237,7 @@ class Trial:
         """Look at the end: every run stored once, none KILLED, none executed again once it was stored."""
         self._orphans("at the end")
         self._files_stay()
-        half = [path.name for path in self.folder.rglob("*.part")]
-        if half:
-            self._wrong(f"half-written at the end: {half}")
+        self.tally.litter += len(list(self.folder.rglob("*.part")))  # kill −9 amid a write: under no file's own name
         stored = self._stored()
         if len(stored) != self.kind.count:
             self._wrong(f"{len(stored)} of {self.kind.count} are stored")
@@ -288,7 +287,10 @@ def main() -> int:
         tally = kill(asked.kills, asked.seed, Path(below), kinds)
     for what, count in sorted(tally.kills.items()):
         print(f"{what:20} {count:4d} kills")
-    print(f"{sum(tally.kills.values())} kills in {time.monotonic() - began:.0f} s; {tally.killed_rows} runs hit alone")
+    print(
+        f"{sum(tally.kills.values())} kills in {time.monotonic() - began:.0f} s; {tally.killed_rows} runs hit alone; "
+        f"{tally.litter} files aside left"
+    )
     return 1 if tally.wrong else 0
 
 

@@ -8,6 +8,7 @@ written is there whole or not at all. Whatever fails is one sentence that begins
 from __future__ import annotations
 
 import os
+import secrets
 import stat
 import sys
 from collections.abc import Iterator
@@ -87,7 +88,7 @@ def write_aside(path: Path | str, content: bytes | str) -> None:
                 stream.write(data)
             return
         target = Path(os.path.realpath(path))  # a link keeps pointing where it points
-        aside = target.with_name(f".{target.name}.{os.getpid()}.part")
+        aside = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
         try:
             with aside.open("wb") as file:
                 file.write(data)

@@ -140,6 +140,6 @@ def _handed_over(assignment: Assignment) -> Iterator[IO[bytes]]:
     """Yield a file that holds `assignment`: in memory where the system can, so that a full disk does not matter."""
     nameless = os.memfd_create("assignment") if hasattr(os, "memfd_create") else None
     with tempfile.TemporaryFile() if nameless is None else os.fdopen(nameless, "w+b") as task:
-        pickle.dump(assignment, task)
+        pickle.dump(assignment, task, protocol=5)  # arrays without a copy
         task.seek(0)
         yield task

@@ -61,7 +61,7 @@ LIES = {
     "no number": (
         GREEDY,
         lambda run: run.update(mutual_information=float("nan")),
-        "must be a finite number",
+        "NaN is no JSON number",
     ),
     "no worth": (GREEDY, lambda run: run.update(mutual_information=None), "does not say what they are worth"),
     "a crash": (GREEDY, lambda run: run.update(status="ERROR", message="broke"), "ERROR: broke"),

@@ -77,7 +77,7 @@ class Room:
             )  # or what the file itself names
         try:
             found = outcome(list(change.args), self.outside)
-            return judged(found, names, self.target.outputs, len(change.content))
+            return judged(found, change.args, names, self.target.outputs, len(change.content))
         finally:
             self._restore()
 
@@ -86,7 +86,7 @@ class Room:
         os.chdir(self.inside)
         try:
             found = outcome(list(self.target.args), self.outside, limited=False)
-            wrong = judged(found, ("",), self.target.outputs, 0)
+            wrong = judged(found, self.target.args, ("",), self.target.outputs, 0)
             wrong = None if wrong and wrong.kind in ("slow", "memory") else wrong  # imports and compilation
             return wrong or (Find("corpus", found.err[-500:]) if found.code not in (0, 1) else None)
         finally:

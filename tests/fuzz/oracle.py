@@ -77,21 +77,24 @@ def outcome(args: list[str], outside: Path, *, limited: bool = True) -> Outcome:
     return Outcome(code, out.text(), err.text(), raised, _cpu() - began, _memory() - held, new)
 
 
-def judged(found: Outcome, names: tuple[str, ...], outputs: tuple[str, ...], given: int) -> Find | None:
-    """Return what is wrong with an outcome, or None.
+def judged(
+    found: Outcome, args: tuple[str, ...], names: tuple[str, ...], outputs: tuple[str, ...], given: int
+) -> Find | None:
+    """Return what is wrong with an outcome of the command line `args`, or None.
 
     names : what a sentence must name one of. outputs : beginnings of paths that may be new. given : bytes of the file.
     """
     if found.raised is not None:
         return found.raised
-    said = found.out + found.err
+    said, typed = found.out + found.err, "".join(args)
+    strange_characters = [c for c in CONTROL.findall(said) if c not in typed]  # a path typed so is printed so
     sentences = [line for line in found.err.splitlines() if line.startswith(("workbench: ", "Error: "))]
     last = sentences[-1] if sentences else ""
     strange = [path for path in found.new if path.endswith(".part") or not path.startswith(outputs)]
     checks = (
         (found.code not in CODES, "exit code", f"ended with {found.code}"),
         ("Traceback (most" in found.err, "traceback", found.err[-300:]),
-        (bool(CONTROL.search(said)), "control characters", repr(CONTROL.search(said))),
+        (bool(strange_characters), "control characters", repr(strange_characters[:5])),
         (bool(REPEATED.search(said)), "long value", f"{said[:200]!r}"),
         (found.memory > MEMORY_LIMIT + 20 * given, "memory", f"{found.memory >> 20} MB for {given} bytes"),
         (found.cpu > CPU_LIMIT, "slow", f"{found.cpu:.1f} s of processor time"),

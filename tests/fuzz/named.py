@@ -138,6 +138,7 @@ READ = (
     Named("paths: a bomb", "paths", "planned.paths.json.gz", _bomb),
     Named("instance: a bomb", "instance json.gz", "small.json.gz", _bomb),
     Named("instance: 5,000 digits", "instance json", "small.json", _with(r'"n_tasks": \d+', f'"n_tasks": {DIGITS}')),
+    Named("instance: a key that is no text", "instance json", "small.json", lambda data: b'{"\xf0' + data[2:]),
     Named("instance: nested", "instance json", "small.json", _as(NESTED)),
     Named("instance: a lone surrogate", "instance json", "small.json", _with('"name": "[^"]*"', r'"name": "\ud800"')),
     Named("instance: a link to a device", "instance json", prepare=_linked("small.json", "zero")),

@@ -51,6 +51,8 @@ NAMED = ("compare.csv", "compare-ticks.csv", "tracks.csv")
 """Tables of several plans, whose `name` says which."""
 WHOLE = ("uav", "draw", "count", "samples")
 """Columns of whole numbers from 0."""
+ENDLESS = ("least_radius",)
+"""Columns that may be infinite: a UAV that stays home makes no turn."""
 LARGEST = 1e12
 """No product has a greater number; pictures of greater ones cannot be drawn."""
 
@@ -175,7 +177,8 @@ class Products:
 
 def _numbers(column: pd.Series, name: str) -> pd.Series:
     values = pd.to_numeric(column).astype(float)
-    if not (values.abs() <= LARGEST).all():
+    endless = values.eq(float("inf")) if name in ENDLESS else False
+    if not ((values.abs() <= LARGEST) | endless).all():
         raise InputError(f"column '{name}' must hold finite numbers up to {LARGEST:g}")
     if name not in WHOLE:
         return values

@@ -202,7 +202,7 @@ def _holder(content: bytes) -> Holder | None:
     """Return who made a claim; None where it is not (yet) whole."""
     try:
         return msgspec.json.decode(content, type=Holder)
-    except (msgspec.MsgspecError, RecursionError):
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
         return None
 
 

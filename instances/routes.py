@@ -7,6 +7,7 @@ C_max = max_k C_k (eq. c_max) is what the min-max problem minimises.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from operator import index
 
 import numpy as np
 
@@ -18,8 +19,8 @@ Routes = tuple[tuple[int, ...], ...]
 
 
 def as_routes(routes: Iterable[Iterable[int]]) -> Routes:
-    """Return `routes` as a tuple of tuples of Python ints."""
-    return tuple(tuple(int(task) for task in route) for route in routes)
+    """Return `routes` as a tuple of tuples of Python ints; TypeError where a task is no whole number."""
+    return tuple(tuple(map(index, route)) for route in routes)
 
 
 def check_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> list[str]:

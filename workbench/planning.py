@@ -12,7 +12,7 @@ import numpy as np
 from formulations.moving_cost.costing import instance_of, query_of
 from formulations.moving_cost.registry import DEFAULT
 from instances import Instance
-from instances.errors import InputError
+from instances.errors import InputError, shown
 from instances.files import read_instance, write_instance
 from instances.paths import ENDING, Paths, check_paths, paths_file, paths_of, read_paths_table, write_paths
 from instances.scenario import Scenario, read_scenario
@@ -60,6 +60,9 @@ def check_plan(target: Path, scenario_file: Path | None) -> tuple[str, list[str]
         raise InputError(f"{target}: there is no instance {beside[0].name} beside it")
     instance = read_instance(found[0])
     paths = paths_of(table, instance, target)
-    scenario = read_scenario(scenario_file or target.parent / str(table.get("scenario", "")))
+    kept = table.get("scenario")
+    if scenario_file is None and not isinstance(kept, str):
+        raise InputError(f"{target}: scenario must be the name of a file, got {shown(kept)}")
+    scenario = read_scenario(scenario_file or target.parent / str(kept))
     count = paths.n_nodes * (paths.n_nodes - 1)
     return f"{count} paths of {instance.name}", [f"{target}: {fault}" for fault in refute(instance, paths, scenario)]

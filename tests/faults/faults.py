@@ -70,7 +70,7 @@ CLAIMS = (
     _claims("too_few_routes", "the routes are not feasible"),
     _claims("too_many_routes", "the routes are not feasible"),
     _claims("routes_are_a_text", ""),
-    _claims("routes_of_fractions", "", ERROR, FEASIBLE),
+    _claims("routes_of_fractions", "TypeError"),
     _returns("objective", "math.nan", "objective"),
     _returns("objective", "math.inf", "objective"),
     _returns("objective", "10**400", ""),

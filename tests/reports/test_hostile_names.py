@@ -50,9 +50,10 @@ def root(store_maker, tmp_path_factory):
     root = store.study(count=1, sizes=((6, 2),), seeds=1, efforts={"greedy": 1, "ga": 4})
     path = next(root.glob("*/ga-*.json"))
     record = json.loads(path.read_text())
-    texts = dict.fromkeys(("solver", "label", "message", "stopped_by", "log", "code", "revision"), HOSTILE)
-    about = record["instance"] | {"name": HOSTILE, "family": HOSTILE}
-    tables = {"options": {HOSTILE: HOSTILE}, "statistics": {HOSTILE: [HOSTILE], "much": "x" * 100_000}}
+    hostile = HOSTILE.replace("\ud800", "")  # no JSON file that is read holds it
+    texts = dict.fromkeys(("solver", "label", "message", "stopped_by", "log", "code", "revision"), hostile)
+    about = record["instance"] | {"name": hostile, "family": hostile}
+    tables = {"options": {hostile: hostile}, "statistics": {hostile: [hostile], "much": "x" * 100_000}}
     path.write_text(json.dumps(record | texts | tables | {"instance": about, "status": "ERROR"}))
     return root
 

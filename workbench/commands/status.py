@@ -14,6 +14,7 @@ import click
 @click.pass_context
 def command(context: click.Context, folder: Path, as_json: bool) -> None:
     """Count what is stored in RUNS-DIR, by solver and status, and what is missing. Exit code 1 for damaged files."""
+    from instances.errors import LONGEST_VALUE, one_line
     from reports.record import STATUSES
     from workbench.jobs.census import census
 
@@ -25,10 +26,10 @@ def command(context: click.Context, folder: Path, as_json: bool) -> None:
         ended = {status for counts in found.by_solver.values() for status in counts}
         known = STATUSES["routing"]
         seen = [*(name for name in known if name in ended), *sorted(ended.difference(known))]
-        width = max([len(label) for label in found.by_solver], default=0)
+        width = max([len(one_line(label, LONGEST_VALUE)) for label in found.by_solver], default=0)
         for label, counts in sorted(found.by_solver.items()):
-            told = ", ".join(f"{counts[status]} {status}" for status in seen if counts[status])
-            click.echo(f"{label:{width}}  {sum(counts.values()):6d} stored: {told}")
+            told = ", ".join(f"{counts[status]} {one_line(status, LONGEST_VALUE)}" for status in seen if counts[status])
+            click.echo(f"{one_line(label, LONGEST_VALUE):{width}}  {sum(counts.values()):6d} stored: {told}")
         stale = f", {found.stale} of them stale (made by other code)" if found.stale else ""
         damaged = f", {len(found.damaged)} damaged" if found.damaged else ""
         click.echo(f"{found.stored} of {found.planned} runs stored{stale}{damaged}, {found.missing} missing")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from instances.errors import InputError
+from instances.errors import LONGEST_VALUE, InputError, one_line
 from reports.record import ITEM_FILES, Run
 from workbench.jobs.job import folder_of
 from workbench.jobs.problem import Problem
@@ -59,5 +59,5 @@ def _faults(problem: Problem[Any], item: Any, run: Run, run_faults: Callable[[An
     if run.status == "ERROR":
         return [*found, f"ERROR: {run.message}"]
     if run.status not in (*MACHINERY, *problem.statuses):
-        found.append(f"claims to be {run.status}, which no {problem.methods.kind} can say")
+        found.append(f"claims to be {one_line(run.status, LONGEST_VALUE)}, which no {problem.methods.kind} can say")
     return found + run_faults(item, run)

@@ -14,6 +14,7 @@ from typing import Any
 
 from formulations.limits import Limits
 from instances.code import code_digest, revision
+from instances.errors import LONGEST_VALUE, one_line
 from reports.record import Run
 from workbench.jobs.job import Job
 from workbench.jobs.machine import environment, environment_digest, usable_memory
@@ -120,7 +121,9 @@ class _Witness:
 
     def _refuted_ending(self, claimed: Ended, product: Any) -> str:
         if claimed.status not in self.problem.statuses:
-            return f"claimed to be {claimed.status}, which no {self.problem.methods.kind} can say"
+            return (
+                f"claimed to be {one_line(claimed.status, LONGEST_VALUE)}, which no {self.problem.methods.kind} can say"
+            )
         claim = Claim(product, claimed.objective, claimed.bound, claimed.status, tolerance=claimed.tolerance)
         return self.problem.refute_ending(self.item, claim, self.objective)
 

@@ -20,7 +20,11 @@ def seeds_from(value: Any, where: str = "seeds") -> tuple[int, ...]:
         if not 1 <= value <= MOST_RUNS:
             raise InputError(f"{where}: must be from 1 to {MOST_RUNS}, got {shown(value)}")
         return tuple(range(value))
-    return tuple(typed(seed, int, where) for seed in listed(value))
+    seeds = tuple(typed(seed, int, where) for seed in listed(value))
+    for seed in seeds:
+        if seed < 0:
+            raise InputError(f"{where}: must be 0 or more, got {shown(seed)}")
+    return seeds
 
 
 def grid(table: dict[str, Any], where: str) -> list[dict[str, Any]]:

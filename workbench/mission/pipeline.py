@@ -67,7 +67,6 @@ def run_mission(
         if name is not None and name not in NAMES:
             raise InputError(f"unknown stage '{name}'{suggestion(name, NAMES)} (stages: {', '.join(NAMES)})")
     folders = {name: out / folder for name, folder in FOLDERS.items()}
-    make_folder(out)
     forced = False
     for stage in STAGES:
         forced = forced or stage.name == force_from

@@ -132,7 +132,7 @@ def test_dijkstra_is_never_worse_than_fmt_star_and_sharing_changes_nothing() -> 
         ("refined", {"sample": 3}, "did you mean 'samples'"),
         ("refined", {"samples": 1.5}, "a whole number"),
         ("refined", {"samples": 0}, "at least 1"),
-        ("dijkstra", {"radius_factor": -1.0}, "positive"),
+        ("dijkstra", {"radius_factor": -1.0}, "radius_factor from 0 to"),
         ("fmt-star", {"share": 1}, "true or false"),
     ],
 )

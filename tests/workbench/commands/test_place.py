@@ -252,7 +252,7 @@ def test_a_study_keeps_the_rows_of_its_test_points(tmp_path):
 
 def test_jobs_of_a_placement_study(tmp_path):
     study = study_from(STUDY, PLACEMENT, name="x", base=tmp_path)
-    assert [(job.folder.split("-")[1], job.label, job.seed) for job in jobs_of(study)[0]] == [
+    assert [(job.folder.split("-")[1], job.label, job.seed) for job in jobs_of(study)] == [
         ("n2", "greedy", 0),
         ("n2", "random", 0),
         ("n2", "random", 1),

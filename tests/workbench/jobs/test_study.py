@@ -65,7 +65,7 @@ def test_a_solver_overrides_the_study_and_flags_override_both():
 def test_large_instances_are_kept_from_small_solvers():
     families = [{"family": "uniform", "tasks": [4, 9], "depots": 2}]
     study = made(families=families, solvers=[{"name": "milp", "max_tasks": 4}, {"name": "greedy"}])
-    assert [(job.folder.split("-")[1], job.method) for job in jobs_of(study)[0]] == [
+    assert [(job.folder.split("-")[1], job.method) for job in jobs_of(study)] == [
         ("n4", "milp"),
         ("n4", "greedy"),
         ("n9", "greedy"),
@@ -75,7 +75,7 @@ def test_large_instances_are_kept_from_small_solvers():
 def test_the_same_job_asked_for_twice_is_one():
     families = [{"family": "uniform", "tasks": 4, "depots": 2}]
     study = made(families=families, solvers=[{"name": "ga"}, {"name": "ga", "options": {"population": [400, 50]}}])
-    assert [job.label for job in jobs_of(study)[0]] == ["ga", "ga (population=50)"]
+    assert [job.label for job in jobs_of(study)] == ["ga", "ga (population=50)"]
 
 
 @pytest.mark.parametrize("name", ["quick", "paper", "benchmarks", "scaling", "ablation"])

@@ -215,7 +215,7 @@ def test_construction_and_recreation_book_what_they_build(seed):
 
 
 def test_construction_where_all_costs_are_zero_or_huge():
-    for scale in (0.0, 1e200):
+    for scale in (0.0, 1e149):
         cost = Instance("flat", scale * (1.0 - np.eye(8)), 6, 2).cost
         tours = rings.empty_tours(6, 2)
         rebuilding.construct(problem_data(cost, 6, NEAR), tours, RecreateParameters(), seeded(0))

@@ -101,6 +101,24 @@ def write_aside(path: Path | str, content: bytes | str) -> None:
         raise InputError(f"{path}: cannot be written ({_reason(error)})") from None
 
 
+def check_targets(*paths: Path | str) -> None:
+    """Raise InputError where one of `paths` cannot be written, as far as that is known beforehand: before the first."""
+    for path in paths:
+        try:
+            aside = Path(os.path.realpath(path))
+            if aside.is_dir():
+                raise IsADirectoryError(21, _NO_FILE[stat.S_IFDIR])
+            if os.path.exists(path) and not os.path.isfile(path):
+                continue  # a device or pipe
+            with suppress(FileNotFoundError):
+                os.stat(aside.with_name(f".{aside.name}.{secrets.token_hex(4)}.part"))  # too long a name
+            if not os.access(aside.parent, os.W_OK):
+                os.stat(aside.parent)  # it is not there
+                raise PermissionError(13, "its folder cannot be written to")
+        except (OSError, ValueError) as error:
+            raise InputError(f"{path}: cannot be written ({_reason(error)})") from None
+
+
 @contextmanager
 def _opened(path: Path | str) -> Iterator[tuple[int, int]]:
     """Give a descriptor of the regular file `path` and its size [bytes]."""

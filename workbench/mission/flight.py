@@ -1,7 +1,7 @@
 """Stage 5, flight: Dubins tours along the reference paths (sub-problem 4), checked, and exported for ground control.
 
-Products: flights.json, flown.csv (a pose every 0.2 s), reference.csv, flown.geojson (local metres), flight-check.csv
-and, where the mission has an origin, uav-K.geojson, .kml and .plan.
+Products: flights.json, flown.csv (a pose every 0.2 s), reference.csv, flight-check.csv and, where the mission has an
+origin, what `workbench.mission.export` writes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from formulations.mapping.flight import Flight, plan_flight
@@ -23,11 +22,11 @@ from instances.arrays import Floats
 from instances.disk import read_json, write_aside
 from instances.errors import InputError
 from instances.files import read_routes
-from instances.formats.ground_control import Tour, write_tour
 from instances.paths import Paths
 from instances.scenario import Scenario
-from instances.scenario_folder import kept_scenario
+from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
+from workbench.mission.export import export, tours_of
 from workbench.mission.place import zones_of
 from workbench.mission.settings import Mission
 
@@ -76,11 +75,12 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     flown = track_frame(fleet.flights)
     write_aside(out / "flown.csv", flown.to_csv(index=False))
     write_aside(out / "reference.csv", _reference_frame(fleet.legs).to_csv(index=False))
-    write_aside(out / "flown.geojson", json.dumps(_geojson(flown)))
     checks = pd.DataFrame([{"uav": k, **asdict(check)} for k, check in enumerate(fleet.checks)])
     write_aside(out / "flight-check.csv", checks.to_csv(index=False))
     if mission.origin is not None:
-        _export(mission, scenario, instance, routes, fleet, out)
+        ground = kept_terrain(folders["environment"])
+        tours = tours_of(scenario.name, instance, routes, fleet.flights, mission.flight.altitude, ground)
+        export(tours, flown, scenario, mission.origin, out)
     return _said(fleet.checks)
 
 
@@ -121,33 +121,6 @@ def _reference_frame(legs: list[list[Floats]]) -> pd.DataFrame:
         for x, y in leg.round(3).tolist()
     ]
     return pd.DataFrame(rows, columns=["uav", "leg", "x", "y"])
-
-
-def _geojson(flown: pd.DataFrame) -> dict[str, Any]:
-    features = [
-        {
-            "type": "Feature",
-            "properties": {"uav": int(str(k))},
-            "geometry": {"type": "LineString", "coordinates": track[["x", "y"]].to_numpy().tolist()},
-        }
-        for k, track in flown.groupby("uav")
-    ]
-    return {"type": "FeatureCollection", "features": features}
-
-
-def _export(mission: Mission, scenario: Scenario, instance: Instance, routes: Routes, fleet: Fleet, out: Path) -> None:
-    assert mission.origin is not None
-    assert instance.coordinates is not None
-    for k, (flight, route) in enumerate(zip(fleet.flights, routes, strict=True)):
-        if flight.length == 0.0:
-            continue
-        points = flight.starts[:, :2]
-        numbers: list[int | None] = [None] * len(points)
-        for task in route:
-            numbers[int(np.argmin(np.hypot(*(points - instance.coordinates[task]).T)))] = task
-        tour = Tour(f"{scenario.name} UAV {k}", points, numbers, mission.flight.altitude, flight.speed)
-        for ending in ("geojson", "kml", "plan"):
-            write_tour(tour, mission.origin, out / f"uav-{k}.{ending}", zones_of(scenario))
 
 
 def _said(checks: list[FlightCheck]) -> str:

@@ -1,6 +1,6 @@
 """Stage 2, place: task locations of most information (sub-problem 1), or those the scenario gives.
 
-Products: tasks.csv, tasks.geojson (local metres), placement.json.
+Products: tasks.csv (local metres), placement.json and, where the mission has an origin, tasks.geojson (WGS 84).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from shapely.geometry import Polygon
+from shapely.geometry import Point, Polygon
 
 from formulations.kernel import SquaredExponential
 from formulations.task_location.certificate import certificate
@@ -23,6 +23,8 @@ from instances.arrays import Floats
 from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.errors import InputError
+from instances.formats.geojson import write_features
+from instances.geodesy import TangentPlane
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
 from workbench.mission.plugins import placement_by
@@ -31,7 +33,8 @@ from workbench.mission.settings import Mission
 
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
-    return asdict(mission.place) | {"clearance": mission.clearance}
+    origin = None if mission.origin is None else asdict(mission.origin)
+    return asdict(mission.place) | {"clearance": mission.clearance, "origin": origin}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
@@ -39,14 +42,14 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     scenario = kept_scenario(folders["environment"])
     region = widened(scenario, mission.clearance).free
     if scenario.tasks is not None:
-        write_tasks(scenario.tasks, out, {"method": "given", "points": scenario.tasks.tolist()})
+        write_tasks(scenario.tasks, out, {"method": "given", "points": scenario.tasks.tolist()}, mission.origin)
         return f"{scenario.n_tasks} tasks were given"
     tell(f"placing {scenario.n_tasks} tasks by {mission.place.method}")
     found = place_tasks(mission, region, scenario.n_tasks, mission.place.method, mission.place.options)
     if mission.place.certificate:
         bound = certificate(criterion_of(mission, region).under(Convention.BOTH_NOISY), region, scenario.n_tasks)
         found = replace(found, certificate=bound.bound)
-    write_tasks(found.points, out, found.as_dict())
+    write_tasks(found.points, out, found.as_dict(), mission.origin)
     return found.summary()
 
 
@@ -90,14 +93,12 @@ def scales_of(value: float | list[float]) -> tuple[float, float]:
     return (value[0], value[1]) if isinstance(value, list) else (value, value)
 
 
-def write_tasks(points: Floats, out: Path, said: dict[str, Any]) -> None:
+def write_tasks(points: Floats, out: Path, said: dict[str, Any], plane: TangentPlane | None) -> None:
     """Write the products of this stage."""
     write_aside(out / "tasks.csv", "x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in points.tolist()))
-    features = [
-        {"type": "Feature", "properties": {"task": i}, "geometry": {"type": "Point", "coordinates": p}}
-        for i, p in enumerate(points.tolist())
-    ]
-    write_aside(out / "tasks.geojson", json.dumps({"type": "FeatureCollection", "features": features}))
+    if plane is not None:
+        features = ((Point(point), {"task": i}) for i, point in enumerate(points))
+        write_features(features, plane, out / "tasks.geojson")
     write_aside(out / "placement.json", json.dumps(said))
 
 

@@ -15,14 +15,18 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import shapely
+from geojson_pydantic import FeatureCollection
 
 from instances.errors import InputError
 from instances.files import read_instance, read_routes
 from instances.formats.netcdf import read_grids
+from instances.geodesy import TangentPlane
 from instances.routes import check_routes
 from workbench.mission import environment
 from workbench.mission.file import mission_of, read_mission
 from workbench.mission.pipeline import FOLDERS, NAMES, STAGES, run_mission
+from workbench.mission.place import write_tasks
 
 SMALL = """
 airspeed = 50.0
@@ -145,7 +149,9 @@ def test_the_page_is_self_contained_and_small(made: Path) -> None:
     page = (made / "report.html").read_text(encoding="utf-8")
     assert page == (made / "8-report/report.html").read_text(encoding="utf-8")
     assert len(page) < 5e6
-    assert not re.findall(r'(?:src|href)="(?!data:|#)[^"]+"', page)
+    linked = re.findall(r'(?:src|href)="(?!data:|#)([^"]+)"', page)
+    assert {"5-flight/uav-0.plan", "5-flight/uav-1.waypoints", "2-place/tasks.geojson"} <= set(linked)
+    assert all((made / address).is_file() for address in linked)
     for words in (
         "uav-0.plan",
         "RMSE",
@@ -161,10 +167,22 @@ def test_ground_control_files_hold_the_tour(made: Path) -> None:
     plan = json.loads((made / "5-flight/uav-0.plan").read_text())
     items = plan["mission"]["items"]
     assert [items[0]["command"], items[-1]["command"]] == [22, 20]
-    assert len(plan["geoFence"]["polygons"]) == 1
-    line = json.loads((made / "5-flight/uav-0.geojson").read_text())["features"][0]["geometry"]["coordinates"]
-    assert line[0] == line[-1]
-    assert abs(line[0][1] - 47.0) < 0.1
+    assert plan["mission"]["plannedHomePosition"][2] == 0.0
+    assert [fence["inclusion"] for fence in plan["geoFence"]["polygons"]] == [True, False]
+    assert "home is put at 0 m" in (made / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("file", ["2-place/tasks.geojson", "5-flight/flown.geojson", "5-flight/uav-0.geojson"])
+def test_geojson_of_a_mission_is_in_degrees(made: Path, file: str) -> None:
+    features = FeatureCollection.model_validate_json((made / file).read_text()).features
+    places = np.vstack([shapely.get_coordinates(shapely.geometry.shape(f.geometry.model_dump())) for f in features])
+    low, high = TangentPlane(47.0, 8.0).geographic([[-500.0, -500.0], [6500.0, 5500.0]])[:, ::-1]
+    assert ((low < places) & (places < high)).all()
+
+
+def test_tasks_without_an_origin_are_no_geojson(tmp_path: Path) -> None:
+    write_tasks(np.array([[1.0, 2.0]]), tmp_path, {"method": "given"}, None)
+    assert {path.name for path in tmp_path.iterdir()} == {"tasks.csv", "placement.json"}
 
 
 def test_nothing_is_made_twice(mission_file: Path, copied: Path) -> None:

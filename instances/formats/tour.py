@@ -1,0 +1,54 @@
+"""A UAV's tour as waypoints for ground-control software, with its heights in the frame that is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from instances.arrays import Floats
+from instances.errors import InputError, shown
+
+FRAMES = ("amsl", "above-home", "above-ground")
+"""What a height is measured from: mean sea level, the ground at home, the ground below each waypoint."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tour:
+    """One UAV's tour as waypoints.
+
+    name; points (k, 2) [m], the first the depot, to which it returns; tasks (k,), which of the points are tasks, as
+    task numbers, None for others; heights (k,) [m above mean sea level]; speed [m/s]; ground (k,) [m above mean sea
+    level] below each point, None where it is not known.
+    """
+
+    name: str
+    points: Floats
+    tasks: Sequence[int | None]
+    heights: Floats
+    speed: float
+    ground: Floats | None = None
+
+    @property
+    def home(self) -> float:
+        """Height of the ground at the depot [m above mean sea level]; 0 where it is not known."""
+        return 0.0 if self.ground is None else float(self.ground[0])
+
+    def heights_in(self, frame: str) -> Floats:
+        """Return the heights (k,) [m] in one of FRAMES; InputError for another, or where they need unknown ground."""
+        if frame not in FRAMES:
+            raise InputError(f"frame must be one of {', '.join(FRAMES)}, got {shown(frame)}")
+        if frame == "amsl":
+            return self.heights
+        if frame == "above-home":
+            return self.heights - self.home
+        if self.ground is None:
+            raise InputError("frame = 'above-ground' needs the height of the ground below each waypoint")
+        return self.heights - self.ground
+
+    def said_of_heights(self, frame: str) -> str:
+        """Return a sentence about what the heights in `frame` start from."""
+        if self.ground is None:
+            return (
+                f"Heights {frame}; the height of the ground is not known, so home is put at 0 m: set it in the field."
+            )
+        return f"Heights {frame}; home is on the ground at {self.home:.1f} m above mean sea level."

@@ -23,6 +23,7 @@ from reports.figures.svg import Drawn
 from reports.figures.wind import draw_wind
 from reports.kinds import is_number
 from reports.pages.blocks import Beside, Block, Facts, Lines, Section, Source, Table, table_of
+from reports.pages.exported import exported
 from reports.pages.page import Page, fragment, write_page
 from reports.products import Products
 
@@ -48,7 +49,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
         draw_plans(scenario.region, scenario.depots, products.of_plans("tracks.csv"), table, unit),
     ]
     data = film(products, flown, samples, ticks)
-    planned: list[Block] = [_placed(products), _routed(products), flight, _checks(products), _exported(products)]
+    planned: list[Block] = [_placed(products), _routed(products), flight, _checks(products), exported(folders)]
     plans = table_of(_named(table), survey(unit), key="plans")
     blocks: list[Block] = [
         Facts(_headline(products, ticks), large=True),
@@ -210,15 +211,6 @@ def _share(effect: object, name: str) -> float:
     """Return a number of the stated effect of the wind, 0 where it states none."""
     value = effect.get(name) if isinstance(effect, dict) else None
     return float(value) if is_number(value) else 0.0
-
-
-def _exported(products: Products) -> str:
-    """Return which files ground-control software can take, or how to get them."""
-    folder = products.folders["flight"]
-    files = sorted(path.name for ending in ("plan", "kml") for path in folder.glob(f"uav-*.{ending}"))
-    if not files:
-        return "Without an origin = [latitude, longitude] in the mission file there are no ground-control files."
-    return f"For ground control (QGroundControl, KML; also GeoJSON), in {folder.name}: {', '.join(files)}."
 
 
 def _checks(products: Products) -> Table:

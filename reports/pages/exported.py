@@ -1,0 +1,48 @@
+"""The files of a mission that other software reads, as links, and what their heights start from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from urllib.parse import quote
+
+from markupsafe import Markup
+
+from reports.damage import reading
+from reports.pages.blocks import Block
+from reports.pages.page import fragment
+from reports.record import read_json
+
+FILES = (
+    ("flight", "uav-*.plan", "QGroundControl: mission, geofence and rally point"),
+    ("flight", "uav-*.waypoints", "MAVLink waypoints: Mission Planner, MAVProxy, QGroundControl"),
+    ("flight", "uav-*.kml", "KML: Google Earth"),
+    ("flight", "uav-*.geojson", "GeoJSON, tours: QGIS"),
+    ("flight", "flown.geojson", "GeoJSON, flown tracks: QGIS"),
+    ("place", "tasks.geojson", "GeoJSON, tasks: QGIS"),
+    ("map", "*.tif", "GeoTIFF, the last map: QGIS"),
+    ("environment", "*.tif", "GeoTIFF, the field that was measured: QGIS"),
+)
+"""Stage, pattern of its files, what they are."""
+
+
+def exported(folders: Mapping[str, Path]) -> list[Block]:
+    """Return the linked list of exported files; links start where the folders of the stages are."""
+    rows = []
+    for stage, pattern, what in FILES:
+        found = sorted(path.name for path in folders[stage].glob(pattern))
+        if found:
+            rows.append((what, [(name, quote(f"{folders[stage].name}/{name}")) for name in found]))
+    if not rows:
+        return ["Without an origin = [latitude, longitude] in the mission file there are no files for other software."]
+    links: Markup = fragment("exported.html.j2", rows=rows)
+    return [links, *_heights(folders["flight"] / "exports.json")]
+
+
+def _heights(path: Path) -> list[str]:
+    """Return what the heights of the tours start from; nothing for missions made before that was written."""
+    if not path.is_file():
+        return []
+    with reading(path, "exports"):
+        said: dict[str, str] = read_json(path)["heights"]
+        return [f"{name}: {sentence}" for name, sentence in said.items()]

@@ -1,6 +1,7 @@
 """Gridded products as NetCDF-3 (classic) files with CF attributes, through scipy: they need no extra.
 
-Axes are one-dimensional coordinate variables in the order of a variable's dimensions, for example (time, y, x).
+Axes are one-dimensional coordinate variables in the order of a variable's dimensions, for example (time, y, x). Where
+the place of the local plane is known, a grid mapping (CF conventions, appendix F) says it.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from scipy.io import netcdf_file
 from instances.arrays import Floats
 from instances.disk import read_bytes, write_aside
 from instances.errors import InputError
+from instances.geodesy import FLATTENING, A, TangentPlane
 
 AXES = {
     "x": {"standard_name": "projection_x_coordinate", "units": "m"},
@@ -23,6 +25,8 @@ AXES = {
     "time": {"long_name": "time since take-off", "units": "s"},
 }
 """Attributes of the known axes."""
+GRID_MAPPING = "crs"
+"""Variable that holds the grid mapping."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,16 +38,24 @@ class Variable:
     attributes: Mapping[str, str] = field(default_factory=dict)
 
 
-def write_grids(path: Path | str, axes: Mapping[str, Floats], variables: Mapping[str, Variable]) -> None:
-    """Write `variables` over `axes`; values are kept as float64."""
+def write_grids(
+    path: Path | str,
+    axes: Mapping[str, Floats],
+    variables: Mapping[str, Variable],
+    plane: TangentPlane | None = None,
+) -> None:
+    """Write `variables` over `axes`; values are kept as float64. plane : where on Earth x and y are, if known."""
     buffer = io.BytesIO()
     with netcdf_file(buffer, "w", mmap=False) as data:
         setattr(data, "Conventions", "CF-1.8")  # noqa: B010 - a global attribute of the file
         for name, values in axes.items():
             data.createDimension(name, len(values))
             _write(data, name, (name,), np.asarray(values), AXES.get(name, {}))
+        mapped = {} if plane is None else {"grid_mapping": GRID_MAPPING}
         for name, variable in variables.items():
-            _write(data, name, variable.axes, variable.values, variable.attributes)
+            _write(data, name, variable.axes, variable.values, {**variable.attributes, **mapped})
+        if plane is not None:
+            _write_grid_mapping(data, plane)
         data.flush()
         content = buffer.getvalue()
     write_aside(path, content)
@@ -54,6 +66,23 @@ def _write(data: netcdf_file, name: str, axes: tuple[str, ...], values: Floats, 
     made[:] = values
     for key, text in attributes.items():
         setattr(made, key, text)
+
+
+def _write_grid_mapping(data: netcdf_file, plane: TangentPlane) -> None:
+    """Write the projection of `TangentPlane.projection` as CF names it."""
+    made = data.createVariable(GRID_MAPPING, "i", ())
+    made[...] = 0
+    said = {
+        "grid_mapping_name": "azimuthal_equidistant",
+        "latitude_of_projection_origin": plane.latitude,
+        "longitude_of_projection_origin": plane.longitude,
+        "false_easting": 0.0,
+        "false_northing": 0.0,
+        "semi_major_axis": A,
+        "inverse_flattening": 1 / FLATTENING,
+    }
+    for key, value in said.items():
+        setattr(made, key, value)
 
 
 def read_grids(
@@ -79,7 +108,7 @@ def read_grids(
         for axis in wanted:
             if axis not in axes or not (np.diff(axes[axis]) > 0).all() or not np.isfinite(axes[axis]).all():
                 raise InputError(f"{path}: the axis '{axis}' of '{name}' must hold finite numbers that rise")
-    return axes, {name: v for name, v in found.items() if name not in axes}
+    return axes, {name: v for name, v in found.items() if v.axes and name not in axes}
 
 
 def _attributes(variable: object) -> dict[str, str]:

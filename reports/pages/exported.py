@@ -20,8 +20,8 @@ FILES = (
     ("flight", "uav-*.geojson", "GeoJSON, tours: QGIS"),
     ("flight", "flown.geojson", "GeoJSON, flown tracks: QGIS"),
     ("place", "tasks.geojson", "GeoJSON, tasks: QGIS"),
-    ("map", "*.tif", "GeoTIFF, the last map: QGIS"),
-    ("environment", "*.tif", "GeoTIFF, the field that was measured: QGIS"),
+    ("map", "*.tif", "GeoTIFF, the last map and the field: QGIS"),
+    ("map", "maps.nc", "NetCDF, the maps over time: QGIS, xarray"),
 )
 """Stage, pattern of its files, what they are."""
 

@@ -1,13 +1,15 @@
 """Stage 6, map: every UAV measures on its way and the Gaussian process maps the field (sub-problem 4).
 
 Products: samples.csv (time [s], uav, x, y [m], value), ticks.csv, maps.nc (the maps of some ticks, the last included),
-map.csv (the last).
+map.csv (the last) and, where the mission has an origin, estimate.tif and uncertainty.tif (the last) and field.tif (what
+was measured).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import asdict
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +23,9 @@ from formulations.mapping.survey import Survey, Tick, fly_survey
 from instances.disk import write_aside
 from instances.environment.radio import RadioMap
 from instances.environment.region import Region
+from instances.formats.geotiff import write_geotiff
 from instances.formats.netcdf import Variable, write_grids
+from instances.geodesy import TangentPlane
 from instances.scenario_folder import kept_field, kept_scenario
 from workbench.mission.flight import kept_flights
 from workbench.mission.place import scales_of
@@ -30,7 +34,8 @@ from workbench.mission.settings import Mission
 
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
-    return asdict(mission.sensing) | asdict(mission.map)
+    origin = None if mission.origin is None else asdict(mission.origin)
+    return asdict(mission.sensing) | asdict(mission.map) | {"origin": origin}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
@@ -45,7 +50,9 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     write_aside(out / "samples.csv", samples.round(6).to_csv(index=False))
     write_aside(out / "ticks.csv", ticks_frame(survey).to_csv(index=False))
     grid = MapGrid.over(scenario.region, mission.map.cells)
-    _write_maps(survey, grid, field, out)
+    _write_maps(survey, grid, field, mission.origin, out)
+    if mission.origin is not None:
+        _write_rasters(survey, grid, field, mission.origin, out, tell)
     end = survey.ticks[-1]
     kernel = end.kernel
     return (
@@ -88,7 +95,26 @@ def _row(tick: Tick) -> dict[str, float]:
     return row | asdict(tick.score) | {"signal_sd": tick.kernel.signal_sd, "length_x": lx, "length_y": ly}
 
 
-def _write_maps(survey: Survey, grid: MapGrid, field: RadioMap, out: Path) -> None:
+def _write_rasters(
+    survey: Survey, grid: MapGrid, field: RadioMap, plane: TangentPlane, out: Path, tell: Callable[[str], None]
+) -> None:
+    """Write the last map and the field for geographic information systems."""
+    if find_spec("rasterio") is None:
+        tell("no GeoTIFFs: they need the extra 'geo'")
+        return
+    last = survey.ticks[-1].posterior
+    assert last is not None
+    rasters = (
+        ("estimate", "posterior mean", last.mean),
+        ("uncertainty", "posterior standard deviation", last.sd),
+        ("field", "the field that was measured", field(grid.points)),
+    )
+    for file, name, values in rasters:
+        place = (grid.x, grid.y, plane)
+        write_geotiff(out / f"{file}.tif", grid.raster(values), *place, name=name, unit=field.unit)
+
+
+def _write_maps(survey: Survey, grid: MapGrid, field: RadioMap, plane: TangentPlane | None, out: Path) -> None:
     kept = [tick for tick in survey.ticks if tick.posterior is not None]
     mean = np.array([grid.raster(tick.posterior.mean) for tick in kept if tick.posterior])
     sd = np.array([grid.raster(tick.posterior.sd) for tick in kept if tick.posterior])
@@ -102,6 +128,7 @@ def _write_maps(survey: Survey, grid: MapGrid, field: RadioMap, out: Path) -> No
             "sd": Variable(axes, sd, {"long_name": "posterior standard deviation", "units": field.unit}),
             "truth": Variable(("y", "x"), truth, {"long_name": "the field that was measured", "units": field.unit}),
         },
+        plane,
     )
     x, y = grid.points.T
     last = pd.DataFrame({"x": x, "y": y, "mean": mean[-1][grid.inside], "sd": sd[-1][grid.inside]})

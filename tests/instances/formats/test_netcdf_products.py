@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import netCDF4
 import numpy as np
+import pyproj
 import pytest
 
 from instances.environment.radio import RadioMap
@@ -13,6 +15,7 @@ from instances.environment.terrain import mountains
 from instances.environment.wind_grid import Grid
 from instances.errors import InputError
 from instances.formats.netcdf import Variable, read_grids, write_grids
+from instances.geodesy import TangentPlane
 from instances.scenario import Scenario
 from instances.scenario_folder import (
     keep_field,
@@ -67,3 +70,17 @@ def test_the_environment_folder_reads_back(tmp_path: Path) -> None:
     keep_field(field, tmp_path)
     np.testing.assert_array_equal(kept_field(tmp_path).values, field.values)
     assert kept_field(tmp_path).unit == "dBm"
+
+
+def test_a_grid_mapping_places_the_grid_on_earth(tmp_path: Path) -> None:
+    plane, y, x = TangentPlane(47.0, 8.0), np.arange(50.0, 350.0, 100.0), np.arange(50.0, 450.0, 100.0)
+    mean = Variable(("y", "x"), VALUES[0], {"units": "dBm"})
+    write_grids(tmp_path / "m.nc", {"y": y, "x": x}, {"mean": mean}, plane)
+    with netCDF4.Dataset(tmp_path / "m.nc") as data:
+        said = {name: data[data["mean"].grid_mapping].getncattr(name) for name in data["crs"].ncattrs()}
+    crs = pyproj.CRS.from_cf(said)
+    assert crs.is_projected
+    place = pyproj.Transformer.from_crs(crs, "EPSG:4326").transform(300.0, 200.0)
+    np.testing.assert_allclose(place, plane.geographic([[300.0, 200.0]])[0], atol=1e-9)
+    _, variables = read_grids(tmp_path / "m.nc")
+    assert set(variables) == {"mean"}

@@ -15,8 +15,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import rasterio
 import shapely
 from geojson_pydantic import FeatureCollection
+from rasterio.warp import transform_bounds
 
 from instances.errors import InputError
 from instances.files import read_instance, read_routes
@@ -178,6 +180,16 @@ def test_geojson_of_a_mission_is_in_degrees(made: Path, file: str) -> None:
     places = np.vstack([shapely.get_coordinates(shapely.geometry.shape(f.geometry.model_dump())) for f in features])
     low, high = TangentPlane(47.0, 8.0).geographic([[-500.0, -500.0], [6500.0, 5500.0]])[:, ::-1]
     assert ((low < places) & (places < high)).all()
+
+
+@pytest.mark.parametrize("file", ["estimate.tif", "uncertainty.tif", "field.tif", "maps.nc"])
+def test_maps_lie_where_the_mission_is(made: Path, file: str) -> None:
+    path = made / "6-map" / file
+    with rasterio.open(f"netcdf:{path}:mean" if path.suffix == ".nc" else path) as raster:
+        low, high = TangentPlane(47.0, 8.0).geographic([[0.0, 0.0], [6000.0, 5000.0]])
+        west, south, east, north = transform_bounds(raster.crs, "EPSG:4326", *raster.bounds)
+        assert (south, west, north, east) == pytest.approx((*low, *high), abs=1e-4)
+        assert raster.shape == (17, 20)
 
 
 def test_tasks_without_an_origin_are_no_geojson(tmp_path: Path) -> None:

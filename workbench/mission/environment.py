@@ -34,7 +34,7 @@ def settings(mission: Mission) -> dict[str, Any]:
     return {"table": table, "files": files, "field": asdict(mission.field), "altitude": mission.flight.altitude}
 
 
-LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "origin")
+LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "export", "origin")
 """Tables this stage does not look at."""
 
 

@@ -2,7 +2,7 @@
 
     scenario = "file.toml"       # or the scenario's own keys here: airspeed, size, depots, tasks, [wind], [radio] …
     origin = [lat, lon]          # of the point (0, 0) [degrees], for ground-control files
-    [field] [place] [costs] [routes] [flight] [sensing] [map] [compare]    # the classes of `settings`
+    [field] [place] [costs] [routes] [flight] [sensing] [map] [compare] [export]    # the classes of `settings`
 
 Files are relative to the mission file.
 """

@@ -26,7 +26,7 @@ from instances.paths import Paths
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
-from workbench.mission.export import export, tours_of
+from workbench.mission.export import export, level, tours_of
 from workbench.mission.place import zones_of
 from workbench.mission.settings import Mission
 
@@ -41,7 +41,13 @@ MOST_SAMPLES = 20_000
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     origin = None if mission.origin is None else asdict(mission.origin)
-    return asdict(mission.flight) | {"speed": mission.speed, "period": mission.sensing.period, "origin": origin}
+    own = {
+        "speed": mission.speed,
+        "period": mission.sensing.period,
+        "origin": origin,
+        "vehicle": asdict(mission.vehicle),
+    }
+    return asdict(mission.flight) | own
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +84,10 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     checks = pd.DataFrame([{"uav": k, **asdict(check)} for k, check in enumerate(fleet.checks)])
     write_aside(out / "flight-check.csv", checks.to_csv(index=False))
     if mission.origin is not None:
-        ground = kept_terrain(folders["environment"])
-        tours = tours_of(scenario.name, instance, routes, fleet.flights, mission.flight.altitude, ground)
-        export(tours, flown, scenario, mission.origin, out)
+        ground, altitude = kept_terrain(folders["environment"]), mission.flight.altitude
+        profiles = {k: level(flight, altitude, ground) for k, flight in enumerate(fleet.flights) if flight.length > 0}
+        tours = tours_of(scenario.name, instance, routes, fleet.flights, profiles)
+        export(tours, flown, scenario, mission.origin, out, frame="amsl", vehicle=mission.vehicle)
     return _said(fleet.checks)
 
 

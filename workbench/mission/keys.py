@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import field, fields
 from typing import Any, TypeVar
 
@@ -71,6 +71,11 @@ def counts(default: list[int]) -> Any:
 def text(default: str | None) -> Any:
     """Return a key for a text that is not empty."""
     return _key(default, "a text", lambda v: isinstance(v, str) and v != "")
+
+
+def one_of(default: str, known: Collection[str]) -> Any:
+    """Return a key for one of the `known` texts."""
+    return _key(default, f"one of {', '.join(known)}", lambda v: isinstance(v, str) and v in known)
 
 
 def texts(default: list[str]) -> Any:

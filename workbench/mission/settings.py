@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from formulations.limits import LONGEST, MOST_THREADS
+from instances.formats.mavlink_items import FIRMWARE, KINDS, Vehicle
 from instances.geodesy import TangentPlane
 from instances.scenario import Scenario
 from workbench.mission import keys
@@ -107,6 +108,14 @@ class CompareSettings:
     seed: int = keys.seed()
 
 
+@dataclass(frozen=True)
+class ExportSettings:
+    """[export]: who flies the plans: firmware "px4" or "ardupilot", vehicle "fixed-wing" or "multirotor"."""
+
+    firmware: str = keys.one_of("px4", FIRMWARE)
+    vehicle: str = keys.one_of("fixed-wing", KINDS)
+
+
 @dataclass(frozen=True, eq=False)
 class Mission:
     """What a mission file says. `folder` is where its files are; `table` is the file as read."""
@@ -123,11 +132,17 @@ class Mission:
     sensing: SensingSettings
     map: MapSettings
     compare: CompareSettings
+    export: ExportSettings
 
     @property
     def speed(self) -> float:
         """Flying speed v [m/s]."""
         return self.scenario.airspeed if self.flight.speed is None else self.flight.speed
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """What the plans are written for."""
+        return Vehicle(self.export.firmware, self.export.vehicle)
 
     @property
     def clearance(self) -> float:
@@ -144,5 +159,6 @@ TABLES: dict[str, type[Any]] = {
     "sensing": SensingSettings,
     "map": MapSettings,
     "compare": CompareSettings,
+    "export": ExportSettings,
 }
 """Table of a mission file → what it may hold."""

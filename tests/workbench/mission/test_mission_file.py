@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from instances.errors import InputError
+from instances.formats.mavlink_items import Vehicle
 from workbench.mission.file import mission_of, read_mission, shipped_mission
 
 TABLE = {
@@ -39,6 +40,12 @@ def test_speed_is_the_airspeed_and_clearance_two_radii_unless_given() -> None:
     assert (mission.speed, mission.clearance) == (30.0, 5)
 
 
+def test_plans_are_for_px4_and_a_fixed_wing_unless_said() -> None:
+    assert mission_of(TABLE, Path(), "m").vehicle == Vehicle("px4", "fixed-wing")
+    said = {"firmware": "ardupilot", "vehicle": "multirotor"}
+    assert mission_of(changed(export=said), Path(), "m").vehicle == Vehicle("ardupilot", "multirotor")
+
+
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
@@ -60,6 +67,8 @@ def test_speed_is_the_airspeed_and_clearance_two_radii_unless_given() -> None:
         ({"flight": {"turning_radius": 0.05}}, r"turning_radius = 0\.05 m at 100 m/s would need .* g: lengths are in"),
         ({"flight": {"turning_radius": 3000}}, r"turning_radius = 3000 m is more than a quarter of the region"),
         ({"field": {"model": "difraction"}}, r"field\.model: unknown 'difraction'; did you mean 'diffraction'\?"),
+        ({"export": {"firmware": "cleanflight"}}, r"export\.firmware must be one of px4, ardupilot, got 'cleanflight'"),
+        ({"export": {"vehicle": 1}}, r"export\.vehicle must be one of fixed-wing, multirotor, got 1"),
         ({"tasks": 1}, r"more UAVs \(2 depots\) than tasks \(1\)"),
         ({"depots": [[-5, 0], [1, 1]]}, r"depots\[0\] = \[-5\.0, 0\.0\] lies outside the region or in a no-fly zone"),
         ({"origin": [36.0]}, r"origin must be \[latitude, longitude\] in degrees"),

@@ -1,0 +1,40 @@
+"""Exported tours: their waypoints keep an autopilot that climbs evenly on the track."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from formulations.mapping.flight import plan_flight
+from instances.environment.terrain import Terrain
+from workbench.mission.export import STRAY, Profile, level, tour_of
+
+STOPS = np.array([[0.0, 0.0], [4000.0, 0.0], [4000.0, 3000.0]])
+FLIGHT = plan_flight([np.array([STOPS[k], STOPS[(k + 1) % 3]]) for k in range(3)], radius=50.0)
+TASKS = {7: STOPS[1], 2: STOPS[2]}
+
+
+def test_a_level_tour_has_a_waypoint_a_leg_and_the_ground_below() -> None:
+    slope = Terrain((-1000.0, -1000.0), (6000.0, 6000.0), np.array([[0.0, 600.0], [0.0, 600.0]]))
+    tour = tour_of("a", FLIGHT, level(FLIGHT, 900.0, slope), TASKS)
+    np.testing.assert_allclose(tour.points, FLIGHT.starts[:, :2], atol=1e-6)
+    assert set(tour.heights) == {900.0}
+    assert tour.ground is not None
+    np.testing.assert_allclose(tour.ground, 100.0 + 0.1 * tour.points[:, 0], atol=0.5)
+    for task, place in TASKS.items():
+        np.testing.assert_allclose(tour.points[tour.tasks.index(task)], place, atol=0.2)
+
+
+def test_ground_that_is_not_known_stays_so() -> None:
+    assert tour_of("a", FLIGHT, level(FLIGHT, 900.0, None), TASKS).ground is None
+
+
+def test_waypoints_follow_a_track_over_a_hill() -> None:
+    s = np.arange(0.0, FLIGHT.length, 5.0)
+    track = 300.0 + 200.0 * np.exp(-(((s - 2000.0) / 500.0) ** 2))
+    tour = tour_of("a", FLIGHT, Profile(s, track, None), TASKS)
+    assert len(FLIGHT.starts) < len(tour.points) < 60
+    poses = FLIGHT.poses(s)[:, :2]
+    travelled = s[[int(np.argmin(np.hypot(*(poses - point).T))) for point in tour.points[1:]]]
+    evenly = np.interp(s, [0.0, *travelled, FLIGHT.length], [*tour.heights, tour.heights[0]])
+    assert np.abs(evenly - track).max() < STRAY + 2.0  # places are found on the track to 5 m
+    assert sorted(task for task in tour.tasks if task is not None) == [2, 7]

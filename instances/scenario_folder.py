@@ -22,10 +22,15 @@ from instances.toml_text import toml_text
 
 
 def keep_scenario(scenario: Scenario, folder: Path) -> None:
-    """Write ``scenario.toml`` into `folder`; a gridded wind goes beside it as ``wind.nc``."""
+    """Write ``scenario.toml`` into `folder`; beside it a gridded wind as ``wind.nc``, polygons as ``.json``."""
     path = folder / "scenario.toml"
     grid = scenario.wind if isinstance(scenario.wind, Grid) else None
     write_scenario(scenario if grid is None else replace(scenario, wind=None), path)
+    table = read_toml(path)
+    for key in ("region", "no_fly"):  # in metres, which are no GeoJSON to those who read the folder
+        if key in table:
+            given = folder / table[key]
+            table[key] = given.rename(given.with_suffix(".json")).name
     if grid is not None:
         x, y = node_axes(grid.origin, grid.spacing, grid.u.shape)
         components = {
@@ -33,8 +38,8 @@ def keep_scenario(scenario: Scenario, folder: Path) -> None:
             for name, values, standard in (("u", grid.u, "x_wind"), ("v", grid.v, "y_wind"))
         }
         write_grids(folder / "wind.nc", {"x": x, "y": y}, components)
-        table = read_toml(path)
-        write_aside(path, toml_text(table | {"wind": {"kind": "grid", "file": "wind.nc"}}))
+        table["wind"] = {"kind": "grid", "file": "wind.nc"}
+    write_aside(path, toml_text(table))
 
 
 def kept_scenario(folder: Path) -> Scenario:

@@ -19,6 +19,7 @@ FILES = (
     ("flight", "uav-*.kml", "KML: Google Earth"),
     ("flight", "uav-*.geojson", "GeoJSON, tours: QGIS"),
     ("flight", "flown.geojson", "GeoJSON, flown tracks: QGIS"),
+    ("flight", "area.geojson", "GeoJSON, region and no-fly zones: QGIS"),
     ("place", "tasks.geojson", "GeoJSON, tasks: QGIS"),
     ("map", "*.tif", "GeoTIFF, the last map and the field: QGIS"),
     ("map", "maps.nc", "NetCDF, the maps over time: QGIS, xarray"),

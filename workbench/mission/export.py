@@ -1,7 +1,8 @@
 """What the flight stage writes for other software, where the mission has an origin: all in WGS 84.
 
-Products: uav-K.plan, .waypoints, .kml and .geojson of each tour, flown.geojson of the flown tracks, exports.json (what
-the heights of each tour start from). A mission in local metres alone has none of them.
+Products: uav-K.plan, .waypoints, .kml and .geojson of each tour, flown.geojson of the flown tracks, area.geojson of the
+region and the no-fly zones, exports.json (what the heights of each tour start from). A mission in local metres alone
+has none of them.
 """
 
 from __future__ import annotations
@@ -114,3 +115,5 @@ def export(
     write_aside(out / "exports.json", json.dumps({"heights": said}, indent=1))
     tracks = ((LineString(track[["x", "y"]].to_numpy()), {"uav": int(str(k))}) for k, track in flown.groupby("uav"))
     write_features(tracks, plane, out / "flown.geojson")
+    area = [(region, {"kind": "region"}), *((zone, {"kind": "no-fly"}) for zone in no_fly)]
+    write_features(area, plane, out / "area.geojson")

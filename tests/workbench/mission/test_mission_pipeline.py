@@ -174,12 +174,14 @@ def test_ground_control_files_hold_the_tour(made: Path) -> None:
     assert "home is put at 0 m" in (made / "report.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("file", ["2-place/tasks.geojson", "5-flight/flown.geojson", "5-flight/uav-0.geojson"])
-def test_geojson_of_a_mission_is_in_degrees(made: Path, file: str) -> None:
-    features = FeatureCollection.model_validate_json((made / file).read_text()).features
-    places = np.vstack([shapely.get_coordinates(shapely.geometry.shape(f.geometry.model_dump())) for f in features])
+def test_every_geojson_of_a_mission_is_in_degrees(made: Path) -> None:
     low, high = TangentPlane(47.0, 8.0).geographic([[-500.0, -500.0], [6500.0, 5500.0]])[:, ::-1]
-    assert ((low < places) & (places < high)).all()
+    files = {path.relative_to(made).as_posix(): path for path in made.rglob("*.geojson")}
+    assert {"2-place/tasks.geojson", "5-flight/area.geojson", "5-flight/flown.geojson"} < set(files)
+    for path in files.values():
+        features = FeatureCollection.model_validate_json(path.read_text()).features
+        places = shapely.get_coordinates([shapely.geometry.shape(f.geometry.model_dump()) for f in features])
+        assert ((low < places) & (places < high)).all()
 
 
 @pytest.mark.parametrize("file", ["estimate.tif", "uncertainty.tif", "field.tif", "maps.nc"])

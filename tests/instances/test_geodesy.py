@@ -10,7 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from instances.errors import InputError
-from instances.geodesy import E2, A, TangentPlane
+from instances.geodesy import FLATTENING, A, TangentPlane
+
+E2 = FLATTENING * (2 - FLATTENING)
 
 
 def test_the_origin_is_the_origin() -> None:
@@ -52,6 +54,21 @@ def test_there_and_back(latitude: float, longitude: float, x: float, y: float) -
     way = foot - origin
     way = way - vertical * (up @ way) / (up @ vertical)  # up the point's own vertical, into the plane
     np.testing.assert_allclose([east @ way, np.cross(up, east) @ way], [x, y], atol=1e-4)
+
+
+def test_degrees_are_those_of_bowrings_formula_to_a_millimetre() -> None:
+    plane = TangentPlane(47.0, 8.0)
+    f, g = math.radians(plane.latitude), math.radians(plane.longitude)
+    centre, _ = on_ellipsoid(f, g)
+    east = np.array([-math.sin(g), math.cos(g), 0.0])
+    north = np.array([-math.sin(f) * math.cos(g), -math.sin(f) * math.sin(g), math.cos(f)])
+    points = np.random.default_rng(0).uniform(-20e3, 20e3, (50, 2))
+    X, Y, Z = (centre + points[:, :1] * east + points[:, 1:] * north).T
+    across, b = np.hypot(X, Y), A * (1 - FLATTENING)
+    reduced = np.arctan2(Z * A, across * b)
+    latitude = np.arctan2(Z + E2 / (1 - E2) * b * np.sin(reduced) ** 3, across - E2 * A * np.cos(reduced) ** 3)
+    expected = np.degrees(np.column_stack([latitude, np.arctan2(Y, X)]))
+    np.testing.assert_allclose(plane.geographic(points), expected, rtol=0, atol=1e-3 / 111e3)
 
 
 @pytest.mark.parametrize("origin", [(128.0, 36.0), (0.0, 200.0), (float("nan"), 0.0)])

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from instances.arrays import Floats
 from instances.errors import InputError, shown
 
@@ -18,7 +20,7 @@ class Tour:
 
     name; points (k, 2) [m], the first the depot, to which it returns; tasks (k,), which of the points are tasks, as
     task numbers, None for others; heights (k,) [m above mean sea level]; speed [m/s]; ground (k,) [m above mean sea
-    level] below each point, None where it is not known.
+    level] below each point, None where it is not known. InputError where a point is not above its ground.
     """
 
     name: str
@@ -27,6 +29,16 @@ class Tour:
     heights: Floats
     speed: float
     ground: Floats | None = None
+
+    def __post_init__(self) -> None:
+        if self.ground is None:
+            return
+        lowest = int(np.argmin(self.heights - self.ground))
+        height, ground = float(self.heights[lowest]), float(self.ground[lowest])
+        if height <= ground:
+            raise InputError(
+                f"{self.name}: waypoint {lowest} at {height:.0f} m is not above the ground, which is at {ground:.0f} m"
+            )
 
     @property
     def home(self) -> float:

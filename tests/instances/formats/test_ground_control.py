@@ -170,6 +170,11 @@ def test_heights_above_unknown_ground_are_refused(tmp_path: Path, ending: str) -
     assert not list(tmp_path.iterdir())
 
 
+def test_a_tour_through_a_mountain_is_refused() -> None:
+    with pytest.raises(InputError, match="a: waypoint 2 at 300 m is not above the ground, which is at 650 m"):
+        Tour("a", POINTS, TASKS, np.array([500.0, 600.0, 300.0]), 25.0, GROUND)
+
+
 def test_what_is_no_frame_firmware_or_vehicle(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="frame must be one of amsl, above-home, above-ground, got 'agl'"):
         write_tour(TOUR, PLANE, tmp_path / "t.plan", frame="agl")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -12,8 +13,10 @@ from matplotlib.image import imread
 from shapely.geometry import Polygon
 
 from instances.environment.region import Region
+from instances.errors import InputError
 from reports.figures.map import draw_judged, draw_stages
 from reports.figures.mission import draw_comparison, draw_progress
+from reports.pages.exported import exported
 from reports.pages.mission import _picture, verdict
 from reports.products import Maps
 
@@ -84,3 +87,20 @@ def test_curves_of_a_single_tick() -> None:
     assert len(draw_progress(ticks, "dBm").figure.axes) == 4
     table = pd.DataFrame({"name": ["mission"], "draw": [0], "length": [1e3], "samples": [3]})
     assert len(draw_comparison(ticks, table, "dBm").figure.axes) == 2
+
+
+def test_files_of_a_mission_are_linked_and_their_names_escaped(tmp_path: Path) -> None:
+    folders = {stage: tmp_path / f"{stage}" for stage in ("place", "flight", "map")}
+    for folder in folders.values():
+        folder.mkdir()
+    assert "Without an origin" in str(exported(folders)[0])
+    (folders["flight"] / 'uav-"><b>.plan').write_text("{}")
+    (folders["map"] / "field.tif").write_text("")
+    (folders["flight"] / "exports.json").write_text('{"heights": {"UAV 0": "home <is> at 0 m"}}')
+    links, heights = exported(folders)
+    assert '<a href="map/field.tif">field.tif</a>' in links
+    assert '"><b>' not in links
+    assert heights == "UAV 0: home <is> at 0 m"
+    (folders["flight"] / "exports.json").write_text('{"heights": 1}')
+    with pytest.raises(InputError, match=r"exports\.json: does not describe exports"):
+        exported(folders)

@@ -61,8 +61,8 @@ class Item:
 def mission_items(tour: Tour, positions: Floats, frame: str, vehicle: Vehicle) -> list[Item]:
     """Return the items of `tour`, whose `positions` (k, 2) are latitudes and longitudes, heights in `frame`.
 
-    A fixed wing returns to launch, a multirotor lands at home. A fixed wing is told its airspeed, a multirotor its
-    ground speed.
+    A fixed wing takes off towards the next waypoint (PX4 climbs in the direction of the item's place), is told its
+    airspeed and returns to launch; a multirotor takes off over home, is told its ground speed and lands at home.
     """
     home, *rest = [(lat, lon) for lat, lon in positions.tolist()]
     back, *waypoints = _waypoints(tour, [home, *rest], frame, vehicle)
@@ -73,18 +73,19 @@ def mission_items(tour: Tour, positions: Floats, frame: str, vehicle: Vehicle) -
         if winged
         else Item(LAND, ABOVE_HOME, (0.0, 0.0, 0.0, None), home, 0.0)
     )
-    return [_take_off(tour, home, frame, winged), speed, *waypoints, back, end]
+    towards = rest[0] if winged and rest else home
+    return [_take_off(tour, towards, frame, winged), speed, *waypoints, back, end]
 
 
-def _take_off(tour: Tour, home: tuple[float, float], frame: str, winged: bool) -> Item:
+def _take_off(tour: Tour, place: tuple[float, float], frame: str, winged: bool) -> Item:
     """Return the take-off to the tour's first height, above home.
 
     Where the ground is not known, a height above sea level cannot be one above home and stays what it is.
     """
     params = (CLIMB_PITCH if winged else 0.0, 0.0, 0.0, None)
     if tour.ground is None and frame == "amsl":
-        return Item(TAKE_OFF, AMSL, params, home, float(tour.heights[0]))
-    return Item(TAKE_OFF, ABOVE_HOME, params, home, float(tour.heights[0]) - tour.home)
+        return Item(TAKE_OFF, AMSL, params, place, float(tour.heights[0]))
+    return Item(TAKE_OFF, ABOVE_HOME, params, place, float(tour.heights[0]) - tour.home)
 
 
 def _waypoints(tour: Tour, places: list[tuple[float, float]], frame: str, vehicle: Vehicle) -> list[Item]:

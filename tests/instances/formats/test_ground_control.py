@@ -66,6 +66,8 @@ def test_a_plan_takes_off_sets_the_speed_flies_and_comes_home(
     assert mission["plannedHomePosition"] == pytest.approx([*POSITIONS[0], 400.0])
     take_off, speed, *waypoints, _ = items
     assert (take_off["frame"], take_off["params"][6]) == (3, 120.0)
+    towards = POSITIONS[1 if kind == "fixed-wing" else 0]
+    assert take_off["params"][4:6] == pytest.approx(towards.tolist(), abs=1e-8)
     assert (speed["frame"], speed["params"][:2]) == (2, [0.0 if kind == "fixed-wing" else 1.0, 25.0])
     order = [1, 2, 0]
     for item, k in zip(waypoints, order, strict=True):

@@ -52,7 +52,7 @@ def write_tour(
             text = waypoints(tour, positions[0], items, vehicle)
         else:
             fences = fence(plane, region, no_fly, DIGITS)
-            text = json.dumps(plan(tour, positions[0], items, vehicle, fences), indent=1)
+            text = json.dumps(plan(tour, positions[0], items, tour.climb(frame), vehicle, fences), indent=1)
     write_aside(path, text)
 
 

@@ -78,14 +78,12 @@ def mission_items(tour: Tour, positions: Floats, frame: str, vehicle: Vehicle) -
 
 
 def _take_off(tour: Tour, place: tuple[float, float], frame: str, winged: bool) -> Item:
-    """Return the take-off to the tour's first height, above home.
-
-    Where the ground is not known, a height above sea level cannot be one above home and stays what it is.
-    """
+    """Return the take-off to the tour's first height: above home, or above sea level where no more is known."""
     params = (CLIMB_PITCH if winged else 0.0, 0.0, 0.0, None)
-    if tour.ground is None and frame == "amsl":
+    climb = tour.climb(frame)
+    if climb is None:
         return Item(TAKE_OFF, AMSL, params, place, float(tour.heights[0]))
-    return Item(TAKE_OFF, ABOVE_HOME, params, place, float(tour.heights[0]) - tour.home)
+    return Item(TAKE_OFF, ABOVE_HOME, params, place, climb)
 
 
 def _waypoints(tour: Tour, places: list[tuple[float, float]], frame: str, vehicle: Vehicle) -> list[Item]:

@@ -25,8 +25,13 @@ MIXED, RELATIVE, ABSOLUTE, CALCULATED, TERRAIN = range(5)
 MODE = {AMSL: ABSOLUTE, ABOVE_HOME: RELATIVE, ABOVE_GROUND: TERRAIN}
 
 
-def plan(tour: Tour, home: Floats, items: Sequence[Item], vehicle: Vehicle, fence: dict[str, Any]) -> dict[str, Any]:
-    """Return the plan of `tour` from `home` (latitude, longitude), a rally point at its first height above it."""
+def plan(
+    tour: Tour, home: Floats, items: Sequence[Item], climb: float | None, vehicle: Vehicle, fence: dict[str, Any]
+) -> dict[str, Any]:
+    """Return the plan of `tour` from `home` (latitude, longitude).
+
+    climb : height of the rally point over home [m]; None: none is written, and a vehicle that returns comes home.
+    """
     written = [_item(number, item) for number, item in enumerate(items, 1)]
     modes = {item["AltitudeMode"] for item in written if "AltitudeMode" in item}
     return {
@@ -34,7 +39,7 @@ def plan(tour: Tour, home: Floats, items: Sequence[Item], vehicle: Vehicle, fenc
         "version": 1,
         "groundStation": "QGroundControl",
         "geoFence": fence,
-        "rallyPoints": {"version": 2, "points": [[*home.tolist(), float(tour.heights[0]) - tour.home]]},
+        "rallyPoints": {"version": 2, "points": [] if climb is None else [[*home.tolist(), climb]]},
         "mission": {
             "version": 2,
             "firmwareType": FIRMWARE[vehicle.firmware],

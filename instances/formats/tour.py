@@ -45,6 +45,12 @@ class Tour:
         """Height of the ground at the depot [m above mean sea level]; 0 where it is not known."""
         return 0.0 if self.ground is None else float(self.ground[0])
 
+    def climb(self, frame: str) -> float | None:
+        """Return the first height above home [m]; None where it is not known: above sea level, ground unknown."""
+        if self.ground is None and frame == "amsl":
+            return None
+        return float(self.heights[0]) - self.home
+
     def heights_in(self, frame: str) -> Floats:
         """Return the heights (k,) [m] in one of FRAMES; InputError for another, or where they need unknown ground."""
         if frame not in FRAMES:

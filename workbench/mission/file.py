@@ -1,7 +1,7 @@
 """Mission file: a scenario, what is measured, and the settings of each stage. TOML, SI units, every key checked.
 
     scenario = "file.toml"       # or the scenario's own keys here: airspeed, size, depots, tasks, [wind], [radio] …
-    origin = [lat, lon]          # of the point (0, 0) [degrees], for ground-control files
+    origin = [lat, lon]          # of the point (0, 0) [degrees], for files in WGS 84
     [field] [place] [costs] [routes] [flight] [sensing] [map] [compare] [export]    # the classes of `settings`
 
 Files are relative to the mission file.

@@ -112,6 +112,8 @@ def test_fences_keep_inside_the_region_and_outside_zones_and_holes(tmp_path: Pat
 def test_the_rally_point_is_over_the_depot_above_home(tmp_path: Path) -> None:
     (rally,) = plan(tmp_path)["rallyPoints"]["points"]
     assert rally == pytest.approx([*POSITIONS[0], 120.0])
+    assert plan(tmp_path, BLIND)["rallyPoints"]["points"] == []  # how high above home is not known
+    assert plan(tmp_path, BLIND, frame="above-home")["rallyPoints"]["points"][0][2] == 3000.0
 
 
 @pytest.mark.parametrize("frame", FRAMES)

@@ -324,3 +324,14 @@ def test_stages_that_other_code_made_are_made_again(mission_file: Path, copied: 
     (copied / "4-routes" / "stamp.json").write_text(json.dumps(stamp | {"code": "0" * 12}))
     assert again(mission_file, copied)[0] == "routes"
     assert again(mission_file, copied) == []
+
+
+def test_without_the_extra_geo_a_mission_says_that_it_writes_no_geotiff(
+    mission_file: Path, copied: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("workbench.mission.map.find_spec", lambda _: None)
+    told: list[str] = []
+    run_mission(read_mission(mission_file), copied, force_from="map", only="map", tell=told.append)
+    assert "map: no GeoTIFFs: they need the extra 'geo'" in told
+    assert {"maps.nc", "map.csv"} <= {path.name for path in (copied / "6-map").iterdir()}
+    assert not list((copied / "6-map").glob("*.tif"))

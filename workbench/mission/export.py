@@ -30,7 +30,7 @@ from instances.geodesy import TangentPlane
 from instances.scenario import Scenario
 
 STRAY = 2.0
-"""An autopilot climbs evenly from waypoint to waypoint; waypoints keep it within so many metres of the track."""
+"""An autopilot climbs evenly from waypoint to waypoint; waypoints keep it at most so many metres above the track."""
 STEP = 10.0
 """Distance between the heights of a level track [m]."""
 
@@ -76,6 +76,9 @@ def tour_of(name: str, flight: Flight, profile: Profile, tasks: Mapping[int, Flo
     for task, place in tasks.items():
         numbers[int(np.argmin(np.hypot(*(points - place).T)))] = task
     heights = np.interp(travelled, profile.travelled, profile.track)
+    heights[0] = max(heights[0], profile.track[-1])  # it comes back to its first waypoint
+    evenly = np.interp(profile.travelled, [*travelled, flight.length], [*heights, heights[0]])
+    heights += max(0.0, float((profile.track - evenly).max()))  # never below the track
     ground = None if profile.ground is None else np.interp(travelled, profile.travelled, profile.ground)
     return Tour(name, points, numbers, heights, flight.speed, ground)
 
@@ -88,7 +91,7 @@ def _waypoints(flight: Flight, profile: Profile) -> Floats:
         inside = profile.travelled[(profile.travelled > begin) & (profile.travelled < end)]
         s = np.concatenate([[begin], inside, [end]])
         heights = np.interp(s, profile.travelled, profile.track)
-        kept += [at for at, _ in LineString(np.column_stack([s, heights])).simplify(STRAY).coords][:-1]
+        kept += [at for at, _ in LineString(np.column_stack([s, heights])).simplify(0.5 * STRAY).coords][:-1]
     return np.array(kept)
 
 

@@ -190,6 +190,8 @@ FLIGHT = [
     Column("deviation", "Off the reference at most", "m", numbers.fixed(0)),
     Column("closure", "End to start", "m", numbers.fixed(3)),
     Column("in_no_fly", "Inside no-fly zones", "m", numbers.fixed(0), "must be 0", wrong),
+    Column("outside", "Outside the region", "m", numbers.fixed(0), "must be 0", wrong),
+    Column("margin", "Nearest to border or zones", "m", numbers.fixed(1), "at least flight.border_clearance"),
 ]
 """Of a mission's ``flight-check.csv``, a row a UAV."""
 

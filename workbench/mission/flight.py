@@ -28,6 +28,7 @@ from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
 from workbench.mission.export import export, level, tours_of
 from workbench.mission.place import zones_of
+from workbench.mission.safety import refuse_beyond_borders
 from workbench.mission.settings import Mission
 
 TRACK_STEP = 0.2
@@ -65,6 +66,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     instance, paths = kept_costs(folders["costs"])
     routes = read_routes(folders["routes"] / "routes.sol", instance)
     fleet = fly(mission, scenario, instance, paths, routes)
+    refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
     longest = max(flight.duration for flight in fleet.flights)
     if mission.sensing.period > longest:
         raise InputError(
@@ -104,7 +106,8 @@ def fly(mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, 
             raise InputError(f"flight.speed = {mission.speed:g} m/s: a tour would last {flight.duration:.3g} s")
         flights.append(flight)
         legs.append(reference)
-        checks.append(check_flight(flight, reference, instance.coordinates[list(route)], zones_of(scenario)))
+        tasks = instance.coordinates[list(route)]
+        checks.append(check_flight(flight, reference, tasks, scenario.region, zones_of(scenario)))
     return Fleet(flights, legs, checks)
 
 
@@ -133,12 +136,11 @@ def _reference_frame(legs: list[list[Floats]]) -> pd.DataFrame:
 def _said(checks: list[FlightCheck]) -> str:
     flying = [check for check in checks if check.length > 0]
     total = sum(check.length for check in flying)
-    inside = sum(check.in_no_fly for check in flying)
-    zones = f"; {inside:.0f} m INSIDE no-fly zones" if inside > 0 else ""
+    near = max(0.0, min(check.margin for check in flying))
     return (
         f"{len(flying)} tours, {total / 1e3:.1f} km in all, the longest {max(c.length for c in flying) / 1e3:.1f} km; "
         f"every task passed within {max(c.task_distance for c in flying):.2g} m, turns of at least "
-        f"{min(c.least_radius for c in flying):.1f} m{zones}"
+        f"{min(c.least_radius for c in flying):.1f} m, at least {near:.1f} m from borders"
     )
 
 

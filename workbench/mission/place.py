@@ -46,6 +46,12 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         return f"{scenario.n_tasks} tasks were given"
     tell(f"placing {scenario.n_tasks} tasks by {mission.place.method}")
     found = place_tasks(mission, region, scenario.n_tasks, mission.place.method, mission.place.options)
+    inner = kept_off(region, scenario.region, mission.clearance)
+    if inner is not None and not inner.contains(found.points).all():
+        tell(f"tasks nearer than {mission.clearance:g} m to the border leave no room for turns: placing them inside")
+        found = place_tasks(
+            mission, region, scenario.n_tasks, mission.place.method, mission.place.options, within=inner
+        )
     if mission.place.certificate:
         bound = certificate(criterion_of(mission, region).under(Convention.BOTH_NOISY), region, scenario.n_tasks)
         found = replace(found, certificate=bound.bound)
@@ -64,16 +70,27 @@ def widened(scenario: Scenario, clearance: float) -> Scenario:
         raise InputError(f"{error} (no-fly zones are widened by costs.clearance = {clearance:g} m)") from None
 
 
+def kept_off(region: Region, whole: Region, distance: float) -> Region | None:
+    """Return what of `region` lies at least `distance` [m] from the border of `whole`; None where not in one piece."""
+    inner = region.polygon.intersection(Polygon(whole.polygon.exterior).buffer(-distance))
+    return Region(inner) if isinstance(inner, Polygon) and inner.area > 0 else None
+
+
 def zones_of(scenario: Scenario) -> list[Polygon]:
     """Return where must not be flown: the no-fly zones and the holes of the region."""
     return [*scenario.no_fly, *(Polygon(ring) for ring in scenario.region.polygon.interiors)]
 
 
-def place_tasks(mission: Mission, region: Region, count: int, method: str, options: dict[str, Any]) -> Placement:
-    """Return `count` tasks in `region` placed by `method` under the mission's planning kernel."""
+def place_tasks(
+    mission: Mission, region: Region, count: int, method: str, options: dict[str, Any], within: Region | None = None
+) -> Placement:
+    """Return `count` tasks in `within` placed by `method` to learn of `region` under the mission's planning kernel.
+
+    `within` is all of `region` unless given.
+    """
     if method not in METHODS.built_in:
-        return placement_by(mission.place, region, count, method, options)
-    problem = PlacementProblem(region, criterion_of(mission, region), count)
+        return placement_by(mission.place, within or region, count, method, options)
+    problem = PlacementProblem(within or region, criterion_of(mission, region), count)
     return place(problem, METHODS.make(method, options), method, seed=mission.place.seed)
 
 

@@ -48,7 +48,10 @@ class PlaceSettings:
 
 @dataclass(frozen=True)
 class CostSettings:
-    """[costs]: sub-problem 2. clearance [m]: no-fly zones are widened by it; twice the turning radius unless given."""
+    """[costs]: sub-problem 2. clearance [m]: room for turns, twice the turning radius unless given.
+
+    No-fly zones are widened by it for planning, and tasks placed as far from the region's border.
+    """
 
     method: str = keys.text("refined")
     options: dict[str, Any] = keys.options()
@@ -68,11 +71,15 @@ class RouteSettings:
 
 @dataclass(frozen=True)
 class FlightSettings:
-    """[flight]: Dubins at speed v [m/s] (the airspeed unless given), turning_radius r_min [m], altitude [m]."""
+    """[flight]: Dubins at speed v [m/s] (the airspeed unless given), turning_radius r_min [m], altitude [m].
+
+    border_clearance [m]: flown tracks keep at least so far from the region's border and from no-fly zones.
+    """
 
     speed: float | None = keys.positive(None, "m/s")
     turning_radius: float = keys.positive(50.0, "m")
     altitude: float = keys.not_negative(3000.0, "m")
+    border_clearance: float = keys.not_negative(0.0, "m")
 
 
 @dataclass(frozen=True)
@@ -146,8 +153,9 @@ class Mission:
 
     @property
     def clearance(self) -> float:
-        """How far no-fly zones are widened for planning [m]."""
-        return 2 * self.flight.turning_radius if self.costs.clearance is None else self.costs.clearance
+        """How far planning keeps off borders [m]: room for turns beside the clearance that flown tracks keep."""
+        turns = 2 * self.flight.turning_radius if self.costs.clearance is None else self.costs.clearance
+        return turns + self.flight.border_clearance
 
 
 TABLES: dict[str, type[Any]] = {

@@ -192,6 +192,10 @@ FLIGHT = [
     Column("in_no_fly", "Inside no-fly zones", "m", numbers.fixed(0), "must be 0", wrong),
     Column("outside", "Outside the region", "m", numbers.fixed(0), "must be 0", wrong),
     Column("margin", "Nearest to border or zones", "m", numbers.fixed(1), "at least flight.border_clearance"),
+    Column("clearance", "Least height above the ground", "m", numbers.fixed(0), "at least flight.clearance"),
+    Column("home", "Ground at the depot", "m", numbers.fixed(0), "above mean sea level, for take-off and landing"),
+    Column("lowest", "Track from", "m", numbers.fixed(0), "above mean sea level"),
+    Column("highest", "to", "m", numbers.fixed(0), "above mean sea level"),
 ]
 """Of a mission's ``flight-check.csv``, a row a UAV."""
 

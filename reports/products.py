@@ -39,7 +39,7 @@ NUMBERS: dict[str, tuple[str, ...]] = {
     "flown.csv": ("uav", "time", "x", "y"),
     "flight-check.csv": (
         "uav", "length", "reference_length", "task_distance", "least_radius", "deviation", "closure", "in_no_fly",
-        "outside", "margin",
+        "outside", "margin", "clearance", "home", "lowest", "highest",
     ),
     "samples.csv": ("time", "x", "y"),
     "ticks.csv": ("time", "samples", "information", *_SCORES),

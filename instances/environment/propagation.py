@@ -78,14 +78,14 @@ def bullington(heights: Floats, step: float, transmitter: float, receiver: float
 @njit(cache=True)
 def _diffraction_map(
     ground: Floats, x0: float, y0: float, dx: float, dy: float,
-    ax: float, ay: float, mast: float, xs: Floats, ys: Floats, altitude: float, wavelength: float,
+    ax: float, ay: float, mast: float, xs: Floats, ys: Floats, altitude: Floats, wavelength: float,
 ) -> Floats:  # fmt: skip
     out = np.empty((len(ys), len(xs)))
     for j in range(len(ys)):
         for i in range(len(xs)):
             heights = profile(ground, x0, y0, dx, dy, ax, ay, xs[i], ys[j], min(dx, dy))
             step = math.hypot(xs[i] - ax, ys[j] - ay) / (len(heights) - 1)
-            out[j, i] = bullington(heights, step, mast, altitude, wavelength)
+            out[j, i] = bullington(heights, step, mast, altitude[j, i], wavelength)
     return out
 
 
@@ -117,13 +117,14 @@ def radio_map(
     terrain: Terrain | None = None,
     *,
     altitude: float = 3000.0,
+    above_ground: bool = False,
     model: Model = "diffraction",
     shadowing_sd: float = 4.0,
     decorrelation: float = 2000.0,
     seed: int = 0,
     cells: int = 200,
 ) -> RadioMap:
-    """Return the signal at `altitude` [m above sea level] over `bounds` (x0, y0, x1, y1) [m].
+    """Return the signal at `altitude` [m above sea level, or above the ground] over `bounds` (x0, y0, x1, y1) [m].
 
     terrain : the ground, flat at 0 m where None. shadowing_sd [dB], 0 for none; decorrelation [m]; cells : along the
     longer side. The Irregular Terrain Model's own median excess takes the place of the diffraction loss; add shadowing
@@ -139,18 +140,23 @@ def radio_map(
     ys = np.linspace(y0, y1, max(2, round((y1 - y0) / size)) + 1)
     ground = terrain or Terrain((x0, y0), (x1 - x0, y1 - y0), np.zeros((2, 2)))
     highest = float(ground.height.max())
-    if altitude <= highest:
+    if altitude <= 0.0 and above_ground:
+        raise InputError(f"radio map: the altitude above the ground must be positive, got {altitude:g} m")
+    if altitude <= highest and not above_ground:
         raise InputError(f"radio map: the altitude ({altitude:g} m) must be above the terrain (up to {highest:g} m)")
+    nodes = np.stack(np.meshgrid(xs, ys), axis=-1)
+    level = np.full(nodes.shape[:2], altitude)
+    receiver = level + ground(nodes).reshape(level.shape) if above_ground else level
     ax, ay = source.position
     mast = float(ground([[ax, ay]])[0]) + source.height
-    distance = np.sqrt(np.add.outer((ys - ay) ** 2, (xs - ax) ** 2) + (altitude - mast) ** 2)
+    distance = np.sqrt(np.add.outer((ys - ay) ** 2, (xs - ax) ** 2) + (receiver - mast) ** 2)
     sent = source.power_dbm + source.transmitter_gain_dbi + source.receiver_gain_dbi
     signal = sent - free_space_loss(distance, source.wavelength)
     if model == "diffraction":
         grid = (ground.height, *ground.origin, *ground.spacing)
-        signal -= _diffraction_map(*grid, ax, ay, mast, xs, ys, altitude, source.wavelength)
+        signal -= _diffraction_map(*grid, ax, ay, mast, xs, ys, receiver, source.wavelength)
     if model == "itm":
-        signal -= attenuation_map(ground, source.position, source.height, (xs, ys), altitude, source.frequency)
+        signal -= attenuation_map(ground, source.position, source.height, (xs, ys), receiver, source.frequency)
     if shadowing_sd > 0:
         signal += shadowing(
             (len(ys), len(xs)), (float(xs[1] - xs[0]), float(ys[1] - ys[0])), shadowing_sd, decorrelation, seed

@@ -20,7 +20,8 @@ def command(mission_file: Path | None, out: Path, stage: str | None, force_from:
     Without MISSION.toml, the paper's numerical example. Each stage keeps its products in its own folder below OUT and
     is skipped where they are up to date; the page is OUT/report.html.
 
-    A mission that would fly beyond the region's border or into a no-fly zone is refused (exit code 2).
+    A mission that would fly beyond the region's border, into a no-fly zone or nearer to the ground than
+    flight.clearance is refused (exit code 2).
 
     A method named module:Class is code: MISSION.toml can run whatever lies on Python's path, in a child process;
     --no-plugins refuses it.

@@ -11,6 +11,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from formulations.mapping.heights import Frame
 from instances.disk import read_toml, write_aside
 from instances.environment.propagation import radio_map
 from instances.environment.radio import RadioMap, RadioSource
@@ -18,6 +19,7 @@ from instances.environment.radio_files import read_field, write_field
 from instances.environment.terrain import Terrain, read_terrain
 from instances.environment.wind_terrain import TerrainWind
 from instances.errors import InputError
+from instances.extent import FINEST
 from instances.scenario import Scenario
 from instances.scenario_folder import keep_field, keep_scenario, keep_terrain
 from workbench.mission.settings import Mission
@@ -31,7 +33,7 @@ def settings(mission: Mission) -> dict[str, Any]:
     if "scenario" in table:  # a file that names files of its own
         scenario = mission.folder / table["scenario"]
         files |= referenced_files(read_toml(scenario), scenario.parent)
-    return {"table": table, "files": files, "field": asdict(mission.field), "altitude": mission.flight.altitude}
+    return {"table": table, "files": files, "field": asdict(mission.field), "altitude": asdict(mission.altitude)}
 
 
 LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "export", "origin")
@@ -41,21 +43,24 @@ LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "exp
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
     """Write the environment's products."""
     scenario = mission.scenario
-    wind, terrain = scenario.wind, terrain_of(scenario)
+    wind, terrain, ground = scenario.wind, terrain_of(scenario), ground_of(scenario)
+    if ground is not None:
+        refuse_part_of_region(ground, scenario.region.bounds)
     if isinstance(wind, TerrainWind):
         tell("solving the flow over the terrain")
         wind = wind.grid
     resolved = None if scenario.terrain is None else scenario.terrain.resolve()
     keep_scenario(replace(scenario, wind=wind, terrain=resolved), out)
-    if terrain is not None:
-        keep_terrain(terrain, out)
+    if ground is not None:
+        keep_terrain(ground, out)
     field = field_of(mission, terrain)
     keep_field(field, out)
     write_field(field, out / "field.csv")
     low, high = float(field.values.min()), float(field.values.max())
     facts = {"field": {"unit": field.unit, "least": low, "most": high, "sd": float(field.values.std())}}
     write_aside(out / "environment.json", json.dumps(facts, indent=1))
-    return f"field from {low:.1f} to {high:.1f} {field.unit}".rstrip()
+    said = f"field from {low:.1f} to {high:.1f} {field.unit}".rstrip()
+    return "; ".join([said, *differing_heights(mission)])
 
 
 def terrain_of(scenario: Scenario) -> Terrain | None:
@@ -65,6 +70,42 @@ def terrain_of(scenario: Scenario) -> Terrain | None:
     return scenario.wind.terrain if isinstance(scenario.wind, TerrainWind) else None
 
 
+def ground_of(scenario: Scenario) -> Terrain | None:
+    """Return the ground that flights are checked against: `terrain_of`, but every node of an elevation model.
+
+    The flow is solved on a coarser grid, which cuts peaks off.
+    """
+    wind = scenario.wind
+    if scenario.terrain is None and isinstance(wind, TerrainWind) and wind.dem is not None:
+        return read_terrain(wind.dem)
+    return terrain_of(scenario)
+
+
+def refuse_part_of_region(ground: Terrain, region: tuple[float, float, float, float]) -> None:
+    """Raise InputError where the ground is not known all over `region` (bounds [m]), half a cell aside."""
+    (x0, y0, x1, y1), (a0, b0, a1, b1) = region, ground.bounds
+    dx, dy = 0.5 * ground.spacing[0] + FINEST, 0.5 * ground.spacing[1] + FINEST
+    if x0 < a0 - dx or y0 < b0 - dy or x1 > a1 + dx or y1 > b1 + dy:
+        raise InputError(
+            f"terrain {ground.source} covers ({a0:g}, {b0:g}) to ({a1:g}, {b1:g}) m and not all of the region, "
+            f"({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m: the ground must be known wherever UAVs may fly"
+        )
+
+
+def differing_heights(mission: Mission) -> list[str]:
+    """Return a sentence for each product of this stage that holds at another height than the flight's."""
+    flown, wind = mission.altitude, mission.scenario.wind
+    said = []
+    if isinstance(wind, TerrainWind) and (flown.frame, flown.above) != (Frame.AMSL, wind.altitude):
+        said.append(
+            f"the wind is that at {wind.altitude:g} m above mean sea level, the flight at {flown.above:g} m "
+            f"{flown.frame.words}"
+        )
+    if mission.field.file is None and flown.frame is Frame.ABOVE_HOME and mission.scenario.n_depots > 1:
+        said.append("the signal is that above the mean height of the depots, each UAV flies above its own")
+    return said
+
+
 def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
     """Return the field that is measured; InputError where a file does not cover the region."""
     wanted, scenario = mission.field, mission.scenario
@@ -72,7 +113,12 @@ def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
         assert scenario.radio is not None
         source = RadioSource.from_table(scenario.radio)
         more = {key: value for key, value in asdict(wanted).items() if key != "file"}
-        return radio_map(source, scenario.region.bounds, terrain, altitude=mission.flight.altitude, **more)
+        flown = mission.altitude
+        altitude, above_ground = flown.above, flown.frame is Frame.ABOVE_GROUND
+        if flown.frame is Frame.ABOVE_HOME and terrain is not None:
+            altitude += float(terrain(scenario.depots).mean())
+        bounds = scenario.region.bounds
+        return radio_map(source, bounds, terrain, altitude=altitude, above_ground=above_ground, **more)
     field = read_field(mission.folder / wanted.file)
     (x0, y0, x1, y1), (a0, b0, a1, b1) = scenario.region.bounds, field.bounds
     # nodes may be cell centres: half a cell may be missing at the border

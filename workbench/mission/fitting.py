@@ -6,6 +6,7 @@ import os
 from collections.abc import Collection
 from typing import Any
 
+from formulations.mapping.heights import Frame
 from formulations.moving_cost.registry import METHODS as COST_METHODS
 from formulations.routing.registry import SOLVERS
 from formulations.task_location.criterion import convention
@@ -88,6 +89,16 @@ def _check_units(mission: Mission) -> None:
     if load > MOST_G:
         raise InputError(
             f"flight.turning_radius = {radius:g} m at {speed:g} m/s would need {load:.0f} g: lengths are in metres"
+        )
+    if mission.origin is not None and mission.altitude.frame is not Frame.AMSL:
+        raise InputError(
+            f'flight.frame = "{mission.altitude.frame}": ground-control files are written for heights above mean sea '
+            'level only; leave out origin or fly by flight.frame = "amsl"'
+        )
+    if mission.altitude.frame is Frame.ABOVE_GROUND and mission.flight.altitude < mission.flight.clearance:
+        raise InputError(
+            f"flight.altitude = {mission.flight.altitude:g} m above the ground is less than flight.clearance = "
+            f"{mission.flight.clearance:g} m"
         )
     if radius > size / 4:
         raise InputError(f"flight.turning_radius = {radius:g} m is more than a quarter of the region ({size:g} m)")

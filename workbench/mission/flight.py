@@ -1,13 +1,13 @@
 """Stage 5, flight: Dubins tours along the reference paths (sub-problem 4), checked, and exported for ground control.
 
-Products: flights.json, flown.csv (a pose every 0.2 s), reference.csv, flight-check.csv and, where the mission has an
-origin, what `workbench.mission.export` writes.
+Products: flights.json, flown.csv (a pose every 0.2 s, z above mean sea level), reference.csv, flight-check.csv and, where
+the mission has an origin, what `workbench.mission.export` writes.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -17,9 +17,11 @@ import pandas as pd
 
 from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.flight_check import FlightCheck, check_flight
+from formulations.mapping.heights import Heights, heights_of
 from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.disk import read_json, write_aside
+from instances.environment.terrain import Terrain
 from instances.errors import InputError
 from instances.files import read_routes
 from instances.paths import Paths
@@ -28,7 +30,7 @@ from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
 from workbench.mission.export import export, level, tours_of
 from workbench.mission.place import zones_of
-from workbench.mission.safety import refuse_beyond_borders
+from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground
 from workbench.mission.settings import Mission
 
 TRACK_STEP = 0.2
@@ -67,6 +69,9 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     routes = read_routes(folders["routes"] / "routes.sol", instance)
     fleet = fly(mission, scenario, instance, paths, routes)
     refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
+    ground = kept_terrain(folders["environment"])
+    heights = {k: heights_of(f, mission.altitude, ground) for k, f in enumerate(fleet.flights) if f.length > 0}
+    refuse_near_ground(mission, fleet.flights, heights)
     longest = max(flight.duration for flight in fleet.flights)
     if mission.sensing.period > longest:
         raise InputError(
@@ -81,16 +86,19 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         )
     write_aside(out / "flights.json", json.dumps([flight.to_json() for flight in fleet.flights]))
     flown = track_frame(fleet.flights)
-    write_aside(out / "flown.csv", flown.to_csv(index=False))
+    z = [heights[int(str(k))].at(track["time"] * mission.speed) for k, track in flown.groupby("uav")]
+    write_aside(out / "flown.csv", flown.assign(z=np.concatenate(z).round(2)).to_csv(index=False))
     write_aside(out / "reference.csv", _reference_frame(fleet.legs).to_csv(index=False))
-    checks = pd.DataFrame([{"uav": k, **asdict(check)} for k, check in enumerate(fleet.checks)])
+    checks = pd.DataFrame(
+        [{"uav": k, **asdict(check), **_height_columns(heights.get(k))} for k, check in enumerate(fleet.checks)]
+    )
     write_aside(out / "flight-check.csv", checks.to_csv(index=False))
     if mission.origin is not None:
-        ground, altitude = kept_terrain(folders["environment"]), mission.flight.altitude
+        altitude = mission.flight.altitude
         profiles = {k: level(flight, altitude, ground) for k, flight in enumerate(fleet.flights) if flight.length > 0}
         tours = tours_of(scenario.name, instance, routes, fleet.flights, profiles)
         export(tours, flown, scenario, mission.origin, out, frame="amsl", vehicle=mission.vehicle)
-    return _said(fleet.checks)
+    return f"{_said(fleet.checks)}; {_said_of_heights(heights, ground)}"
 
 
 def fly(mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, routes: Routes) -> Fleet:
@@ -142,6 +150,25 @@ def _said(checks: list[FlightCheck]) -> str:
         f"every task passed within {max(c.task_distance for c in flying):.2g} m, turns of at least "
         f"{min(c.least_radius for c in flying):.1f} m, at least {near:.1f} m from borders"
     )
+
+
+def _height_columns(heights: Heights | None) -> dict[str, float]:
+    """Return least height above the ground, ground at the depot, lowest and highest of the track; 0 at home."""
+    if heights is None:
+        return dict.fromkeys(("clearance", "home", "lowest", "highest"), 0.0)
+    return {
+        "clearance": heights.clearance,
+        "home": float(heights.ground[0]),
+        "lowest": float(heights.track.min()),
+        "highest": float(heights.track.max()),
+    }
+
+
+def _said_of_heights(heights: Mapping[int, Heights], ground: Terrain | None) -> str:
+    least = min(each.clearance for each in heights.values())
+    highest = max(float((each.track - each.ground).max()) for each in heights.values())
+    flat = ", taken as flat at 0 m above mean sea level: no terrain is given" if ground is None else ""
+    return f"{least:.0f} to {highest:.0f} m above the ground{flat}"
 
 
 def kept_flights(folder: Path) -> list[Flight]:

@@ -1,16 +1,21 @@
-"""Safety: flights that leave the region or enter a no-fly zone are refused, before anything is written of them."""
+"""Safety: flights that leave the region, enter a no-fly zone or come too near to the ground are refused.
+
+That is before anything of them is written.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from formulations.mapping.flight import Flight
 from formulations.mapping.flight_check import RESOLUTION, Margin, margin
+from formulations.mapping.heights import Frame, Heights
 from instances import Instance, Routes
 from instances.environment.region import Region
 from instances.errors import InputError
+from instances.extent import LEAST
 from instances.scenario import Scenario
 from workbench.mission.place import zones_of
 from workbench.mission.settings import Mission
@@ -59,3 +64,29 @@ def _too_near(mission: Mission, scenario: Scenario, instance: Instance, stops: d
         f": {list(stops)[nearest]} at [{x:.1f}, {y:.1f}] stands {max(0.0, room[nearest]):.1f} m from it, and a turn of "
         f"flight.turning_radius = {mission.flight.turning_radius:g} m takes up to {turn:g} m"
     )
+
+
+def refuse_near_ground(mission: Mission, flights: Sequence[Flight], heights: Mapping[int, Heights]) -> None:
+    """Raise InputError where the track of a UAV (its number → heights) is nearer to the ground than flight.clearance.
+
+    The sentence names the UAV, the worst place and by how much.
+    """
+    wanted = mission.flight.clearance
+    for uav, found in heights.items():
+        if found.clearance >= wanted - LEAST:
+            continue
+        k = found.nearest
+        x, y, _ = flights[uav].poses(found.travelled[k])[0]
+        how = (
+            f"would fly {-found.clearance:.1f} m below the ground"
+            if found.clearance < 0
+            else f"would come within {found.clearance:.1f} m of the ground"
+        )
+        follow = (
+            "" if mission.altitude.frame is Frame.ABOVE_GROUND else ' or follow it by flight.frame = "above-ground"'
+        )
+        raise InputError(
+            f"UAV {uav} {how} at [{x:.1f}, {y:.1f}], where the ground is {found.ground[k]:.1f} m and the track "
+            f"{found.track[k]:.1f} m above mean sea level (flight.clearance = {wanted:g} m): raise flight.altitude"
+            f"{follow}"
+        )

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from formulations.limits import LONGEST, MOST_THREADS
+from formulations.mapping.heights import Altitude, Frame
+from instances.errors import InputError, shown, suggestion
 from instances.formats.mavlink_items import FIRMWARE, KINDS, Vehicle
 from instances.geodesy import TangentPlane
 from instances.scenario import Scenario
@@ -71,14 +73,20 @@ class RouteSettings:
 
 @dataclass(frozen=True)
 class FlightSettings:
-    """[flight]: Dubins at speed v [m/s] (the airspeed unless given), turning_radius r_min [m], altitude [m].
+    """[flight]: Dubins at speed v [m/s] (the airspeed unless given), turning_radius r_min [m].
 
+    altitude [m] in a frame: "amsl" (above mean sea level), "above-ground" (the track follows the ground within climb
+    and descent [m/s]) or "above-home" (each UAV above its depot). clearance [m]: least height above the ground.
     border_clearance [m]: flown tracks keep at least so far from the region's border and from no-fly zones.
     """
 
     speed: float | None = keys.positive(None, "m/s")
     turning_radius: float = keys.positive(50.0, "m")
     altitude: float = keys.not_negative(3000.0, "m")
+    frame: str = keys.text("amsl")
+    clearance: float = keys.not_negative(50.0, "m")
+    climb: float = keys.positive(5.0, "m/s")
+    descent: float = keys.positive(3.0, "m/s")
     border_clearance: float = keys.not_negative(0.0, "m")
 
 
@@ -150,6 +158,17 @@ class Mission:
     def vehicle(self) -> Vehicle:
         """What the plans are written for."""
         return Vehicle(self.export.firmware, self.export.vehicle)
+
+    @property
+    def altitude(self) -> Altitude:
+        """How high is flown; InputError for a frame that is not known."""
+        wanted = self.flight
+        if wanted.frame not in list(Frame):
+            raise InputError(
+                f"flight.frame: unknown {shown(wanted.frame)}{suggestion(wanted.frame, list(Frame))} "
+                f"(known: {', '.join(Frame)})"
+            )
+        return Altitude(wanted.altitude, Frame(wanted.frame), wanted.climb / self.speed, wanted.descent / self.speed)
 
     @property
     def clearance(self) -> float:

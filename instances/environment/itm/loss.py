@@ -121,7 +121,7 @@ def path_loss(
 @njit(cache=True)
 def _map(
     ground: Floats, x0: float, y0: float, dx: float, dy: float, ax: float, ay: float, mast: float,
-    xs: Floats, ys: Floats, altitude: float, f: float, z: complex, refractivity: float,
+    xs: Floats, ys: Floats, altitude: Floats, f: float, z: complex, refractivity: float,
     climate: int, time: float, location: float, situation: float, mode: int, no_location: bool, no_situation: bool,
 ) -> Floats:  # fmt: skip
     out = np.zeros((len(ys), len(xs)))
@@ -132,7 +132,7 @@ def _map(
                 continue  # straight above the mast: free space
             step = math.hypot(xs[i] - ax, ys[j] - ay) / (len(heights) - 1)
             out[j, i] = _attenuation(
-                heights, step, mast, altitude - heights[-1], f, z, refractivity,
+                heights, step, mast, altitude[j, i] - heights[-1], f, z, refractivity,
                 climate, time, location, situation, mode, no_location, no_situation,
             )  # fmt: skip
     return out
@@ -143,15 +143,15 @@ def attenuation_map(
     position: tuple[float, float],
     mast: float,
     nodes: tuple[Floats, Floats],
-    altitude: float,
+    altitude: Floats,
     frequency: float,
     assumed: Propagation | None = None,
 ) -> Floats:
     """Return the attenuation [dB] beyond free space from a mast to every node of a grid, shape (ny, nx).
 
-    position, nodes (xs, ys) [m]; mast : height above ground [m]; altitude : of the receiver above sea level [m];
-    frequency [Hz]. The model is meant for path distances above about 1 km and grazing angles below 0.2 rad; nearer to
-    the mast it is what NTIA's reference computes, too, with a warning.
+    position, nodes (xs, ys) [m]; mast : height above ground [m]; altitude : of the receiver at each node above sea
+    level [m], shape (ny, nx); frequency [Hz]. The model is meant for path distances above about 1 km and grazing
+    angles below 0.2 rad; nearer to the mast it is what NTIA's reference computes, too, with a warning.
     """
     assumed = assumed or Propagation()
     f = frequency / 1e6

@@ -134,7 +134,9 @@ def test_flights_keep_the_radius_pass_the_tasks_and_stay_out_of_the_zone(made: P
     assert (checks["closure"] <= 1e-6).all()
     assert (checks[["in_no_fly", "outside"]] == 0.0).all(axis=None)
     assert (checks["margin"] > 100.0).all()
+    assert (checks["clearance"] == 3000.0).all()
     flown = pd.read_csv(made / "5-flight/flown.csv")
+    assert (flown["z"] == 3000.0).all()
     inside = flown["x"].between(2600, 3400) & flown["y"].between(1800, 3000)
     assert not inside.any()
 

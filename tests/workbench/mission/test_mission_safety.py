@@ -9,14 +9,16 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon, box
 
-from formulations.mapping.flight import plan_flight
+from formulations.mapping.flight import Flight, plan_flight
+from formulations.mapping.heights import heights_of
 from instances import Instance
 from instances.environment.region import Region
+from instances.environment.terrain import Terrain, read_terrain
 from instances.errors import InputError
 from instances.scenario import Scenario
-from workbench.mission import place
+from workbench.mission import environment, place
 from workbench.mission.file import mission_of
-from workbench.mission.safety import refuse_beyond_borders
+from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground
 from workbench.mission.settings import Mission
 
 TABLE: dict[str, Any] = {
@@ -107,3 +109,91 @@ def test_placed_tasks_leave_room_for_turns(tmp_path: Path, monkeypatch, criterio
     room = mission.scenario.region.signed_distance(place.kept_tasks(tmp_path))
     assert room.min() >= 100.0 - 1e-6
     assert any("leave no room for turns" in words for words in told) == (criterion == "ig")
+
+
+def level_over(altitude: float, ridge: float, **flight: Any) -> None:
+    """Fly out 3 km and back over a ridge half way, and refuse what is too near to it."""
+    mission = mission_with(flight={"altitude": altitude, **flight})
+    height = np.zeros((4, 5))
+    height[:, 2] = ridge
+    ground = Terrain((0.0, 0.0), (1000.0, 1000.0), height)
+    ends = np.array([[500.0, 1500.0], [3500.0, 1500.0]])
+    flown: Flight = plan_flight([ends, ends[::-1]], speed=50.0, radius=50.0)
+    refuse_near_ground(mission, [flown], {0: heights_of(flown, mission.altitude, ground)})
+
+
+@pytest.mark.parametrize(
+    ("altitude", "ridge", "words"),
+    [
+        (
+            300.0,
+            2000.0,
+            r"^UAV 0 would fly (1699|1700)\.\d m below the ground at \[(19|20)\d\d\.\d, 1[45]\d\d\.\d\], where the gr",
+        ),
+        (300.0, 280.0, r"^UAV 0 would come within 20\.\d m of the ground at .* \(flight\.clearance = 50 m\)"),
+        (
+            10.0,
+            0.0,
+            r"within 10\.0 m of the ground .*, where the ground is 0\.0 m and the track 10\.0 m above mean sea",
+        ),
+    ],
+)
+def test_tracks_too_near_to_the_ground_are_refused(altitude: float, ridge: float, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        level_over(altitude, ridge)
+
+
+def test_tracks_with_the_clearance_are_flown() -> None:
+    level_over(300.0, 240.0)
+    level_over(300.0, 280.0, clearance=15.0)
+    level_over(120.0, 2000.0, frame="above-ground")
+
+
+def test_frames_and_clearances_that_do_not_fit() -> None:
+    with pytest.raises(InputError, match=r"flight\.frame: unknown 'agl'.*known: amsl, above-ground, above-home"):
+        mission_with(flight={"frame": "agl"})
+    with pytest.raises(
+        InputError, match=r"flight\.altitude = 30 m above the ground is less than flight\.clearance = 50"
+    ):
+        mission_with(flight={"frame": "above-ground", "altitude": 30.0})
+    with pytest.raises(InputError, match=r'flight\.frame = "above-home": ground-control files .* leave out origin'):
+        mission_with(flight={"frame": "above-home"}, origin=[47.0, 8.0])
+
+
+def ground_of(cells: tuple[int, int], size: float) -> Terrain:
+    return Terrain((0.0, 0.0), (size, size), np.zeros(cells), "dem.tif")
+
+
+def test_an_elevation_model_smaller_than_the_region() -> None:
+    region = (0.0, 0.0, 4000.0, 3000.0)
+    environment.refuse_part_of_region(ground_of((31, 41), 100.0), region)
+    environment.refuse_part_of_region(Terrain((50.0, 50.0), (100.0, 100.0), np.zeros((30, 40))), region)  # cell centres
+    with pytest.raises(
+        InputError, match=r"^terrain dem\.tif covers \(0, 0\) to \(3900, 3000\) m and not all of the reg"
+    ):
+        environment.refuse_part_of_region(ground_of((31, 40), 100.0), region)
+
+
+def test_an_elevation_model_with_a_hole_in_the_region(tmp_path: Path) -> None:
+    rows = "\n".join(["0 0 0 0", "0 -9999 0 0", "0 0 0 0"])
+    (tmp_path / "dem.asc").write_text(f"ncols 4\nnrows 3\nxllcenter 0\nyllcenter 0\ncellsize 1000\n{rows}\n")
+    with pytest.raises(InputError, match=r"dem\.asc: 1 of 12 values are missing .*, first at \(1000, 1000\) m"):
+        read_terrain(tmp_path / "dem.asc")
+
+
+def test_what_holds_at_another_height_than_the_flight_is_said() -> None:
+    wind = {"kind": "terrain", "mountains": {"seed": 0}, "velocity": [1.0, 2.0], "altitude": 3000.0}
+    said = environment.differing_heights(mission_with(wind=wind, flight={"frame": "above-ground", "altitude": 120.0}))
+    assert said == ["the wind is that at 3000 m above mean sea level, the flight at 120 m above the ground"]
+    assert environment.differing_heights(mission_with(wind=wind, flight={"altitude": 3000.0})) == []
+
+
+def test_the_signal_above_the_ground_is_that_at_the_height_flown() -> None:
+    field = {"model": "free-space", "shadowing_sd": 0, "cells": 20}
+    plateau = Terrain((0.0, 0.0), (4000.0, 3000.0), np.full((2, 2), 700.0))
+    above = mission_with(field=field, flight={"frame": "above-ground", "altitude": 120.0})
+    home = mission_with(field=field, flight={"frame": "above-home", "altitude": 120.0})
+    level = mission_with(field=field, flight={"altitude": 820.0})
+    values = [environment.field_of(each, plateau).values for each in (above, home, level)]
+    np.testing.assert_allclose(values[0], values[2])
+    np.testing.assert_array_equal(values[1], values[2])

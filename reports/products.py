@@ -36,7 +36,7 @@ _SCORES = ("rmse", "nlpd", "coverage", "mean_sd", "max_sd")
 NUMBERS: dict[str, tuple[str, ...]] = {
     "tasks.csv": ("x", "y"),
     "reference.csv": ("uav", "x", "y"),
-    "flown.csv": ("uav", "time", "x", "y"),
+    "flown.csv": ("uav", "time", "x", "y", "z"),
     "flight-check.csv": (
         "uav", "length", "reference_length", "task_distance", "least_radius", "deviation", "closure", "in_no_fly",
         "outside", "margin", "clearance", "home", "lowest", "highest",

@@ -17,6 +17,7 @@ from instances.arrays import Floats
 from reports.columns import FLIGHT, survey
 from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, draw_field
 from reports.figures.flight import colour_of, draw_flight, draw_plans
+from reports.figures.heights import draw_heights
 from reports.figures.map import draw_judged, draw_stages, signal_range
 from reports.figures.mission import draw_comparison, draw_progress
 from reports.figures.svg import Drawn
@@ -42,6 +43,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     source = tuple(scenario.radio["position"]) if scenario.radio else None
     given = [draw_field(products.field, scenario.region, products.terrain, source), *wind]
     flight = draw_flight(scenario, scenario_tasks(products), products.table("flight", "reference.csv"), flown)
+    heights = draw_heights(flown, products.terrain)
     stages = draw_stages(products.maps, scenario.region, scenario.depots, flown, samples, unit)
     judged = [draw_judged(products.maps, scenario.region, unit), draw_progress(ticks, unit)]
     compared = [
@@ -49,7 +51,8 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
         draw_plans(scenario.region, scenario.depots, products.of_plans("tracks.csv"), table, unit),
     ]
     data = film(products, flown, samples, ticks)
-    planned: list[Block] = [_placed(products), _routed(products), flight, _checks(products), exported(folders)]
+    planned: list[Block] = [_placed(products), _routed(products), flight, heights]
+    planned += [_checks(products), exported(folders)]
     plans = table_of(_named(table), survey(unit), key="plans")
     blocks: list[Block] = [
         Facts(_headline(products, ticks), large=True),
@@ -62,7 +65,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     ]
     about = _about(products, ticks, table)
     write_page(Page(said["title"], about, blocks, "Lengths in metres, costs in seconds.", "film.js", data), path)
-    return [*given, flight, stages, *judged, *compared]
+    return [*given, flight, heights, stages, *judged, *compared]
 
 
 WORDS = [

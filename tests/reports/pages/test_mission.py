@@ -14,6 +14,8 @@ from shapely.geometry import Polygon
 
 from instances.environment.region import Region
 from instances.errors import InputError
+from instances.environment.terrain import Terrain
+from reports.figures.heights import draw_heights
 from reports.figures.map import draw_judged, draw_stages
 from reports.figures.mission import draw_comparison, draw_progress
 from reports.pages.exported import exported
@@ -87,6 +89,19 @@ def test_curves_of_a_single_tick() -> None:
     assert len(draw_progress(ticks, "dBm").figure.axes) == 4
     table = pd.DataFrame({"name": ["mission"], "draw": [0], "length": [1e3], "samples": [3]})
     assert len(draw_comparison(ticks, table, "dBm").figure.axes) == 2
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_profiles_say_the_least_height_above_the_ground(known: bool) -> None:
+    s = np.linspace(0.0, 4000.0, 2001)
+    flown = pd.concat([pd.DataFrame({"uav": k, "x": s, "y": 0.0, "z": 300.0}) for k in (0, 2)])
+    ridge = np.zeros((2, 5))
+    ridge[:, 3] = 210.0
+    drawn = draw_heights(flown, Terrain((0.0, -500.0), (1000.0, 1000.0), ridge) if known else None)
+    assert [axes.get_title(loc="left") for axes in drawn.figure.axes] == [
+        f"UAV {k}, at least {90 if known else 300} m above the ground" for k in (0, 2)
+    ]
+    assert ("flat at 0 m" in drawn.caption) == (not known)
 
 
 def test_files_of_a_mission_are_linked_and_their_names_escaped(tmp_path: Path) -> None:

@@ -164,6 +164,7 @@ def test_the_page_is_self_contained_and_small(made: Path) -> None:
         "lawnmower",
         "Initial and final stage",
         "Reference paths and flown paths",
+        "Heights of the tours",
     ):
         assert words in page
 

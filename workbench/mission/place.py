@@ -11,6 +11,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+import shapely
 from shapely.geometry import Point, Polygon
 
 from formulations.kernel import SquaredExponential
@@ -29,6 +30,9 @@ from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
 from workbench.mission.plugins import placement_by
 from workbench.mission.settings import Mission
+
+INLET = 0.1
+"""Share of the room for turns; inlets less deep bend no path by so much that turns leave the region."""
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -60,14 +64,28 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
 
 
 def widened(scenario: Scenario, clearance: float) -> Scenario:
-    """Return the scenario with its no-fly zones widened by `clearance` [m], so that turns stay outside of them."""
-    zones = [zone.buffer(clearance, quad_segs=4) for zone in zones_of(scenario)]
+    """Return the scenario with no-fly zones and inlets widened by `clearance` [m], so that turns stay outside of them.
+
+    Paths go round the inlets of a region as they go round zones: they touch them.
+    """
+    zones = [zone.buffer(clearance, quad_segs=4) for zone in (*zones_of(scenario), *inlets(scenario.region, clearance))]
     if not zones or clearance == 0:
         return scenario
     try:
         return replace(scenario, no_fly=zones)
     except InputError as error:
-        raise InputError(f"{error} (no-fly zones are widened by costs.clearance = {clearance:g} m)") from None
+        raise InputError(
+            f"{error} (no-fly zones and inlets of the region are widened by {clearance:g} m: costs.clearance)"
+        ) from None
+
+
+def inlets(region: Region, clearance: float) -> list[Polygon]:
+    """Return the parts of a region's convex hull that lie outside of it, those deeper than INLET times `clearance`."""
+    outline = Polygon(region.polygon.exterior)
+    parts = shapely.get_parts(shapely.difference(outline.convex_hull, outline))
+    edge = shapely.boundary(outline.convex_hull)
+    deep = [shapely.distance(shapely.points(shapely.get_coordinates(part)), edge).max(initial=0.0) for part in parts]
+    return [part for part, depth in zip(parts, deep, strict=True) if depth > INLET * clearance]
 
 
 def kept_off(region: Region, whole: Region, distance: float) -> Region | None:

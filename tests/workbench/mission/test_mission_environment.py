@@ -67,5 +67,5 @@ def test_zones_and_holes_are_widened_and_a_depot_too_near_is_said() -> None:
     assert not free.contains([[960, 300], [650, 560]]).any()
     assert free.contains([[940, 300], [650, 540]]).all()
     assert widened(scenario, 0.0) is scenario
-    with pytest.raises(InputError, match=r"depots\[0\] .*widened by costs\.clearance = 900 m"):
+    with pytest.raises(InputError, match=r"depots\[0\] .*widened by 900 m: costs\.clearance"):
         widened(scenario, 900.0)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from shapely.geometry import Polygon, box
 
 from formulations.mapping.flight import Flight, plan_flight
@@ -95,6 +96,17 @@ def test_tasks_are_kept_off_the_border_but_not_off_zones_inside() -> None:
     assert inner.bounds == (100.0, 100.0, 1900.0, 1900.0)
     assert inner.contains([[999.0, 1050.0]])[0]
     assert place.kept_off(whole, whole, 1000.0) is None
+
+
+def test_planning_keeps_room_for_turns_off_the_inlets_of_a_region() -> None:
+    angle = np.linspace(0.0, -np.pi, 60)
+    arc = np.column_stack([2000.0 + 1000.0 * np.cos(angle), 4000.0 + 1000.0 * np.sin(angle)])
+    region = Region(Polygon([(0, 0), (4000, 0), (4000, 4000), *arc, (0, 4000)]))
+    free = place.widened(Scenario("s", region, [[500, 500]], 50.0, n_tasks=3), 100.0).free
+    assert free.polygon.exterior.distance(shapely.Point(2000.0, 4000.0)) == pytest.approx(1100.0, rel=0.01)
+    assert free.contains([[2000.0, 5.0], [5.0, 2000.0]]).all()  # straight borders are left as they are
+    shallow = Region(Polygon([(0, 0), (4000, 0), (4000, 3000), (2000, 2995), (0, 3000)]))
+    assert place.inlets(shallow, 100.0) == []
 
 
 @pytest.mark.parametrize("criterion", ["b", "ig"])

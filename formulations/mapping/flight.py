@@ -3,7 +3,7 @@
 The reference path of a tour is the closed polyline of the moving costs (§Calculation of Moving Cost), from the depot
 through its tasks and back. Waypoints are the tasks, the depot and points of the reference path in between; each gets
 a heading from a few candidates about its tangent, chosen together by a closed dynamic programme over Dubins lengths
-(`dubins.closed_programme`), so that the flown tour is closed, keeps the minimum turning radius and passes over every
+(`headings.choose_headings`), so that the flown tour is closed, keeps the minimum turning radius and passes over every
 task. Sensing is discrete in time (§Problem Formulation): a measurement every `period` seconds.
 """
 
@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
+from shapely.geometry import Polygon
 
 from formulations.mapping import dubins
+from formulations.mapping.headings import choose_headings
 from instances import InputError
 from instances.arrays import Floats, Ints
 from instances.extent import check_positions, positive
@@ -121,12 +123,15 @@ class Flight:
         return flight
 
 
-def plan_flight(legs: list[Floats], *, speed: float = 100.0, radius: float = 50.0) -> Flight:
+def plan_flight(
+    legs: list[Floats], *, speed: float = 100.0, radius: float = 50.0, within: Polygon | None = None
+) -> Flight:
     """Return the Dubins tour along a closed reference path.
 
     legs : the reference path leg by leg, depot → task → … → depot, each a polyline [m] of shape (k, 2) that begins
         where the one before ended. An empty list is a UAV that stays home.
     speed : v [m/s]; radius : r_min [m].
+    within : where turns are to stay; a tour that cannot is the shortest, and its flight check says so.
     """
     if not (speed > 0 and radius > 0):
         raise InputError(f"speed and turning radius must be positive, got {speed} m/s and {radius} m")
@@ -135,7 +140,7 @@ def plan_flight(legs: list[Floats], *, speed: float = 100.0, radius: float = 50.
     waypoints, tangents = reference_waypoints(legs, STRAY_RADII * radius)
     offsets = np.arange(HEADINGS) * (2 * np.pi / HEADINGS)
     headings = tangents[:, None] + offsets[None, :]
-    _, choice = dubins.closed_programme(dubins.heading_costs(waypoints, headings, radius))
+    choice = choose_headings(waypoints, headings, radius, within)
     chosen = headings[np.arange(len(waypoints)), choice]
     starts = np.column_stack([waypoints, chosen])
     ends = np.roll(starts, -1, axis=0)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from shapely.geometry import Polygon
 
 from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.flight_check import FlightCheck, check_flight
@@ -30,7 +31,7 @@ from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
 from workbench.mission.export import export, level, tours_of
 from workbench.mission.place import zones_of
-from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground
+from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground, room_to_fly
 from workbench.mission.settings import Mission
 
 TRACK_STEP = 0.2
@@ -67,7 +68,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     scenario = kept_scenario(folders["environment"])
     instance, paths = kept_costs(folders["costs"])
     routes = read_routes(folders["routes"] / "routes.sol", instance)
-    fleet = fly(mission, scenario, instance, paths, routes)
+    fleet = fly(mission, scenario, instance, paths, routes, room_to_fly(mission, scenario))
     refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
     ground = kept_terrain(folders["environment"])
     heights = {k: heights_of(f, mission.altitude, ground) for k, f in enumerate(fleet.flights) if f.length > 0}
@@ -101,15 +102,22 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     return f"{_said(fleet.checks)}; {_said_of_heights(heights, ground)}"
 
 
-def fly(mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, routes: Routes) -> Fleet:
-    """Return the flights along the reference paths of `routes`."""
+def fly(
+    mission: Mission,
+    scenario: Scenario,
+    instance: Instance,
+    paths: Paths,
+    routes: Routes,
+    within: Polygon | None = None,
+) -> Fleet:
+    """Return the flights along the reference paths of `routes`, their turns `within` a polygon where they can be."""
     assert instance.coordinates is not None
     flights, legs, checks = [], [], []
     for k, route in enumerate(routes):
         depot = instance.n_tasks + k
         stops = (depot, *route, depot) if route else ()
         reference = [paths.between(i, j) for i, j in pairwise(stops)]
-        flight = plan_flight(reference, speed=mission.speed, radius=mission.flight.turning_radius)
+        flight = plan_flight(reference, speed=mission.speed, radius=mission.flight.turning_radius, within=within)
         if flight.duration > LONGEST_TOUR:
             raise InputError(f"flight.speed = {mission.speed:g} m/s: a tour would last {flight.duration:.3g} s")
         flights.append(flight)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from shapely.geometry import Polygon
 
 from formulations.mapping.flight import Flight
 from formulations.mapping.flight_check import RESOLUTION, Margin, margin
@@ -19,6 +20,12 @@ from instances.extent import LEAST
 from instances.scenario import Scenario
 from workbench.mission.place import zones_of
 from workbench.mission.settings import Mission
+
+
+def room_to_fly(mission: Mission, scenario: Scenario) -> Polygon | None:
+    """Return where tracks may be: the free region less flight.border_clearance; None where that leaves no one piece."""
+    room = scenario.free.polygon.buffer(0.25 * RESOLUTION - mission.flight.border_clearance)
+    return room if isinstance(room, Polygon) and not room.is_empty else None
 
 
 def refuse_beyond_borders(

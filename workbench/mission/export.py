@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -18,10 +17,10 @@ import pandas as pd
 from shapely.geometry import LineString
 
 from formulations.mapping.flight import Flight
+from formulations.mapping.heights import Heights
 from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.disk import write_aside
-from instances.environment.terrain import Terrain
 from instances.formats.geojson import write_features
 from instances.formats.ground_control import ENDINGS, write_tour
 from instances.formats.mavlink_items import Vehicle
@@ -31,67 +30,53 @@ from instances.scenario import Scenario
 
 STRAY = 2.0
 """An autopilot climbs evenly from waypoint to waypoint; waypoints keep it at most so many metres above the track."""
-STEP = 10.0
-"""Distance between the heights of a level track [m]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Profile:
-    """Heights of a track and of the ground below it [m above mean sea level] after `travelled` [m]: arrays (k,).
-
-    ground : None where it is not known.
-    """
-
-    travelled: Floats
-    track: Floats
-    ground: Floats | None
-
-
-def level(flight: Flight, altitude: float, terrain: Terrain | None) -> Profile:
-    """Return the profile of a flight at one `altitude` [m above mean sea level]."""
-    s = np.append(np.arange(0.0, flight.length, STEP), flight.length)
-    ground = None if terrain is None else terrain(flight.poses(s)[:, :2])
-    return Profile(s, np.full(len(s), altitude), ground)
 
 
 def tours_of(
-    name: str, instance: Instance, routes: Routes, flights: Sequence[Flight], profiles: Mapping[int, Profile]
+    name: str,
+    instance: Instance,
+    routes: Routes,
+    flights: Sequence[Flight],
+    heights: Mapping[int, Heights],
+    *,
+    known: bool,
 ) -> dict[int, Tour]:
-    """Return the tour of each UAV that has a profile: it flies."""
+    """Return the tour of each UAV that has heights: it flies. known : whether the ground's heights are known."""
     assert instance.coordinates is not None
-    return {
-        k: tour_of(f"{name} UAV {k}", flights[k], profile, {task: instance.coordinates[task] for task in routes[k]})
-        for k, profile in profiles.items()
-    }
+    tours = {}
+    for k, own in heights.items():
+        tasks = {task: instance.coordinates[task] for task in routes[k]}
+        tours[k] = tour_of(f"{name} UAV {k}", flights[k], own, tasks, known=known)
+    return tours
 
 
-def tour_of(name: str, flight: Flight, profile: Profile, tasks: Mapping[int, Floats]) -> Tour:
+def tour_of(name: str, flight: Flight, heights: Heights, tasks: Mapping[int, Floats], *, known: bool) -> Tour:
     """Return the waypoints of a flight: where its legs begin, and where its height bends.
 
     tasks : number of each task on the tour → its place [m].
     """
-    travelled = _waypoints(flight, profile)
+    travelled = _waypoints(flight, heights)
     points: Floats = flight.poses(travelled)[:, :2]
     numbers: list[int | None] = [None] * len(points)
     for task, place in tasks.items():
         numbers[int(np.argmin(np.hypot(*(points - place).T)))] = task
-    heights = np.interp(travelled, profile.travelled, profile.track)
-    heights[0] = max(heights[0], profile.track[-1])  # it comes back to its first waypoint
-    evenly = np.interp(profile.travelled, [*travelled, flight.length], [*heights, heights[0]])
-    heights += max(0.0, float((profile.track - evenly).max()))  # never below the track
-    ground = None if profile.ground is None else np.interp(travelled, profile.travelled, profile.ground)
-    return Tour(name, points, numbers, heights, flight.speed, ground)
+    track = heights.at(travelled)
+    track[0] = max(track[0], heights.track[-1])  # it comes back to its first waypoint
+    evenly = np.interp(heights.travelled, [*travelled, flight.length], [*track, track[0]])
+    track += max(0.0, float((heights.track - evenly).max()))  # never below the track
+    ground = np.interp(travelled, heights.travelled, heights.ground) if known else None
+    return Tour(name, points, numbers, track, flight.speed, ground)
 
 
-def _waypoints(flight: Flight, profile: Profile) -> Floats:
+def _waypoints(flight: Flight, heights: Heights) -> Floats:
     """Return the distances [m] of the waypoints: Douglas and Peucker's of the heights (1973), leg by leg."""
     ends = np.concatenate([[0.0], np.cumsum(flight.segments.sum(axis=1))])
     kept = []
     for begin, end in pairwise(ends.tolist()):
-        inside = profile.travelled[(profile.travelled > begin) & (profile.travelled < end)]
+        inside = heights.travelled[(heights.travelled > begin) & (heights.travelled < end)]
         s = np.concatenate([[begin], inside, [end]])
-        heights = np.interp(s, profile.travelled, profile.track)
-        kept += [at for at, _ in LineString(np.column_stack([s, heights])).simplify(0.5 * STRAY).coords][:-1]
+        track = LineString(np.column_stack([s, heights.at(s)]))
+        kept += [at for at, _ in track.simplify(0.5 * STRAY).coords][:-1]
     return np.array(kept)
 
 

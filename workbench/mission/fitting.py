@@ -13,6 +13,7 @@ from formulations.task_location.criterion import convention
 from formulations.task_location.registry import METHODS as PLACEMENT_METHODS
 from instances.environment.propagation import MODELS
 from instances.environment.radio import RadioSource
+from instances.environment.wind_terrain import TerrainWind
 from instances.errors import InputError, shown, suggestion
 from instances.instance import check_size
 from instances.registry import LARGEST, MethodRegistry
@@ -90,10 +91,11 @@ def _check_units(mission: Mission) -> None:
         raise InputError(
             f"flight.turning_radius = {radius:g} m at {speed:g} m/s would need {load:.0f} g: lengths are in metres"
         )
-    if mission.origin is not None and mission.altitude.frame is not Frame.AMSL:
+    known = mission.scenario.terrain is not None or isinstance(mission.scenario.wind, TerrainWind)
+    if mission.origin is not None and mission.altitude.frame is Frame.ABOVE_GROUND and not known:
         raise InputError(
-            f'flight.frame = "{mission.altitude.frame}": ground-control files are written for heights above mean sea '
-            'level only; leave out origin or fly by flight.frame = "amsl"'
+            'flight.frame = "above-ground" without terrain: plans for ground control need the height of the ground; '
+            "give terrain or leave out origin"
         )
     if mission.altitude.frame is Frame.ABOVE_GROUND and mission.flight.altitude < mission.flight.clearance:
         raise InputError(

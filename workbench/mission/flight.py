@@ -1,7 +1,7 @@
 """Stage 5, flight: Dubins tours along the reference paths (sub-problem 4), checked, and exported for ground control.
 
-Products: flights.json, flown.csv (a pose every 0.2 s, z above mean sea level), reference.csv, flight-check.csv and, where
-the mission has an origin, what `workbench.mission.export` writes.
+Products: flights.json, flown.csv (a pose every 0.2 s, z above mean sea level), reference.csv, flight-check.csv and,
+where the mission has an origin, what `workbench.mission.export` writes.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from shapely.geometry import Polygon
 
@@ -29,7 +30,7 @@ from instances.paths import Paths
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
-from workbench.mission.export import export, level, tours_of
+from workbench.mission.export import export, tours_of
 from workbench.mission.place import zones_of
 from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground, room_to_fly
 from workbench.mission.settings import Mission
@@ -95,10 +96,9 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     )
     write_aside(out / "flight-check.csv", checks.to_csv(index=False))
     if mission.origin is not None:
-        altitude = mission.flight.altitude
-        profiles = {k: level(flight, altitude, ground) for k, flight in enumerate(fleet.flights) if flight.length > 0}
-        tours = tours_of(scenario.name, instance, routes, fleet.flights, profiles)
-        export(tours, flown, scenario, mission.origin, out, frame="amsl", vehicle=mission.vehicle)
+        tours = tours_of(scenario.name, instance, routes, fleet.flights, heights, known=ground is not None)
+        frame = mission.altitude.frame.value
+        export(tours, flown, scenario, mission.origin, out, frame=frame, vehicle=mission.vehicle)
     return f"{_said(fleet.checks)}; {_said_of_heights(heights, ground)}"
 
 

@@ -13,8 +13,8 @@ from matplotlib.image import imread
 from shapely.geometry import Polygon
 
 from instances.environment.region import Region
-from instances.errors import InputError
 from instances.environment.terrain import Terrain
+from instances.errors import InputError
 from reports.figures.heights import draw_heights
 from reports.figures.map import draw_judged, draw_stages
 from reports.figures.mission import draw_comparison, draw_progress

@@ -6,17 +6,19 @@ import numpy as np
 import pytest
 
 from formulations.mapping.flight import plan_flight
+from formulations.mapping.heights import Altitude, Frame, Heights, heights_of
 from instances.environment.terrain import Terrain
-from workbench.mission.export import STRAY, Profile, level, tour_of
+from workbench.mission.export import STRAY, tour_of
 
 STOPS = np.array([[0.0, 0.0], [4000.0, 0.0], [4000.0, 3000.0]])
 FLIGHT = plan_flight([np.array([STOPS[k], STOPS[(k + 1) % 3]]) for k in range(3)], radius=50.0)
 TASKS = {7: STOPS[1], 2: STOPS[2]}
+LEVEL = Altitude(900.0, Frame.AMSL, 0.1, 0.1)
 
 
 def test_a_level_tour_has_a_waypoint_a_leg_and_the_ground_below() -> None:
     slope = Terrain((-1000.0, -1000.0), (6000.0, 6000.0), np.array([[0.0, 600.0], [0.0, 600.0]]))
-    tour = tour_of("a", FLIGHT, level(FLIGHT, 900.0, slope), TASKS)
+    tour = tour_of("a", FLIGHT, heights_of(FLIGHT, LEVEL, slope), TASKS, known=True)
     np.testing.assert_allclose(tour.points, FLIGHT.starts[:, :2], atol=1e-6)
     assert set(tour.heights) == {900.0}
     assert tour.ground is not None
@@ -26,13 +28,13 @@ def test_a_level_tour_has_a_waypoint_a_leg_and_the_ground_below() -> None:
 
 
 def test_ground_that_is_not_known_stays_so() -> None:
-    assert tour_of("a", FLIGHT, level(FLIGHT, 900.0, None), TASKS).ground is None
+    assert tour_of("a", FLIGHT, heights_of(FLIGHT, LEVEL, None), TASKS, known=False).ground is None
 
 
 def test_waypoints_follow_a_track_over_a_hill() -> None:
     s = np.arange(0.0, FLIGHT.length, 1.0)
     track = 300.0 + 200.0 * np.exp(-(((s - 2000.0) / 500.0) ** 2))
-    tour = tour_of("a", FLIGHT, Profile(s, track, None), TASKS)
+    tour = tour_of("a", FLIGHT, Heights(s, track, 0 * s), TASKS, known=True)
     assert len(FLIGHT.starts) < len(tour.points) < 60
     poses = FLIGHT.poses(s)[:, :2]
     travelled = s[[int(np.argmin(np.hypot(*(poses - point).T))) for point in tour.points[1:]]]
@@ -45,6 +47,6 @@ def test_waypoints_follow_a_track_over_a_hill() -> None:
 
 def test_a_tour_comes_home_as_high_as_its_track() -> None:
     s = np.array([0.0, 1000.0, FLIGHT.length])
-    tour = tour_of("a", FLIGHT, Profile(s, np.array([300.0, 300.0, 420.0]), None), TASKS)
+    tour = tour_of("a", FLIGHT, Heights(s, np.array([300.0, 300.0, 420.0]), 0 * s), TASKS, known=True)
     assert tour.heights[0] == pytest.approx(420.0, abs=STRAY)
     assert tour.heights[1:].max() < 420.0

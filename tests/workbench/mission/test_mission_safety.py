@@ -11,7 +11,7 @@ import shapely
 from shapely.geometry import Polygon, box
 
 from formulations.mapping.flight import Flight, plan_flight
-from formulations.mapping.heights import heights_of
+from formulations.mapping.heights import Frame, heights_of
 from instances import Instance
 from instances.environment.region import Region
 from instances.environment.terrain import Terrain, read_terrain
@@ -168,8 +168,9 @@ def test_frames_and_clearances_that_do_not_fit() -> None:
         InputError, match=r"flight\.altitude = 30 m above the ground is less than flight\.clearance = 50"
     ):
         mission_with(flight={"frame": "above-ground", "altitude": 30.0})
-    with pytest.raises(InputError, match=r'flight\.frame = "above-home": ground-control files .* leave out origin'):
-        mission_with(flight={"frame": "above-home"}, origin=[47.0, 8.0])
+    with pytest.raises(InputError, match=r'flight\.frame = "above-ground" without terrain: plans for ground control'):
+        mission_with(flight={"frame": "above-ground"}, origin=[47.0, 8.0])
+    assert mission_with(flight={"frame": "above-home"}, origin=[47.0, 8.0]).altitude.frame is Frame.ABOVE_HOME
 
 
 def ground_of(cells: tuple[int, int], size: float) -> Terrain:

@@ -102,9 +102,7 @@ def differing_heights(mission: Mission) -> list[str]:
             f"{flown.frame.words}"
         )
     if mission.field.file is None and flown.frame is Frame.ABOVE_GROUND:
-        said.append(
-            f"the signal is that at {flown.above:g} m above the ground; tracks are higher where rates ask for it"
-        )
+        said.append(f"the signal is that at {flown.above:g} m above the ground; tracks rise above it")
     if mission.field.file is None and flown.frame is Frame.ABOVE_HOME and mission.scenario.n_depots > 1:
         said.append("the signal is that above the mean height of the depots, each UAV flies above its own")
     return said

@@ -198,7 +198,7 @@ def test_what_holds_at_another_height_than_the_flight_is_said() -> None:
     wind = {"kind": "terrain", "mountains": {"seed": 0}, "velocity": [1.0, 2.0], "altitude": 3000.0}
     said = environment.differing_heights(mission_with(wind=wind, flight={"frame": "above-ground", "altitude": 120.0}))
     assert said[0] == "the wind is that at 3000 m above mean sea level, the flight at 120 m above the ground"
-    assert said[1].startswith("the signal is that at 120 m above the ground; tracks are higher")
+    assert said[1].startswith("the signal is that at 120 m above the ground; tracks rise above it")
     assert environment.differing_heights(mission_with(wind=wind, flight={"altitude": 3000.0})) == []
 
 

@@ -270,6 +270,24 @@ def test_a_failing_stage_leaves_the_old_products(mission_file: Path, copied: Pat
     assert not list(copied.glob(".*.part"))
 
 
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        (
+            "border_clearance = 600.0",
+            r"^UAV 0 would come within 3\d\d\.\d m of the region's border or a no-fly zone at .*",
+        ),
+        ("altitude = 20.0", r"^UAV 0 would come within 20\.0 m of the ground at .* \(flight\.clearance = 50 m\)"),
+    ],
+)
+def test_a_flight_that_is_refused_leaves_no_plan(mission_file: Path, copied: Path, table: str, words: str) -> None:
+    shutil.rmtree(copied / "5-flight")
+    with pytest.raises(InputError, match=words):
+        again(mission_file, copied, SMALL.replace("[sensing]", f"[flight]\n{table}\n\n[sensing]"), only="flight")
+    assert not (copied / "5-flight").exists()
+    assert not list(copied.rglob("*.plan"))
+
+
 @pytest.mark.usefixtures("plain_page")
 def test_a_killed_mission_continues_where_it_was(mission_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"

@@ -27,11 +27,6 @@ LONGEST = 60.0
 """Seconds a family may take for one scenario."""
 
 
-def plugin_family(name: str) -> str:
-    """Return `name` where it is no built-in family, else "": what `Study.plugins` asks of a source."""
-    return "" if name in FAMILIES.built_in else name
-
-
 def make_elsewhere(
     family: str, n_tasks: int, n_depots: int, seed: int, parameters: Mapping[str, Any]
 ) -> tuple[Scenario, Legs]:

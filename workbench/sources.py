@@ -9,8 +9,8 @@ from typing import Any
 
 from formulations.moving_cost.families import costed, generate
 from instances import InputError, Instance
+from instances.families import FAMILIES
 from instances.files import FORMATS, read_instance
-from workbench.making import make_elsewhere, plugin_family
 
 ENDINGS = (".json", ".json.gz", ".mdm", ".mtsp", ".tsp", ".atsp", ".vrp")
 """Endings by which instance files are found in a folder."""
@@ -51,8 +51,15 @@ class FamilySource:
         """Generate the instance."""
         made = (self.family, self.n_tasks, self.n_depots, self.seed)
         if self.plugin:
+            from workbench.making import make_elsewhere  # here: every run imports this file, few make a scenario
+
             return costed(*make_elsewhere(*made, self.parameters))[0]
         return generate(*made, **self.parameters)
+
+
+def plugin_family(name: str) -> str:
+    """Return `name` where it is no built-in family, else "": what `Study.plugins` asks of a source."""
+    return "" if name in FAMILIES.built_in else name
 
 
 def instance_files(given: Path) -> list[Path]:

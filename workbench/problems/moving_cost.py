@@ -39,8 +39,9 @@ from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.tables import counts_from, listed, tables_of, typed
-from workbench.making import make_elsewhere, plugin_family
+from workbench.making import make_elsewhere
 from workbench.problems.routing import family_grid
+from workbench.sources import plugin_family
 from workbench.terminal import print_table, say
 
 if TYPE_CHECKING:

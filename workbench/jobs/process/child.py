@@ -30,6 +30,8 @@ KILLER_GRACE = 1.0
 """Seconds between a signal from outside that ended a run and our believing that only the run was meant."""
 TICK = 0.1
 """Seconds between two looks at the clock and the memory."""
+PAUSE = 0.002
+"""The same where both pipes are closed: the end is near."""
 LONGEST_MESSAGE = 1 << 28
 """Bytes of the longest line that is still taken for a message."""
 LOG_KEPT = 8192
@@ -118,7 +120,7 @@ class _Child:
 
     def watch(self) -> None:
         """Listen for one tick, then look at clock and memory."""
-        for key, _ in self.selector.select(TICK):
+        for key, _ in self.selector.select(TICK if self.selector.get_map() else PAUSE):
             self._read(int(key.fd))
         now = time.monotonic()
         if now > self.deadline:
@@ -126,7 +128,7 @@ class _Child:
         if now >= self.next_look and not self.killed:
             self.next_look = now + TICK
             self._weigh()
-            if self.preparing and (cpu := self.tree.processor_time(afresh=False)) > PREPARE_CPU:
+            if self.preparing and (cpu := self.tree.processor_time()) > PREPARE_CPU:
                 self._kill(f"was still preparing (imports, compilation) after {cpu:.0f} s of processor time")
 
     def end(self) -> None:

@@ -23,7 +23,7 @@ from workbench.threads import with_threads
 
 ENDING = 15.0
 """Seconds the keeper may take to end all."""
-SEARCH = 0.5
+SEARCH = 1.0
 """Seconds between two searches for processes that the run started."""
 SPEAKING = {"PYTHONFAULTHANDLER": "1", "PYTHONUNBUFFERED": "1"}
 """Environment in which a crash leaves a trace."""
@@ -80,9 +80,9 @@ class Tree:
             ended(pid)
         return False
 
-    def processor_time(self, *, afresh: bool = True) -> float:
-        """Return the processor time of all processes so far [s]; those that have just begun only where `afresh`."""
-        return processes.processor_time(self._all(afresh))
+    def processor_time(self) -> float:
+        """Return the processor time of all processes so far [s]."""
+        return processes.processor_time(self._all())
 
     def memory(self) -> int:
         """Return the memory all processes hold together [bytes]; what they share counts once where it matters."""
@@ -125,7 +125,7 @@ class Tree:
         self._keeper.stdout.close()
 
     def _all(self, afresh: bool = False) -> list[psutil.Process]:
-        """Return keeper, worker and what they started, as found half a second ago at most."""
+        """Return keeper, worker and what they started, as found a second ago at most."""
         now = time.monotonic()
         if afresh or now >= self._next_search:
             self._next_search = now + SEARCH

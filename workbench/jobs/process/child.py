@@ -198,7 +198,7 @@ class _Child:
         elif not isinstance(message, (Started, Event)):
             self.deadline = now + EXIT_GRACE
             self._weigh()
-            self.cpu = self.tree.processor_time()
+            self.cpu = self.tree.processor_time(afresh=True)
 
     def _outlasted(self, now: float) -> None:
         if not self.working:

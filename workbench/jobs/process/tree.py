@@ -80,9 +80,9 @@ class Tree:
             ended(pid)
         return False
 
-    def processor_time(self) -> float:
-        """Return the processor time of all processes so far [s]."""
-        return processes.processor_time(self._all())
+    def processor_time(self, *, afresh: bool = False) -> float:
+        """Return the processor time of all processes so far [s]; of those that have just begun only where `afresh`."""
+        return processes.processor_time(self._all(afresh))
 
     def memory(self) -> int:
         """Return the memory all processes hold together [bytes]; what they share counts once where it matters."""

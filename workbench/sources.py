@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from formulations.moving_cost.families import costed, generate
 from instances import InputError, Instance
-from instances.families import FAMILIES
 from instances.files import FORMATS, read_instance
 
 ENDINGS = (".json", ".json.gz", ".mdm", ".mtsp", ".tsp", ".atsp", ".vrp")
@@ -49,9 +47,11 @@ class FamilySource:
 
     def load(self) -> Instance:
         """Generate the instance."""
+        from formulations.moving_cost.families import costed, generate  # here: every run imports this file
+
         made = (self.family, self.n_tasks, self.n_depots, self.seed)
         if self.plugin:
-            from workbench.making import make_elsewhere  # here: every run imports this file, few make a scenario
+            from workbench.making import make_elsewhere
 
             return costed(*make_elsewhere(*made, self.parameters))[0]
         return generate(*made, **self.parameters)
@@ -59,6 +59,8 @@ class FamilySource:
 
 def plugin_family(name: str) -> str:
     """Return `name` where it is no built-in family, else "": what `Study.plugins` asks of a source."""
+    from instances.families import FAMILIES  # here: as above
+
     return "" if name in FAMILIES.built_in else name
 
 

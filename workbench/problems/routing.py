@@ -27,14 +27,12 @@ from formulations.routing.registry import SOLVERS
 from formulations.routing.solver import Event, Result, Solver, Status
 from instances import InputError, Instance, as_routes, check_routes, makespan, tour_costs
 from instances.best_known import best_known
-from instances.families import check_family
 from instances.files import read_instance, write_instance
 from reports.numbers import counted
 from reports.record import ITEM_FILES, Run, code_note
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.tables import combined, counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
 from workbench.sources import FamilySource, FileSource, instance_files
-from workbench.terminal import print_table, say
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -218,6 +216,7 @@ def _print_summary(runs: pd.DataFrame) -> None:
     """Print the summary per solver as a table on stdout."""
     from reports.columns import SUMMARY, shown, texts
     from reports.metrics import summary
+    from workbench.terminal import print_table, say
 
     if runs.empty:
         return
@@ -230,6 +229,8 @@ def _print_summary(runs: pd.DataFrame) -> None:
 
 def _print_comparison(comparison: Comparison) -> None:
     """Print what became of each method against the older store, on stdout."""
+    from workbench.terminal import print_table, say
+
     counts = ["instances", "better", "worse", "unchanged"]
     rows = [
         [f"{row['method']}, {row['measure']}", *(str(row[name]) for name in counts), str(row["verdict"])]
@@ -242,6 +243,8 @@ def _print_comparison(comparison: Comparison) -> None:
 
 def family_grid(table: Mapping[str, Any], where: str) -> list[tuple[str, int, int, int, dict[str, Any]]]:
     """Return every combination a ``[[families]]`` table asks for: family, n, m, seed, parameters, all known."""
+    from instances.families import check_family  # here: every run imports this file
+
     known_keys(table, FAMILY_KEYS, where)
     for key in ("family", "tasks", "depots"):
         if key not in table:

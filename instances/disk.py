@@ -88,7 +88,7 @@ def write_aside(path: Path | str, content: bytes | str) -> None:
                 stream.write(data)
             return
         target = Path(os.path.realpath(path))  # a link keeps pointing where it points
-        aside = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+        aside = _aside(target)
         try:
             with aside.open("wb") as file:
                 file.write(data)
@@ -101,22 +101,26 @@ def write_aside(path: Path | str, content: bytes | str) -> None:
         raise InputError(f"{path}: cannot be written ({_reason(error)})") from None
 
 
-def check_targets(*paths: Path | str) -> None:
-    """Raise InputError where one of `paths` cannot be written, as far as that is known beforehand: before the first."""
-    for path in paths:
-        try:
-            aside = Path(os.path.realpath(path))
-            if aside.is_dir():
-                raise IsADirectoryError(21, _NO_FILE[stat.S_IFDIR])
-            if os.path.exists(path) and not os.path.isfile(path):
-                continue  # a device or pipe
-            with suppress(FileNotFoundError):
-                os.stat(aside.with_name(f".{aside.name}.{secrets.token_hex(4)}.part"))  # too long a name
-            if not os.access(aside.parent, os.W_OK):
-                os.stat(aside.parent)  # it is not there
-                raise PermissionError(13, "its folder cannot be written to")
-        except (OSError, ValueError) as error:
-            raise InputError(f"{path}: cannot be written ({_reason(error)})") from None
+def check_target(path: Path | str) -> None:
+    """Raise InputError where `path` cannot be written by `write_aside`, as far as that is known before the work."""
+    try:
+        target = Path(os.path.realpath(path))
+        if target.is_dir():
+            raise IsADirectoryError(21, _NO_FILE[stat.S_IFDIR])
+        if target.exists() and not target.is_file():
+            return  # a device or pipe
+        if not target.parent.is_dir():
+            raise FileNotFoundError(2, f"there is no folder {target.parent}")
+        with suppress(FileNotFoundError):
+            os.stat(_aside(target))  # too long a name
+        if not os.access(target.parent, os.W_OK):
+            raise PermissionError(13, "its folder cannot be written to")
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be written ({_reason(error)})") from None
+
+
+def _aside(target: Path) -> Path:
+    return target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
 
 
 @contextmanager

@@ -10,9 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from reports.stores import read_runs
-
-ROUNDING = 1e-9
-"""Relative excess over a certificate that floating point may explain."""
+from reports.tolerances import RELATIVE_ROUNDING
 
 
 def read_placements(*folders: Path | str) -> tuple[list[dict[str, Any]], list[str]]:
@@ -29,7 +27,7 @@ def placement_contradictions(runs: Sequence[dict[str, Any]]) -> list[tuple[str, 
     found = []
     for run in runs:
         value, least = run["mutual_information"], lowest[run["instance"]["digest"]]
-        if value is not None and value > least["certificate"] + ROUNDING * abs(least["certificate"]):
+        if value is not None and value > least["certificate"] + RELATIVE_ROUNDING * abs(least["certificate"]):
             own = run["certificate"] == least["certificate"]
             whose = "its own certificate" if own else f"the certificate stated by {least['label']}"
             sentence = (

@@ -15,11 +15,7 @@ import numpy as np
 import pandas as pd
 
 from instances.arrays import Floats
-
-RELATIVE_ROUNDING = 1e-9
-"""Two costs that differ by less than this share differ by floating-point rounding only."""
-WIDEST_TOLERANCE = 1e-3
-"""A proof within more than this share of the cost is not called one."""
+from reports.tolerances import RELATIVE_ROUNDING, WIDEST_TOLERANCE
 
 
 def holds(runs: pd.DataFrame) -> pd.Series:

@@ -21,8 +21,9 @@ from instances import InputError, Instance, check_routes, tour_costs
 from instances.code import code_digest
 from instances.errors import one_line
 from instances.files import read_instance
-from reports.proofs import RELATIVE_ROUNDING, holds
+from reports.proofs import holds
 from reports.record import ITEM_FILES, RUN, Run, described, read_json, read_run
+from reports.tolerances import RELATIVE_ROUNDING
 
 FRAME = (
     "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "best_known", "solver", "method", "label",

@@ -12,7 +12,7 @@ import click
 
 from formulations.limits import LARGEST_SEED, LONGEST, MOST_THREADS
 from instances.errors import InputError, shown
-from instances.registry import LARGEST_WHOLE
+from instances.registry import LARGEST, LARGEST_WHOLE
 
 
 class Whole(click.ParamType):  # type: ignore[type-arg] # not generic in all versions of click
@@ -38,9 +38,9 @@ class Positive(click.ParamType):  # type: ignore[type-arg]
     """A number above 0 and at most `most`; far from where its square is 0 or infinite."""
 
     name = "float"
-    least = 1e-100
+    least = 1 / LARGEST
 
-    def __init__(self, most: float = 1e100, unit: str = "") -> None:
+    def __init__(self, most: float = LARGEST, unit: str = "") -> None:
         self.most, self.unit = most, unit
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:

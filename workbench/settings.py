@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from instances import disk
 from instances.errors import InputError, shown
 
 LARGEST_MEMORY = 2**62
@@ -66,11 +66,10 @@ def make_folder(folder: Path, what: str = "a folder") -> Path:
     return folder
 
 
-def check_target(path: Path | None, endings: tuple[str, ...]) -> None:
-    """Refuse before the work what could not be written after it; None is fine."""
+def check_target(path: Path | None, endings: tuple[str, ...] = ("",)) -> None:
+    """Refuse before the work what could not be written after it, or has none of the `endings`; None is fine."""
     if path is None:
         return
     if not path.name.endswith(endings):
         raise InputError(f"{path}: must end in {' or '.join(endings)}")
-    if not os.path.isdir(path.parent):
-        raise InputError(f"{path}: there is no folder {path.parent}")
+    disk.check_target(path)

@@ -12,7 +12,7 @@ Each is decided from the routes' re-computed costs and the stored bounds alone:
 * *trace below routes*: a trace that claims better routes than those stored;
 * *bound above best known*: a lower bound above the best known value of the literature;
 * *OPTIMAL with a gap*: a proof claimed although cost and bound differ by more than the stated tolerance, or
-  although that tolerance is itself more than `proofs.WIDEST_TOLERANCE` of the cost;
+  although that tolerance is itself more than `tolerances.WIDEST_TOLERANCE` of the cost;
 * *INFEASIBLE refuted*: an instance called infeasible. All costs of an instance are finite, so there always are routes;
 * *routes denied*: NO_SOLUTION beside routes.
 
@@ -28,7 +28,8 @@ import numpy as np
 import pandas as pd
 
 from reports.metrics.gaps import references
-from reports.proofs import RELATIVE_ROUNDING, cut_off, gap_left, refuted_bounds, streamed_bounds
+from reports.proofs import cut_off, gap_left, refuted_bounds, streamed_bounds
+from reports.tolerances import RELATIVE_ROUNDING
 
 KNOWN_ROUNDING = 1e-6
 """Best known values of the literature are rounded; a bound above one by less than this share says nothing."""

@@ -12,7 +12,8 @@ from reports.metrics.gaps import with_gaps
 from reports.metrics.integrals import with_integrals
 from reports.metrics.means import penalised, shifted_geometric_mean
 from reports.metrics.targets import time_to_proof, time_to_target
-from reports.proofs import RELATIVE_ROUNDING, believed_bounds
+from reports.proofs import believed_bounds
+from reports.tolerances import RELATIVE_ROUNDING
 
 CERTIFIED = 0.01
 """Routes count as certified where the best bound of any run proves them within this share of the optimum."""

@@ -7,7 +7,7 @@ import pandas as pd
 
 from reports.metrics.gaps import with_gaps
 from reports.metrics.integrals import finished_traces
-from reports.proofs import RELATIVE_ROUNDING
+from reports.tolerances import RELATIVE_ROUNDING
 
 
 def time_to_target(runs: pd.DataFrame, targets: list[float]) -> pd.DataFrame:

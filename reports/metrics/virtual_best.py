@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from reports.metrics.gaps import with_gaps
-from reports.proofs import RELATIVE_ROUNDING
+from reports.tolerances import RELATIVE_ROUNDING
 
 
 def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:

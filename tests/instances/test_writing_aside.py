@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from instances import InputError, Instance
-from instances.disk import check_targets, write_aside
+from instances.disk import check_target, write_aside
 from instances.files import write_instance, write_routes
 
 SMALL = Instance("x", np.zeros((2, 2)), 1, 1)
@@ -108,10 +108,11 @@ def test_unknown_endings_write_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_cannot_be_written_is_known_before_anything_is(tmp_path):
+def test_what_cannot_be_written_is_known_before_the_work(tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "there.csv").write_text("old")
-    check_targets(tmp_path / "new.csv", tmp_path / "there.csv", "/dev/null")
+    for fine in (tmp_path / "new.csv", tmp_path / "there.csv", "/dev/null"):
+        check_target(fine)
     for bad in (
         tmp_path / "folder",
         tmp_path / "none" / "new.csv",
@@ -119,5 +120,5 @@ def test_what_cannot_be_written_is_known_before_anything_is(tmp_path):
         tmp_path / "there.csv" / "x",
     ):
         with pytest.raises(InputError, match="cannot be written"):
-            check_targets(tmp_path / "new.csv", bad)
+            check_target(bad)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "there.csv"]

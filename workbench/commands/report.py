@@ -39,16 +39,17 @@ def command(
     CSV-placement.csv lie beside those of routing runs. Exit code 1 where files are damaged; they are named and left
     out.
     """
-    from instances.disk import check_targets
     from reports import numbers
     from workbench.jobs.problem import Outputs
     from workbench.publish import publish
+    from workbench.settings import check_target
     from workbench.terminal import say
 
     if fail_on_regression and more["against"] is None:
         raise InputError("--fail-on-regression: needs --against OLD")
     outputs = {flag: path for flag, path in more.items() if path}
-    check_targets(*(path for path in (out, csv, *(outputs[flag] for flag in outputs if flag != "against")) if path))
+    for path in (out, csv, *(outputs[flag] for flag in outputs if flag != "against")):
+        check_target(path)
     published = publish(folders, Outputs(out, csv, outputs, raw_csv))
     for sentence in published.problems:
         say(sentence, err=True)

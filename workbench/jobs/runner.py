@@ -16,6 +16,7 @@ from formulations.limits import Limits
 from instances.code import code_digest, revision
 from instances.errors import LONGEST_VALUE, one_line
 from reports.record import Run
+from reports.tolerances import RELATIVE_ROUNDING
 from workbench.jobs.job import Job
 from workbench.jobs.machine import environment, environment_digest, usable_memory
 from workbench.jobs.problem import Claim, Problem
@@ -67,8 +68,6 @@ def run(
 
 AT_ONCE = 1e-3
 """Events closer than this [s], after the first second this share of the elapsed time, are stored as one."""
-ROUNDING = 1e-9
-"""Relative difference between a bound and the cost of routes that floating point may explain."""
 
 
 @dataclass
@@ -149,7 +148,7 @@ class _Witness:
 
 def refute_bound(bound: float | None, objective: float | None) -> str:
     """Return why `bound` cannot be one, given the verified `objective` of the run's own product, or ""."""
-    if bound is None or objective is None or bound <= objective + ROUNDING * abs(objective):
+    if bound is None or objective is None or bound <= objective + RELATIVE_ROUNDING * abs(objective):
         return ""
     return f"claimed a bound of {bound!r}, but what it found itself has {objective!r}"
 

@@ -30,6 +30,7 @@ from instances.best_known import best_known
 from instances.files import read_instance, write_instance
 from reports.numbers import counted
 from reports.record import ITEM_FILES, Run, code_note
+from reports.tolerances import RELATIVE_ROUNDING, WIDEST_TOLERANCE
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.tables import combined, counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
 from workbench.sources import FamilySource, FileSource, instance_files
@@ -259,12 +260,6 @@ def family_grid(table: Mapping[str, Any], where: str) -> list[tuple[str, int, in
     return combined([names, tasks, depots, seeds, combinations], where)
 
 
-ROUNDING = 1e-9
-"""Relative difference between a claimed and the recomputed cost that floating point may explain."""
-WIDEST_TOLERANCE = 1e-3
-"""A proof to within more than this share of the cost is not called one."""
-
-
 def refute_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> str:
     """Return why `routes` [nodes] are not feasible, in a sentence, or "" where they are."""
     faults = check_routes(instance, routes)
@@ -276,7 +271,9 @@ def refute_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> str:
 
 def refute_cost(claimed: float | None, actual: float) -> str:
     """Return that the claimed longest tour [s] is not the recomputed one, with both numbers, or "" where it is."""
-    if claimed is not None and math.isclose(claimed, actual, rel_tol=ROUNDING):  # an infinite cost is close to none
+    if claimed is not None and math.isclose(
+        claimed, actual, rel_tol=RELATIVE_ROUNDING
+    ):  # an infinite cost is close to none
         return ""
     return f"claimed a longest tour of {claimed!r} s, but its routes cost {actual!r} s"
 
@@ -300,7 +297,7 @@ def refute_proof(status: Status, bound: float | None, objective: float | None, t
         return f"claimed OPTIMAL without {'routes' if objective is None else 'a bound'}"
     if not 0 <= tolerance <= WIDEST_TOLERANCE * objective:
         return f"claimed OPTIMAL with a tolerance of {tolerance!r} s, while its routes cost {objective!r} s"
-    if objective - bound > tolerance + ROUNDING * objective:
+    if objective - bound > tolerance + RELATIVE_ROUNDING * objective:
         return (
             f"claimed OPTIMAL, but its routes cost {objective!r} s and its bound is {bound!r} s, "
             f"further apart than its tolerance of {tolerance!r} s"

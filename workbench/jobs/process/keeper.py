@@ -12,27 +12,25 @@ processor time of them all.
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import os
 import resource
 import select
 import signal
 import sys
 import time
-from pathlib import Path
+
+from workbench.jobs.process.kernel import adopt_descendants, be_first_to_free_memory, die_with_parent
 
 PATIENCE = 10.0
 """Seconds to wait for killed processes to be gone; one that hangs in the kernel may take longer."""
 PAUSE = 0.002
 """Seconds between two looks at what is left."""
-LINUX = sys.platform == "linux"
 
 
 def main() -> None:
     """Fork the worker, wait for its end or for the order to end it, leave nothing behind."""
     messages, life = int(sys.argv[1]), int(sys.argv[2])
-    if LINUX:
-        _process_control(36, 1)  # PR_SET_CHILD_SUBREAPER
+    adopt_descendants()
     wake, woken = os.pipe()
     for end in (wake, woken):
         os.set_blocking(end, False)
@@ -60,11 +58,10 @@ def main() -> None:
 def _work(messages: int, keeper: int) -> None:
     """Be the worker: in a session of its own, killed when the keeper is."""
     os.setsid()
-    if LINUX:
-        _process_control(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
-        if os.getppid() != keeper:  # it was killed before we asked
-            os._exit(1)
-        Path("/proc/self/oom_score_adj").write_text("1000")  # the kernel's first choice to free memory
+    die_with_parent()
+    if os.getppid() != keeper:  # it was killed before we asked
+        os._exit(1)
+    be_first_to_free_memory()
     from workbench.jobs.process.worker import main as work  # here: numpy and all it takes are not the keeper's
 
     work(messages)
@@ -115,10 +112,6 @@ def _end_like(status: int | None) -> None:
 def _kill(pid: int) -> None:
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.kill(pid, signal.SIGKILL)
-
-
-def _process_control(option: int, value: int) -> None:
-    ctypes.CDLL(None).prctl(option, ctypes.c_ulong(value))
 
 
 if __name__ == "__main__":

@@ -8,15 +8,15 @@ their environment.
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import os
-import signal
-import sys
 import threading
 import time
 from collections.abc import Iterator
 
 import psutil
+
+from workbench.jobs.process.kernel import adopt_descendants
+from workbench.jobs.process.processes import kill, own_children
 
 MARK = "WORKBENCH_RUN"
 """Variable of the environment that tells a run's processes from all others."""
@@ -35,12 +35,9 @@ _ours: set[int] | None = None
 def adopt() -> None:
     """Take over, from now on, what loses its keeper: every child of this process not begun by `begun` is an orphan."""
     global _ours
-    if sys.platform != "linux":
-        return
     with _lock:
-        if _ours is None:
-            ctypes.CDLL(None).prctl(36, ctypes.c_ulong(1))  # PR_SET_CHILD_SUBREAPER
-            _ours = {child.pid for child in psutil.Process().children()}
+        if _ours is None and adopt_descendants():
+            _ours = {child.pid for child in own_children()}
 
 
 @contextlib.contextmanager
@@ -66,9 +63,7 @@ def end_orphans(mark: str) -> None:
     while quiet < QUIET and time.monotonic() < until:
         with _lock:
             left = [*_marked(mark), *_adopted()]
-            for process in left:
-                with contextlib.suppress(psutil.Error):
-                    process.send_signal(signal.SIGKILL)
+            kill(left)
             for process in _adopted():
                 with contextlib.suppress(ChildProcessError):
                     os.waitpid(process.pid, os.WNOHANG)
@@ -86,4 +81,4 @@ def _marked(mark: str) -> list[psutil.Process]:
 
 
 def _adopted() -> list[psutil.Process]:
-    return [] if _ours is None else [child for child in psutil.Process().children() if child.pid not in _ours]
+    return [] if _ours is None else [child for child in own_children() if child.pid not in _ours]

@@ -85,10 +85,9 @@ class Tree:
         return processes.processor_time(self._all(afresh))
 
     def memory(self) -> int:
-        """Return the memory all processes hold together [bytes]; what they share counts once where it matters."""
+        """Return the memory all processes hold together [bytes], what they share counted in each."""
         held = processes.memory(self._all())
-        worker = self._found[1:2]  # the keeper's first child
-        self.peak_memory = max(self.peak_memory, held, *(processes.most_memory(each.pid) for each in worker))
+        self.peak_memory = max(self.peak_memory, held, *(processes.most_memory(each.pid) for each in self._found))
         return held
 
     def own_memory(self) -> int:

@@ -2,6 +2,17 @@
 
 from instances.errors import InputError
 from instances.instance import Instance
-from instances.routes import Routes, as_routes, check_routes, makespan, tour_costs
+from instances.routes import Routes, as_routes, check_routes, makespan, objective, tour_costs
+from instances.travel import Travel
 
-__all__ = ["InputError", "Instance", "Routes", "as_routes", "check_routes", "makespan", "tour_costs"]
+__all__ = [
+    "InputError",
+    "Instance",
+    "Routes",
+    "Travel",
+    "as_routes",
+    "check_routes",
+    "makespan",
+    "objective",
+    "tour_costs",
+]

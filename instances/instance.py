@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from instances.arrays import Floats
+from instances.arrays import Floats, Ints
 from instances.errors import InputError, naming, shown
+from instances.travel import AXES, Travel
 
 MAX_NODES = 20_000
 """Most nodes n + m of an instance: its costs alone fill 3.2 GB."""
@@ -38,6 +39,9 @@ class Instance:
     n_depots : m ≥ 1.
     coordinates : positions [m], shape (n+m, 2), or None where only costs are known.
     provenance : where the numbers come from: family, parameters, seed, source file.
+    travel : what a leg costs each class of UAV, at each time, between states of nodes; None where `cost` says it all.
+        `cost` is then the least of it (`Travel.least`), a valid bound for everything that reads one matrix.
+    endurance : L_k [s] of each UAV, shape (m,), positive, +inf where unlimited: C_k ≤ L_k. None where all are.
 
     Raises InputError with one sentence that names the offending entry.
     """
@@ -48,6 +52,8 @@ class Instance:
     n_depots: int
     coordinates: Floats | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    travel: Travel | None = None
+    endurance: Floats | None = None
 
     def __post_init__(self) -> None:
         with naming("instance"):
@@ -63,6 +69,13 @@ class Instance:
         if self.coordinates is not None:
             object.__setattr__(self, "coordinates", _checked_coordinates(self.coordinates, self.n_nodes, self.name))
         object.__setattr__(self, "provenance", dict(self.provenance))
+        object.__setattr__(self, "travel", _checked_travel(self.travel, self.cost, self.n_depots, self.name))
+        object.__setattr__(self, "endurance", _checked_endurance(self.endurance, self.n_depots, self.name))
+
+    @classmethod
+    def of_travel(cls, name: str, travel: Travel, n_tasks: int, **more: Any) -> Instance:
+        """Return the instance whose costs are the least of `travel`; `more` are its other fields."""
+        return cls(name, travel.least(), n_tasks, len(travel.classes), travel=travel, **more)
 
     def __reduce__(self) -> tuple[type[Instance], tuple[Any, ...]]:
         """Pickle through the constructor: arrays are read-only again on the other side, which kernels mind."""
@@ -83,12 +96,50 @@ class Instance:
         """The paper's D: node numbers of the depots, one UAV at each."""
         return range(self.n_tasks, self.n_nodes)
 
+    @property
+    def axes(self) -> frozenset[str]:
+        """What this instance has beyond one matrix of costs: names of `instances.travel.AXES`."""
+        limited = frozenset() if self.endurance is None else frozenset({"endurance"})
+        return limited if self.travel is None else limited | self.travel.axes
+
+    @property
+    def restricted(self) -> bool:
+        """Whether there may be no routes at all: legs that some UAV cannot fly, or limited endurance."""
+        return self.endurance is not None or (self.travel is not None and not np.isfinite(self.travel.cost).all())
+
+    @property
+    def classes(self) -> Ints:
+        """The class of each UAV, (m,): all 0 where the UAVs are alike."""
+        return np.zeros(self.n_depots, dtype=np.int64) if self.travel is None else self.travel.classes
+
+    @property
+    def class_costs(self) -> Floats:
+        """Costs of each class of UAV, (G, N, N) [s], +inf where it cannot fly; ValueError where time or state count."""
+        if self.travel is None:
+            return self.cost[None]
+        if self.travel.axes & {"time", "states"}:
+            raise ValueError(f"instance {self.name}: costs depend on more than the class of the UAV")
+        return self.travel.cost[:, 0]
+
+    def uav_cost(self, k: int) -> Floats:
+        """Return the costs (N, N) [s] of UAV k, +inf where it cannot fly; ValueError as `class_costs`."""
+        return self.class_costs[self.classes[k]]
+
+    @cached_property
+    def limits(self) -> Floats:
+        """L_k [s] of each UAV, (m,): +inf where its endurance is unlimited."""
+        return np.full(self.n_depots, np.inf) if self.endurance is None else self.endurance
+
     @cached_property
     def digest(self) -> str:
         """First 12 hexadecimal digits of the SHA-256 of the arrays (name and provenance left out)."""
         h = hashlib.sha256(f"{self.n_tasks} {self.n_depots} ".encode())
-        for array in (self.cost, self.coordinates):
+        arrays = [("", self.cost), ("", self.coordinates), ("endurance", self.endurance)]
+        if self.travel is not None:
+            arrays += [(each.name, getattr(self.travel, each.name)) for each in fields(self.travel)]
+        for label, array in arrays:
             if array is not None:
+                h.update(label.encode())
                 h.update(np.ascontiguousarray(array, dtype="<f8").reshape(-1).view(np.uint8).data)
         return h.hexdigest()[:12]
 
@@ -104,8 +155,9 @@ class Instance:
 
     def summary(self) -> str:
         """One line for people: name, size, asymmetry, digest."""
+        more = "".join(f"{AXES[axis]}, " for axis in AXES if axis in self.axes)
         return (
-            f"{self.name}: {self.n_tasks} tasks, {self.n_depots} depots, "
+            f"{self.name}: {self.n_tasks} tasks, {self.n_depots} depots, {more}"
             f"cost asymmetry {self.asymmetry:.1%}, digest {self.digest}"
         )
 
@@ -173,3 +225,40 @@ def _checked_coordinates(coordinates: ArrayLike, size: int, name: str) -> Floats
         )
     xy.setflags(write=False)
     return xy
+
+
+def _checked_travel(travel: Travel | None, cost: Floats, n_depots: int, name: str) -> Travel | None:
+    """Return `travel` where it says more than `cost` does."""
+    if travel is None:
+        return None
+    if not isinstance(travel, Travel):
+        raise InputError(f"instance {name}: travel must be a Travel, got {shown(travel)}")
+    if travel.n_nodes != len(cost):
+        raise InputError(f"instance {name}: travel has {travel.n_nodes} nodes, must have {len(cost)}")
+    if len(travel.classes) != n_depots:
+        raise InputError(f"instance {name}: travel.classes has {len(travel.classes)} UAVs for {n_depots} depots")
+    finite = travel.cost[np.isfinite(travel.cost)]
+    if finite.max(initial=0.0) > LARGEST_SUM / len(cost):
+        raise InputError(f"instance {name}: travel.cost holds {finite.max()}, too large to add up {len(cost)} of it")
+    least = travel.least()
+    if not np.array_equal(least, cost):
+        i, j = np.argwhere(least != cost)[0]
+        raise InputError(
+            f"instance {name}: cost[{i}][{j}] is {cost[i, j]}, but the least of that leg's travel.cost is {least[i, j]}"
+        )
+    return travel if travel.axes else None
+
+
+def _checked_endurance(endurance: ArrayLike | None, n_depots: int, name: str) -> Floats | None:
+    if endurance is None:
+        return None
+    try:
+        limits = np.array(endurance, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"instance {name}: endurance must be a list of numbers [s]") from None
+    if limits.shape != (n_depots,):
+        raise InputError(f"instance {name}: endurance must be {n_depots} numbers [s], got shape {limits.shape}")
+    for k in np.flatnonzero(~(limits > 0)).tolist():
+        raise InputError(f"instance {name}: endurance[{k}] must be positive [s], got {limits[k]}")
+    limits.setflags(write=False)
+    return None if np.isinf(limits).all() else limits

@@ -11,8 +11,11 @@ from operator import index
 
 import numpy as np
 
-from instances.arrays import Floats
+from instances.arrays import Bools, Floats
 from instances.instance import Instance
+
+ENDURANCE_ROUNDING = 1e-9
+"""Share by which C_k may pass L_k: what summing the legs in another order can make of it."""
 
 Routes = tuple[tuple[int, ...], ...]
 """For each depot, in depot order, its tasks in flying order; empty when the UAV stays home."""
@@ -26,8 +29,8 @@ def as_routes(routes: Iterable[Iterable[int]]) -> Routes:
 def check_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> list[str]:
     """Return what is wrong with `routes`, a sentence each; an empty list means feasible.
 
-    Feasible: one route per depot, and every task on exactly one route exactly once (eqs. const1–const4, const6).
-    Routes are called #1 to #m, as in ``.sol`` files.
+    Feasible: one route per depot, and every task on exactly one route exactly once (eqs. const1–const4, const6), on
+    legs its UAV can fly and within its endurance. Routes are called #1 to #m, as in ``.sol`` files.
     """
     faults = []
     if len(routes) != instance.n_depots:
@@ -43,19 +46,48 @@ def check_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> list[st
                 )
     faults += [f"Task {task} is visited by no route." for task, times in visits.items() if times == 0]
     faults += [f"Task {task} is visited {times} times." for task, times in visits.items() if times > 1]
-    return faults
+    return faults or _unflyable(instance, routes)
+
+
+def _unflyable(instance: Instance, routes: Sequence[Sequence[int]]) -> list[str]:
+    """Return which UAVs cannot fly their route, and which not on one battery."""
+    if not instance.axes:
+        return []
+    costs = tour_costs(instance, routes)
+    faults = [f"Route #{k + 1} has a leg that its UAV cannot fly." for k in np.flatnonzero(np.isinf(costs))]
+    return faults + [
+        f"Route #{k + 1} takes {costs[k]:.9g} s, more than its UAV's endurance of {instance.limits[k]:.9g} s."
+        for k in np.flatnonzero(past_endurance(instance, costs) & np.isfinite(costs))
+    ]
+
+
+def past_endurance(instance: Instance, costs: Floats) -> Bools:
+    """Return which tours, of C_k = `costs` [s], shape (m,), are longer than their UAV can fly."""
+    return costs > instance.limits * (1 + ENDURANCE_ROUNDING)
 
 
 def tour_costs(instance: Instance, routes: Sequence[Sequence[int]]) -> Floats:
-    """Return C_k [s] of each UAV, shape (m,) (paper, eq. costsum); 0 for a UAV that stays home."""
+    """Return C_k [s] of each UAV, shape (m,) (paper, eq. costsum); 0 for a UAV that stays home.
+
+    The one place that knows of classes, clocks and states: +inf where a leg cannot be flown.
+    """
     costs = np.zeros(len(routes))
     for k, route in enumerate(routes):
         if len(route):
             stops = np.array([instance.n_tasks + k, *route, instance.n_tasks + k])
-            costs[k] = instance.cost[stops[:-1], stops[1:]].sum()
+            if instance.travel is None:
+                costs[k] = instance.cost[stops[:-1], stops[1:]].sum()
+            else:
+                costs[k] = instance.travel.tour_cost(k, stops)
     return costs
 
 
+def objective(instance: Instance, routes: Sequence[Sequence[int]]) -> float:
+    """Return C_max [s] of complete routes, +inf where a UAV cannot fly its tour."""
+    costs = tour_costs(instance, routes)
+    return float("inf") if past_endurance(instance, costs).any() else float(costs.max())
+
+
 def makespan(instance: Instance, routes: Sequence[Sequence[int]]) -> float:
-    """Return C_max [s], the cost of the longest tour (paper, eq. c_max)."""
+    """Return C_max [s], the cost of the longest tour (paper, eq. c_max), whatever the UAVs' endurance."""
     return float(tour_costs(instance, routes).max())

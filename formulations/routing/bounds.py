@@ -24,6 +24,7 @@ from formulations.routing.greedy import greedy_routes
 from formulations.routing.registry import make_solver
 from formulations.routing.relaxation import relax
 from formulations.routing.simple_bounds import SIMPLE
+from formulations.routing.solver import refusal
 from instances import Instance, makespan
 
 MOST_THETA = 60_000
@@ -61,7 +62,7 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
     for solver in ROOTS:
         root, upper = _root(solver, instance, upper, time_limit, seed)
         yield root
-    if BranchAndPrice().accepts(instance) is None:
+    if refusal(BranchAndPrice(), instance) is None:
         yield from _columns(instance, upper, time_limit)
 
 
@@ -80,7 +81,7 @@ def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
 def _root(name: str, instance: Instance, upper: float, time_limit: float, seed: int) -> tuple[Bound, float]:
     """Return the bound of a solver at the root of its tree, and the cost of the best routes known after it."""
     solver = make_solver(name)
-    reason = solver.accepts(instance)
+    reason = refusal(solver, instance)
     if reason:
         return Bound(name, 0.0, 0.0, reason), upper
     solver.prepare(instance)

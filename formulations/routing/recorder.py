@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from formulations.limits import Limits
 from formulations.routing.solver import Event, Observer, Result, Solver, Status, ignore
-from instances import Instance, Routes, as_routes, makespan
+from instances import Instance, Routes, as_routes, objective
 
 
 class Recorder:
@@ -45,9 +45,9 @@ class Recorder:
         return max(0.0, self.limits.time - self.elapsed)
 
     def incumbent(self, routes: Routes) -> bool:
-        """Offer routes; keep and stream them where they are better than the best so far."""
+        """Offer complete routes; keep and stream them where the UAVs can fly them and they are the best so far."""
         routes = as_routes(routes)
-        value = makespan(self.instance, routes)
+        value = objective(self.instance, routes)
         if value >= self.objective:
             return False
         self.objective, self.routes = value, routes
@@ -89,6 +89,17 @@ class Recorder:
             stopped_by=stopped_by,
             message=message,
             tolerance=tolerance,
+            statistics=statistics,
+        )
+
+    def infeasible(self, message: str = "", **statistics: Any) -> Result:
+        """Write the Result of a proof that the UAVs cannot fly all tasks."""
+        return Result(
+            Status.INFEASIBLE,
+            elapsed=self.elapsed,
+            trace=tuple(self._trace),
+            stopped_by="proof",
+            message=message or "No routes exist that the UAVs can fly.",
             statistics=statistics,
         )
 

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Protocol
 
 from formulations.limits import Limits
 from instances import Instance, Routes
+from instances.travel import AXES
 
 
 class Status(StrEnum):
@@ -19,7 +20,7 @@ class Status(StrEnum):
     FEASIBLE = "FEASIBLE"
     """Routes without that proof."""
     INFEASIBLE = "INFEASIBLE"
-    """A proof that no routes exist. An MMMDMTSP always has some; only a third-party restriction ends here."""
+    """A proof that no routes exist; only where some leg cannot be flown or endurance is limited can there be one."""
     NO_SOLUTION = "NO_SOLUTION"
     """A limit was hit before any routes were found."""
     KILLED = "KILLED"
@@ -98,6 +99,8 @@ class Solver(Protocol):
 
     proves: ClassVar[bool]
     """Whether the method can end OPTIMAL."""
+    axes: ClassVar[frozenset[str]] = frozenset()
+    """What it takes beyond one matrix of costs: names of `instances.travel.AXES`. See `refusal`."""
 
     def accepts(self, instance: Instance) -> str | None:
         """Return why this method does not take `instance`, in a sentence, or None where it does."""
@@ -121,3 +124,21 @@ class Solver(Protocol):
             them, and a bad start must never change what an exact method proves.
         """
         ...
+
+
+ABLE = {
+    "fleet": "memetic and exact can",
+    "endurance": "memetic and exact can",
+    "time": "no built-in solver can",
+    "states": "no built-in solver can",
+}
+"""Who to turn to, for each axis of an instance."""
+
+
+def refusal(solver: Solver, instance: Instance) -> str | None:
+    """Return why `solver` does not take `instance`, in a sentence: an axis it lacks, or its own reason; or None."""
+    has: frozenset[str] = getattr(solver, "axes", frozenset())
+    for axis, words in AXES.items():
+        if axis in instance.axes - has:
+            return f"the instance has {words} ('{axis}'), which this solver cannot take; {ABLE[axis]}"
+    return solver.accepts(instance)

@@ -6,11 +6,13 @@ Three recursions over sets of tasks, none of which needs the triangle inequality
     t_k(S)      = min_{j ∈ S} f_k(S, j) + c_jk,   t_k(∅) = 0               cheapest tour of UAV k over S
     g_1 = t_1,   g_k(S) = min_{R ⊆ S} max(g_{k−1}(S∖R), t_k(R))            best longest tour of UAVs 1..k
 
-and the optimum is g_m(T) (paper, eqs. c_max and const1–const6). The first two are Held & Karp, "A dynamic
-programming approach to sequencing problems", J. SIAM 10 (1962), in 2ⁿn² steps a depot; the third is a subset
-convolution in the semiring (min, max), 3ⁿ steps for each UAV but the first and the last, done block by block over the
-low bits so that it stays in cache, and skipping blocks that cannot beat known routes. Memory: 8·n·2ⁿ bytes for f,
-used again by every depot, and 8·2ⁿ for each t_k and g_k.
+and the optimum is g_m(T) (paper, eqs. c_max and const1–const6). Where UAVs differ, c is that of UAV k, +∞ where it
+cannot fly; where endurance is limited, t_k(S) = +∞ beyond L_k; g_m(T) = +∞ then proves that there are no routes.
+
+The first two are Held & Karp, "A dynamic programming approach to sequencing problems", J. SIAM 10 (1962), in 2ⁿn²
+steps a depot; the third is a subset convolution in the semiring (min, max), 3ⁿ steps for each UAV but the first and the
+last, done block by block over the low bits so that it stays in cache, and skipping blocks that cannot beat known
+routes. Memory: 8·n·2ⁿ bytes for f, used again by every depot, and 8·2ⁿ for each t_k and g_k.
 
 Floating point: a tour is a sum of at most n + 1 non-negative costs, so the recursion is within a relative
 (n + 1)·2⁻⁵³ of the exact value; the bound reported is lowered by more than that.
@@ -18,6 +20,7 @@ Floating point: a tour is a sum of at most n + 1 non-negative costs, so the recu
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import ClassVar, NamedTuple
@@ -30,6 +33,7 @@ from formulations.routing.solver import Result
 from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.kernels import njit
+from instances.routes import ENDURANCE_ROUNDING
 
 LARGEST = 22
 """Tasks beyond which the tables pass about a gigabyte and the partition a minute."""
@@ -45,6 +49,7 @@ class SubsetDp(RecordedSolver):
     """Dynamic programming over all subsets: exact, n ≤ 22, time and memory known beforehand."""
 
     proves: ClassVar[bool] = True
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
 
     def accepts(self, instance: Instance) -> str | None:
         """Refuse instances whose tables do not fit."""
@@ -75,6 +80,8 @@ class SubsetDp(RecordedSolver):
         if best is None:
             return recorder.result("time", message="The clock ran out in the partition.")
         value = float(best[-1][-1])
+        if math.isinf(value) and recorder.routes is None:
+            return recorder.infeasible(subsets=1 << instance.n_tasks)
         if value < recorder.objective:
             recorder.incumbent(_recover(instance, tours, best))
         tolerance = 2 * _RELATIVE_ROUNDING * recorder.objective
@@ -83,8 +90,11 @@ class SubsetDp(RecordedSolver):
 
 
 def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> Floats | None:
-    """Return t_k(S) [s] for every set S of tasks (bit i is task i), shape (2ⁿ,); None when the clock runs out."""
-    n, c = instance.n_tasks, instance.cost
+    """Return t_k(S) [s] for every set S of tasks (bit i is task i), shape (2ⁿ,); None when the clock runs out.
+
+    Sets that UAV k cannot fly, or not on one battery, have t_k(S) = +inf.
+    """
+    n, c = instance.n_tasks, instance.uav_cost(k)
     to_task, home = c[n + k, :n].copy(), c[:n, n + k].copy()
     between = np.ascontiguousarray(c[:n, :n].T)
     path = np.empty((1 << n, n))
@@ -93,6 +103,8 @@ def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> Flo
         if clock is not None and clock.remaining <= 0:
             return None
         _extend_paths(low, min(low + _PATH_CHUNK, 1 << n), to_task, between, home, path, tour)
+    if instance.endurance is not None:
+        tour[tour > instance.endurance[k] * (1 + ENDURANCE_ROUNDING)] = np.inf
     return tour
 
 
@@ -212,8 +224,9 @@ def cheapest_order(instance: Instance, k: int, tasks: list[int]) -> tuple[int, .
     if not tasks:
         return ()
     depot = instance.n_tasks + k
-    to_task, home = instance.cost[depot, tasks], instance.cost[tasks, depot]
-    between = np.ascontiguousarray(instance.cost[np.ix_(tasks, tasks)].T)
+    cost = instance.uav_cost(k)
+    to_task, home = cost[depot, tasks], cost[tasks, depot]
+    between = np.ascontiguousarray(cost[np.ix_(tasks, tasks)].T)
     path, tour = np.empty((1 << len(tasks), len(tasks))), np.zeros(1 << len(tasks))
     _extend_paths(1, 1 << len(tasks), to_task, between, home, path, tour)
     order, rest, following = [], (1 << len(tasks)) - 1, home
@@ -234,8 +247,9 @@ def _nearest_task_to_the_shortest_tour(instance: Instance) -> Routes:
         k = int(spent.argmin())
         depot = instance.n_tasks + k
         here = routes[k][-1] if routes[k] else depot
-        task = min(open_tasks, key=lambda i: float(instance.cost[here, i] + instance.cost[i, depot]))
-        spent[k] += instance.cost[here, task]
+        cost = instance.uav_cost(k)
+        task = min(open_tasks, key=lambda i: float(cost[here, i] + cost[i, depot]))
+        spent[k] += cost[here, task]
         routes[k].append(task)
         open_tasks.remove(task)
     return tuple(tuple(route) for route in routes)

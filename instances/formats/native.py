@@ -1,7 +1,10 @@
 """Native instance files: JSON, or JSON compressed by gzip.
 
 ``schema`` (1), ``name``, ``n_tasks``, ``n_depots``, ``cost`` [s] as rows or as a named metric
-(`instances.metrics`), ``coordinates`` [m] (n+m pairs, or null), ``provenance`` (free). Floats are written with
+(`instances.metrics`), ``coordinates`` [m] (n+m pairs, or null), ``provenance`` (free); where UAVs, times or states
+differ, ``travel`` with ``cost`` [s] (class, knot, state, state; null where a class cannot fly a leg), ``classes``,
+``departures`` [s] and ``nodes``, and then ``cost`` is its least and may be left out; ``endurance`` [s] (m numbers, null
+where unlimited). Floats are written with
 the shortest digits that read back as the same float64; the same instance gives the same bytes.
 """
 
@@ -22,12 +25,16 @@ from instances.errors import InputError, naming, shown, suggestion
 from instances.formats.format import Format
 from instances.instance import MAX_NODES, Instance, check_size
 from instances.metrics import metric_cost
+from instances.travel import Travel
 
 SCHEMA = 1
 """Version of the format that is written, and the newest that is read."""
 
-KEYS = ("schema", "name", "n_tasks", "n_depots", "cost", "coordinates", "provenance")
-"""Every key of a file; coordinates and provenance may be left out."""
+KEYS = ("schema", "name", "n_tasks", "n_depots", "cost", "coordinates", "provenance", "travel", "endurance")
+"""Every key of a file; the last four may be left out, and where there is ``travel`` also ``cost``."""
+
+TRAVEL_KEYS = ("cost", "classes", "departures", "nodes")
+"""Every key of ``travel``; the last two may be left out."""
 
 ROWS_UP_TO = 300
 """Nodes up to which costs are written as rows, for other readers' sake; beyond, by metric where they have one."""
@@ -60,7 +67,7 @@ def instance_of(document: Any) -> Instance:
         if key not in KEYS:
             raise InputError(f"unknown key {shown(key)}{suggestion(key, KEYS)}")
     for key in ("name", "n_tasks", "n_depots", "cost"):
-        if key not in document:
+        if key not in document and not (key == "cost" and "travel" in document):
             raise InputError(f"the key '{key}' is missing")
     for key in ("n_tasks", "n_depots"):
         if not isinstance(document[key], int) or isinstance(document[key], bool) or document[key] < 1:
@@ -73,15 +80,74 @@ def instance_of(document: Any) -> Instance:
     provenance = document.get("provenance", {})
     if not isinstance(provenance, dict):
         raise InputError(f"provenance must be an object, got {shown(provenance)}")
-    cost = document["cost"]
-    if isinstance(cost, dict):
+    travel = travel_of(document["travel"]) if document.get("travel") is not None else None
+    cost = document.get("cost")
+    if cost is None and travel is not None:
+        matrix = travel.least()
+    elif isinstance(cost, dict):
         if coordinates is not None and not np.isfinite(coordinates).all():
             raise InputError("coordinates must be finite")
         provenance = {**provenance, "metric": cost}
         matrix = metric_cost(cost, coordinates)
     else:
         matrix = _rows(cost, "cost", nodes, nodes)
-    return Instance(document["name"], matrix, document["n_tasks"], document["n_depots"], coordinates, provenance)
+    size = document["n_tasks"], document["n_depots"]
+    limits = _endurance(document.get("endurance"), size[1])
+    return Instance(document["name"], matrix, *size, coordinates, provenance, travel, limits)
+
+
+def travel_of(document: Any) -> Travel:
+    """Return the Travel of a parsed ``travel`` object; InputError names the field and the value."""
+    if not isinstance(document, dict):
+        raise InputError(f"travel must be an object, got {shown(document)}")
+    for key in document:
+        if key not in TRAVEL_KEYS:
+            raise InputError(f"unknown key travel.{shown(key)}{suggestion(key, TRAVEL_KEYS)}")
+    for key in TRAVEL_KEYS[:2]:
+        if key not in document:
+            raise InputError(f"the key 'travel.{key}' is missing")
+    cost = document["cost"]
+    departures = document.get("departures", [0.0])
+    return Travel(
+        _travel_cost(cost),
+        _list(document["classes"], "travel.classes"),
+        _numbers(departures, "travel.departures"),
+        _list(document.get("nodes", []), "travel.nodes"),
+    )
+
+
+def _travel_cost(value: Any) -> Floats:
+    """Return (G, Q, S, S) numbers, +inf for null."""
+    if not isinstance(value, list) or not all(isinstance(knots, list) for knots in value):
+        raise InputError(f"travel.cost must be lists of numbers, class by class and knot by knot, got {shown(value)}")
+    states = len(value[0][0]) if value and value[0] and isinstance(value[0][0], list) else 0
+    classes = []
+    for g, knots in enumerate(value):
+        if len(knots) != len(value[0]):
+            raise InputError(f"travel.cost[{g}] has {len(knots)} knots, must have {len(value[0])}")
+        for q, rows in enumerate(knots):
+            unknown = isinstance(rows, list) and all(isinstance(row, list) for row in rows)
+            finite = [[np.inf if entry is None else entry for entry in row] for row in rows] if unknown else rows
+            classes.append(_rows(finite, f"travel.cost[{g}][{q}]", states, states))
+    return np.array(classes).reshape(len(value), len(value[0]) if value else 0, states, states)
+
+
+def _endurance(value: Any, n_depots: int) -> Floats | None:
+    if value is None:
+        return None
+    if not isinstance(value, list) or len(value) != n_depots:
+        raise InputError(f"endurance must be a list of n_depots = {n_depots} numbers [s] or null, got {shown(value)}")
+    return _numbers([np.inf if each is None else each for each in value], "endurance")
+
+
+def _numbers(value: Any, label: str) -> Floats:
+    return _rows([_list(value, label)], label, 1, len(value))[0]
+
+
+def _list(value: Any, label: str) -> Any:
+    if not isinstance(value, list):
+        raise InputError(f"{label} must be a list of numbers, got {shown(value)}")
+    return value
 
 
 def document_text(instance: Instance) -> str:
@@ -102,6 +168,10 @@ def document_text(instance: Instance) -> str:
         "coordinates": coordinates,
         "provenance": _json(dict(instance.provenance)),
     }
+    if instance.travel is not None:
+        parts["travel"] = _travel_text(instance.travel)
+    if instance.endurance is not None:
+        parts["endurance"] = json.dumps(_nulls(instance.endurance))
     return "{\n" + ",\n".join(f'"{key}": {value}' for key, value in parts.items()) + "\n}\n"
 
 
@@ -160,6 +230,20 @@ def _rows(value: Any, label: str, count: int, width: int) -> Floats:
 
 def _row_lines(array: Floats) -> str:
     return "[\n" + ",\n".join(json.dumps(row, separators=(",", ":")) for row in array.tolist()) + "\n]"
+
+
+def _travel_text(travel: Travel) -> str:
+    """Return ``travel`` as text, a row of numbers a line."""
+    knots = (
+        ["[\n" + ",\n".join(json.dumps(_nulls(row)) for row in rows) + "\n]" for rows in each] for each in travel.cost
+    )
+    cost = ",\n".join("[" + ",\n".join(each) + "]" for each in knots)
+    rest = {name: json.dumps(getattr(travel, name).tolist()) for name in TRAVEL_KEYS[1:]}
+    return "{" + f'"cost": [{cost}],\n' + ",\n".join(f'"{name}": {text}' for name, text in rest.items()) + "}"
+
+
+def _nulls(row: Floats) -> list[float | None]:
+    return [number if np.isfinite(number) else None for number in row.tolist()]
 
 
 def _json(value: Any) -> str:

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from formulations.limits import Limits
 from formulations.routing.registry import SOLVERS
-from formulations.routing.solver import Event, Result, Solver, Status
+from formulations.routing.solver import Event, Result, Solver, Status, refusal
 from instances import InputError, Instance, as_routes, check_routes, makespan, tour_costs
 from instances.best_known import best_known
 from instances.files import read_instance, write_instance
@@ -99,7 +99,7 @@ class Routing(Problem[Instance]):
 
     def accepts(self, method: Solver, item: Instance) -> str | None:
         """Ask the solver."""
-        return method.accepts(item)
+        return refusal(method, item)
 
     def prepare(self, method: Solver, item: Instance) -> None:
         """Let the solver import and compile."""
@@ -281,10 +281,12 @@ def refute_cost(claimed: float | None, actual: float) -> str:
 def refute_infeasible(instance: Instance, objective: float | None) -> str:
     """Return why a claim that no routes exist does not hold: its own routes, or those on which one UAV flies all.
 
-    Every cost of an Instance is finite, so that there always are routes.
+    Where each UAV can fly every leg, and as long as it takes, there always are routes.
     """
     if objective is not None:
         return f"claimed INFEASIBLE, but gave routes of {objective!r} s itself"
+    if instance.restricted:
+        return ""
     routes = [list(instance.tasks), *([] for _ in range(instance.n_depots - 1))]
     return f"claimed INFEASIBLE, but one UAV can fly all tasks in {makespan(instance, routes)!r} s"
 

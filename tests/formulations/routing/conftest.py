@@ -8,13 +8,16 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from instances import Instance, Routes, makespan
+from instances import Instance, Routes, Travel, objective
 
 Oracle = Callable[[Instance], tuple[float, Routes]]
 
 
 def best_partition(instance: Instance, tours: list[dict[int, tuple[float, tuple[int, ...]]]]) -> tuple[float, Routes]:
-    """Hand the tasks to the UAVs in every possible way; ``tours[k][mask]`` is UAV k's best tour of those tasks."""
+    """Hand the tasks to the UAVs in every possible way; ``tours[k][mask]`` is UAV k's best tour of those tasks.
+
+    Sets of tasks that a UAV cannot fly are missing; +inf and no routes where nothing is left.
+    """
     everything = 2**instance.n_tasks - 1
     reached: dict[int, tuple[float, Routes]] = {0: (0.0, ())}
     for best in tours:
@@ -23,7 +26,7 @@ def best_partition(instance: Instance, tours: list[dict[int, tuple[float, tuple[
             rest = everything ^ mask
             part = rest
             while True:
-                length, tour = best[part]
+                length, tour = best.get(part, (np.inf, ()))
                 value = max(longest, length)
                 if value < after.get(mask | part, (np.inf, ()))[0]:
                     after[mask | part] = value, (*routes, tour)
@@ -31,13 +34,15 @@ def best_partition(instance: Instance, tours: list[dict[int, tuple[float, tuple[
                     break
                 part = (part - 1) & rest
         reached = after
+    if everything not in reached:
+        return np.inf, ()
     routes = reached[everything][1]
-    return makespan(instance, routes), routes
+    return objective(instance, routes), routes
 
 
 def enumerated_tours(instance: Instance, depot: int) -> dict[int, tuple[float, tuple[int, ...]]]:
     """Try every order of every set of tasks."""
-    cost = instance.cost.tolist()
+    cost, limit = uav_of(instance, depot)
     best: dict[int, tuple[float, tuple[int, ...]]] = {0: (0.0, ())}
     for size in range(1, instance.n_tasks + 1):
         for tour in permutations(instance.tasks, size):
@@ -45,14 +50,21 @@ def enumerated_tours(instance: Instance, depot: int) -> dict[int, tuple[float, t
             for task in tour:
                 length, at, mask = length + cost[at][task], task, mask | 1 << task
             length += cost[at][depot]
-            if length < best.get(mask, (np.inf, ()))[0]:
+            if length <= limit and length < best.get(mask, (np.inf, ()))[0]:
                 best[mask] = length, tour
     return best
 
 
+def uav_of(instance: Instance, depot: int) -> tuple[list[list[float]], float]:
+    """Return the costs of the UAV at `depot` and how long it can fly [s]."""
+    uav = depot - instance.n_tasks
+    limit = np.inf if instance.endurance is None else instance.endurance[uav] * (1 + 1e-9)
+    return instance.uav_cost(uav).tolist(), limit
+
+
 def held_karp_tours(instance: Instance, depot: int) -> dict[int, tuple[float, tuple[int, ...]]]:
     """Held and Karp's dynamic programme over (set of tasks, last task)."""
-    cost = instance.cost.tolist()
+    cost, limit = uav_of(instance, depot)
     ways: dict[tuple[int, int], tuple[float, tuple[int, ...]]] = {
         (1 << i, i): (cost[depot][i], (i,)) for i in instance.tasks
     }
@@ -61,8 +73,8 @@ def held_karp_tours(instance: Instance, depot: int) -> dict[int, tuple[float, tu
         for last in instance.tasks:
             if not mask >> last & 1:
                 continue
-            length, tour = ways[mask, last]
-            if length + cost[last][depot] < best.get(mask, (np.inf, ()))[0]:
+            length, tour = ways.get((mask, last), (np.inf, ()))
+            if length + cost[last][depot] <= limit and length + cost[last][depot] < best.get(mask, (np.inf, ()))[0]:
                 best[mask] = length + cost[last][depot], tour
             for i in instance.tasks:
                 if not mask >> i & 1:
@@ -101,5 +113,33 @@ def windy() -> Callable[..., Instance]:
             cost -= (4 * d[..., 0] - 2 * d[..., 1] + 5e-4 * (np.outer(x, y) - np.outer(y, x))) / 400
         np.fill_diagonal(cost, 0.0)
         return Instance(f"windy-{n}-{m}-{seed}", cost, n, m, points)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def fleets(windy: Callable[..., Instance]) -> Callable[..., Instance]:
+    """Return random instances whose UAVs differ in speed, in what they can serve and in how long they can fly.
+
+    ``fleets(n, m, seed)``: speeds 20, 25 or 30 m/s, each task forbidden to a UAV with probability 0.1, and three in
+    four UAVs with an endurance around an even share of one UAV's tour of everything; some have no routes.
+    """
+
+    def make(n: int, m: int, seed: int) -> Instance:
+        rng = np.random.default_rng([n, m, seed])
+        base = windy(n, m, seed)
+        assert base.coordinates is not None
+        straight = np.hypot(*(base.coordinates[None] - base.coordinates[:, None]).transpose(2, 0, 1)) / 20
+        costs = []
+        for speed in rng.choice([1.0, 1.25, 1.5], m):
+            cost = straight / speed - (straight - base.cost) / speed**2  # the paper's cost at another speed
+            for task in np.flatnonzero(rng.uniform(size=n) < 0.1):
+                cost[task, :] = cost[:, task] = np.inf
+            np.fill_diagonal(cost, 0.0)
+            costs.append(np.maximum(cost, 0.0))
+        share = base.cost[np.arange(n), np.roll(np.arange(n), -1)].sum() / m
+        limits = np.where(rng.uniform(size=m) < 0.75, rng.uniform(0.5, 2.0, m) * share + 600, np.inf)
+        travel = Travel.of_uavs(costs)
+        return Instance.of_travel(f"fleet-{n}-{m}-{seed}", travel, n, coordinates=base.coordinates, endurance=limits)
 
     return make

@@ -20,7 +20,7 @@ import pytest
 
 from formulations.limits import Limits
 from formulations.routing.registry import SOLVERS, make_solver
-from formulations.routing.solver import Event, Result, Solver, Status
+from formulations.routing.solver import Event, Result, Solver, Status, refusal
 from instances import Instance, Routes, check_routes, makespan
 
 Windy = Callable[..., Instance]
@@ -44,8 +44,9 @@ def solver(request: pytest.FixtureRequest) -> Solver:
 def conforming(solver: Solver, instance: Instance, result: Result, events: list[Event]) -> None:
     """Check what holds of every result, whatever the limit."""
     assert isinstance(result.status, Status)
-    assert result.status in {Status.OPTIMAL, Status.FEASIBLE, Status.NO_SOLUTION}
-    assert (result.status is Status.NO_SOLUTION) == (result.routes is None)
+    assert result.status in {Status.OPTIMAL, Status.FEASIBLE, Status.NO_SOLUTION, Status.INFEASIBLE}
+    assert (result.status in {Status.NO_SOLUTION, Status.INFEASIBLE}) == (result.routes is None)
+    assert result.status is not Status.INFEASIBLE or (solver.proves and instance.restricted)
     assert result.stopped_by
     if result.routes is not None and result.objective is not None:
         assert check_routes(instance, result.routes) == []
@@ -70,7 +71,7 @@ def conforming(solver: Solver, instance: Instance, result: Result, events: list[
 
 def run(solver: Solver, instance: Instance, limits: Limits | None = None, **more: object) -> Result:
     """Run a solver, to its proof or for a few iterations, and check what holds of every result."""
-    reason = solver.accepts(instance)
+    reason = refusal(solver, instance)
     if reason:
         pytest.skip(reason)
     solver.prepare(instance)
@@ -162,6 +163,18 @@ def test_random_instance(
 ) -> None:
     instance = windy(n, m, seed, wind)
     agrees(solver, run(solver, instance), brute_force(instance)[0])
+
+
+@pytest.mark.parametrize(("n", "m", "seed"), [(5, 2, 0), (6, 2, 1), (6, 3, 2), (7, 2, 3), (5, 3, 4), (6, 2, 6)])
+def test_fleet(solver: Solver, fleets: Windy, brute_force: Oracle, n: int, m: int, seed: int) -> None:
+    """UAVs that differ and cannot fly for ever: right optima, and INFEASIBLE exactly where there are no routes."""
+    instance = fleets(n, m, seed)
+    optimum, _ = brute_force(instance)
+    result = run(solver, instance)
+    if np.isinf(optimum):
+        assert result.status is (Status.INFEASIBLE if solver.proves else Status.NO_SOLUTION)
+    else:
+        agrees(solver, result, optimum)
 
 
 def test_same_seed_same_answer(solver: Solver, windy: Windy) -> None:

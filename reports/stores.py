@@ -30,7 +30,7 @@ FRAME = (
     "label", "options", "proves", "seed", "time_limit", "threads", "iterations", "status", "objective", "bound", "gap",
     "value", "proved", "elapsed", "stopped_by", "message", "tolerance", "claimed_objective", "recomputed", "fault",
     "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory", "environment", "code", "revision", "stale",
-    "created", "tour_costs", "trace", "statistics", "path",
+    "created", "routes", "tour_costs", "trace", "statistics", "path",
 )  # fmt: skip
 """Columns of the frame, in order; `COLUMNS` says what each holds."""
 COLUMNS = described(*FRAME)
@@ -182,6 +182,7 @@ def _row(path: Path, run: Run, instance: Instance | None) -> dict[str, Any]:
     row |= {key: _number(about.get(key)) for key in ("n_tasks", "n_depots", "asymmetry", "best_known")}
     row |= {"instance": about["name"], "digest": about["digest"], "family": about.get("family") or ""}
     row |= {"method": run.label, "path": str(path), "stale": run.code != code_digest()}
+    row |= {"routes": run.own["routes"]}
     row |= {"restricted": instance is not None and instance.restricted}
     row |= {"options": json.dumps(run.options, sort_keys=True)}
     row["trace"] = np.array(run.trace, dtype=np.float64).reshape(-1, 3)  # null becomes NaN

@@ -116,16 +116,7 @@ class Routing(Problem[Instance]):
         result = method.solve(item, limits=limits, seed=seed, observe=observe, start=begin)
         if not isinstance(result, Result):
             raise TypeError(f"solve returned {type(result).__name__} {str(result)[:80]!r}, not a Result")
-        return Claim(
-            None if result.routes is None else as_routes(result.routes),
-            result.objective,
-            result.bound,
-            Status(result.status),
-            result.stopped_by,
-            result.message,
-            result.tolerance,
-            result.statistics,
-        )
+        return claim_of(result)
 
     def judge(self, item: Instance, product: Any, claimed: float | None) -> tuple[float | None, str]:
         """Return C_max [s] of the routes and what is wrong with the claim."""
@@ -199,6 +190,32 @@ class Routing(Problem[Instance]):
 
 
 ROUTING = Routing()
+
+
+def claim_of(result: Result) -> Claim:
+    """Return what a solver's result claims."""
+    return Claim(
+        None if result.routes is None else as_routes(result.routes),
+        result.objective,
+        result.bound,
+        Status(result.status),
+        result.stopped_by,
+        result.message,
+        result.tolerance,
+        result.statistics,
+    )
+
+
+def refute(item: Instance, result: Result) -> str:
+    """Return what is wrong with a solver's result on `item`, in a sentence, or ""."""
+    claim, objective = claim_of(result), None
+    if claim.product is not None:
+        objective, wrong = ROUTING.judge(item, claim.product, claim.objective)
+        if wrong:
+            return wrong
+        if objective is not None and claim.bound is not None and claim.bound > objective * (1 + RELATIVE_ROUNDING):
+            return f"claimed a lower bound of {claim.bound!r} s, but its routes cost {objective!r} s"
+    return ROUTING.refute_ending(item, claim, objective)
 
 
 def _bounds_of(runs: pd.DataFrame) -> str:

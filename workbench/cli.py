@@ -33,6 +33,11 @@ COMMANDS = {
     "status": "say how far a study has got",
     "solvers": "list solvers and their options",
     "families": "list instance families and their parameters",
+    "methods": "list methods of placement and moving costs",
+    "studies": "list the studies that come along",
+    "init": "write a commented template that runs",
+    "warmup": "compile the kernels now",
+    "completion": "complete commands and values in a shell",
 }
 """Command → one line of help; the command itself is ``workbench.commands.<name>:command``."""
 

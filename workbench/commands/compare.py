@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from instances.errors import InputError, shown, suggestion
+from workbench.completing import SOLVERS, study_or_file
 from workbench.options import COUNT, JOBS, SECONDS, THREADS
 from workbench.terminal import say
 
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 
 
 @click.command("compare")
-@click.argument("targets", nargs=-1, metavar="[STUDY] [INSTANCES]...")
-@click.option("--solvers", help="Comma-separated names, in place of those the study runs.")
+@click.argument("targets", nargs=-1, metavar="[STUDY] [INSTANCES]...", shell_complete=study_or_file)
+@click.option("--solvers", shell_complete=SOLVERS, help="Comma-separated names, in place of those the study runs.")
 @click.option("--time-limit", type=SECONDS, help="Seconds for every run, in place of the study's.")
 @click.option("--seeds", type=COUNT, help="So many seeds (0, 1, ...), in place of the study's.")
 @click.option("--threads", type=THREADS, help="Threads of each solver, in place of the study's.")

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from workbench.completing import COST_METHOD
+
 if TYPE_CHECKING:
     from instances.scenario import Scenario
     from workbench.jobs.problem import Source
@@ -16,7 +18,13 @@ if TYPE_CHECKING:
 
 @click.command("costs")
 @click.argument("scenario_file", metavar="SCENARIO.toml", type=click.Path(path_type=Path))
-@click.option("--method", default="refined", show_default=True, help="refined, closed-form, fmt-star or dijkstra.")
+@click.option(
+    "--method",
+    default="refined",
+    show_default=True,
+    shell_complete=COST_METHOD,
+    help="refined, closed-form, fmt-star or dijkstra.",
+)
 @click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Instance file (.json, .json.gz, .atsp).")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw wind, tasks and the paths from one start (.svg).")

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import click
 
+from workbench.completing import FAMILY
 from workbench.options import COUNT, SEED
 
 
 @click.command("generate")
-@click.argument("family")
+@click.argument("family", shell_complete=FAMILY)
 @click.option("--tasks", type=COUNT, default=20, show_default=True, help="Number of tasks n.")
 @click.option("--depots", type=COUNT, default=3, show_default=True, help="Number of depots m, one UAV at each.")
 @click.option("--count", type=COUNT, default=1, show_default=True, help="How many instances, with consecutive seeds.")

@@ -7,12 +7,21 @@ from pathlib import Path
 
 import click
 
+from workbench.completing import STAGE
+
 
 @click.command("mission")
 @click.argument("mission_file", metavar="[MISSION.toml]", required=False, type=click.Path(path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the products.")
-@click.option("--stage", metavar="STAGE", help="Run only this stage, from the stored products of those before it.")
-@click.option("--from", "force_from", metavar="STAGE", help="Make this stage and all after it again.")
+@click.option(
+    "--stage",
+    metavar="STAGE",
+    shell_complete=STAGE,
+    help="Run only this stage, from the stored products of those before it.",
+)
+@click.option(
+    "--from", "force_from", metavar="STAGE", shell_complete=STAGE, help="Make this stage and all after it again."
+)
 @click.option("--no-plugins", is_flag=True, help="Refuse a mission that names code which is not built in.")
 def command(mission_file: Path | None, out: Path, stage: str | None, force_from: str | None, no_plugins: bool) -> None:
     """Run a whole mission: environment, place, costs, routes, flight, map, compare, report.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from instances.errors import InputError
+from workbench.completing import PLACEMENT_METHOD
 from workbench.options import COUNT, POSITIVE, SECONDS, SEED
 
 if TYPE_CHECKING:
@@ -20,7 +21,13 @@ if TYPE_CHECKING:
 @click.command("place")
 @click.argument("region_file", metavar="[REGION.geojson]", required=False, type=click.Path(path_type=Path))
 @click.option("--tasks", type=COUNT, default=40, show_default=True, help="How many tasks, n.")
-@click.option("--method", default="nlp", show_default=True, help="nlp, l-bfgs-b, slsqp, greedy-swap, greedy, ...")
+@click.option(
+    "--method",
+    default="nlp",
+    show_default=True,
+    shell_complete=PLACEMENT_METHOD,
+    help="nlp, l-bfgs-b, slsqp, greedy-swap, greedy, ...",
+)
 @click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
 @click.option("--tests", default="20x20", show_default=True, help="Cell centres inside, or a CSV: x, y[, weight].")
 @click.option("--signal-sd", type=POSITIVE, default=30.0, show_default=True, help="σ_f, in the unit of the signal.")

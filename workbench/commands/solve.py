@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from workbench.completing import SOLVER
 from workbench.options import ITERATIONS, SECONDS, SEED, THREADS
 
 if TYPE_CHECKING:
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
 
 @click.command("solve")
 @click.argument("instance_file", metavar="INSTANCE", type=click.Path(path_type=Path))
-@click.option("--solver", default="milp", show_default=True, help="Name (workbench solvers lists them).")
+@click.option(
+    "--solver", default="exact", show_default=True, shell_complete=SOLVER, help="Name (workbench solvers lists them)."
+)
 @click.option("--time-limit", type=SECONDS, default=60.0, show_default=True, help="Seconds of wall clock.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--threads", type=THREADS, default=1, show_default=True, help="Worker threads of the solver.")

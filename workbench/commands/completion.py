@@ -1,0 +1,44 @@
+"""`workbench completion`: what the shell needs to complete commands, options and their values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+from click.shell_completion import get_completion_class
+
+from instances.disk import write_aside
+
+PLACES = {
+    "bash": ".local/share/bash-completion/completions/workbench",
+    "zsh": ".local/share/zsh/site-functions/_workbench",
+    "fish": ".config/fish/completions/workbench.fish",
+}
+"""Shell → where it looks for a user's completions, below the home folder."""
+
+
+@click.command("completion")
+@click.argument("shell", type=click.Choice(list(PLACES)))
+@click.option("--install", is_flag=True, help="Write it where the shell looks for it.")
+def command(shell: str, install: bool) -> None:
+    """Print what SHELL needs to complete commands, options, and names of solvers, families and methods.
+
+    \b
+    Examples:
+      workbench completion bash --install     for new shells
+      source <(workbench completion bash)     for this shell, now
+    """
+    from workbench.cli import commands
+
+    made = get_completion_class(shell)
+    assert made is not None
+    source = made(commands, {}, "workbench", "_WORKBENCH_COMPLETE").source()
+    if not install:
+        click.echo(source)
+        return
+    target = Path.home() / PLACES[shell]
+    target.parent.mkdir(parents=True, exist_ok=True)
+    write_aside(target, source + "\n")
+    click.echo(f"{target}: new {shell} shells complete workbench")
+    if shell == "zsh":
+        click.echo(f"(where {target.parent} is on fpath before compinit)")

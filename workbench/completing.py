@@ -1,0 +1,47 @@
+"""Completing: what the shell offers for values of options and arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from importlib import import_module
+
+import click
+from click.shell_completion import CompletionItem
+
+Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
+
+
+def names(registry: str, *, listed: bool = False) -> Complete:
+    """Return a completion by the names of a registry, ``module:NAME``; `listed` where several stand between commas."""
+
+    def complete(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        module, _, name = registry.partition(":")
+        known: Iterable[str] = getattr(import_module(module), name).targets()
+        before, comma, last = incomplete.rpartition(",") if listed else ("", "", incomplete)
+        return [CompletionItem(f"{before}{comma}{each}") for each in known if each.startswith(last)]
+
+    return complete
+
+
+SOLVER = names("formulations.routing.registry:SOLVERS")
+SOLVERS = names("formulations.routing.registry:SOLVERS", listed=True)
+FAMILY = names("instances.families:FAMILIES")
+PLACEMENT_METHOD = names("formulations.task_location.registry:METHODS")
+COST_METHOD = names("formulations.moving_cost.registry:METHODS")
+
+
+def study_or_file(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Offer the shipped studies, and files."""
+    from workbench.jobs.study import shipped_studies
+
+    studies = [CompletionItem(name) for name in shipped_studies() if name.startswith(incomplete)]
+    return [*studies, CompletionItem(incomplete, type="file")]
+
+
+def _stages(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    from workbench.mission.pipeline import NAMES
+
+    return [CompletionItem(name) for name in NAMES if name.startswith(incomplete)]
+
+
+STAGE: Complete = _stages

@@ -36,7 +36,7 @@ from formulations.routing.ga_operators import (
     intra_depot_mutation,
 )
 from formulations.routing.recorder import RecordedSolver, Recorder
-from formulations.routing.search.problem_data import Costs, both_ways
+from formulations.routing.search.costs import Costs, both_ways
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes, as_routes
 from instances.arrays import Bools, Floats, Ints

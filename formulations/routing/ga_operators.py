@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.problem_data import Costs
+from formulations.routing.search.costs import Costs
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 

@@ -11,6 +11,8 @@ Variants, each from empty tours, one task at a time (C_k: cost of UAV k's tour, 
 * ``nearest``: the UAV with the shortest tour flies on to the task nearest to its last one (nearest neighbour).
 
 Ties go to the lowest UAV, then task. When the time is up the tasks still left are routed by ``nearest``.
+Where tours are too long for the UAVs' endurance they are made anew of costs scaled by it (search/endurance.py): for
+tours as long as those, then for the least shares of endurance. That may find none; it proves nothing.
 """
 
 from __future__ import annotations
@@ -18,12 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.construction import Rule, extend_nearest, first_gaps, insert_many
-from formulations.routing.search.problem_data import both_ways
+from formulations.routing.search.costs import Costs, search_costs, warm_up
+from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.tours import Tours, empty_tours, to_routes
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes
@@ -42,6 +43,7 @@ class Greedy(RecordedSolver):
     variant: str = "regret"
 
     proves: ClassVar[bool] = False
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
 
     def __post_init__(self) -> None:
         if self.variant not in VARIANTS:
@@ -50,26 +52,36 @@ class Greedy(RecordedSolver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (or load them from numba's cache)."""
-        small = Instance("warm-up", 1.0 - np.eye(4), 3, 1)
+        small = warm_up(instance, 3, 1)
         for variant in {self.variant, "nearest"}:
             Greedy(variant).solve(small, limits=Limits(time=3600.0))
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Construct routes; an iteration limit has no meaning here."""
         instance = recorder.instance
-        tours = empty_tours(instance.n_tasks, instance.n_depots)
-        in_time = self.variant == "nearest" or _insert_all(instance, tours, _RULES[self.variant], recorder)
-        extend_nearest(instance.cost, tours)
-        recorder.incumbent(to_routes(tours))
+        endurance = Endurance(instance, search_costs(instance))
+        tours, in_time = self._constructed(recorder, endurance.costs)
+        for reference in (float(tours.cost.max()), endurance.most):
+            if endurance.limited and recorder.routes is None and in_time:
+                endurance.refer(reference)
+                _, in_time = self._constructed(recorder, endurance.costs)
         return recorder.result("finished" if in_time else "time")
 
+    def _constructed(self, recorder: Recorder, costs: Costs) -> tuple[Tours, bool]:
+        """Offer routes to the recorder; return them, and whether they were finished in time."""
+        tours = empty_tours(recorder.instance.n_tasks, recorder.instance.n_depots)
+        in_time = self.variant == "nearest" or _insert_all(costs, tours, _RULES[self.variant], recorder)
+        extend_nearest(costs, tours)
+        recorder.incumbent(to_routes(tours))
+        return tours, in_time
 
-def _insert_all(instance: Instance, tours: Tours, rule: Rule, recorder: Recorder) -> bool:
+
+def _insert_all(costs: Costs, tours: Tours, rule: Rule, recorder: Recorder) -> bool:
     """Fill `tours` by `rule` until all is routed or the time is up; return whether all is."""
-    costs = both_ways(instance.cost)
-    gaps = first_gaps(costs, instance.n_tasks)
-    chunk = max(1, _LOOKS // (instance.n_tasks * (instance.n_depots + 10)))
-    left = instance.n_tasks
+    n, m = recorder.instance.n_tasks, recorder.instance.n_depots
+    gaps = first_gaps(costs, n)
+    chunk = max(1, _LOOKS // (n * (m + 10)))
+    left = n
     while left and recorder.remaining > 0.0:
         insert_many(costs, tours, gaps, rule, min(chunk, left))
         left -= min(chunk, left)

@@ -30,8 +30,8 @@ class ModelSolver(RecordedSolver):
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Improve on the first routes, unless they cost nothing or took all the time."""
         first = Greedy().solve(recorder.instance, limits=Limits(time=max(recorder.remaining, 1e-9)))
-        assert first.routes is not None
-        recorder.incumbent(first.routes)
+        if first.routes is not None:
+            recorder.incumbent(first.routes)
         if recorder.objective > 0 and recorder.remaining > 0:
             return self.improve(recorder, seed)
         nothing_done: dict[str, Any] = dict.fromkeys(self.counters, 0)

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from formulations.routing.search.costs import Costs
 from formulations.routing.search.energy import Measure, Objective, energy, fitness
 from formulations.routing.search.moves import MoveParameters, empty_workspace, move
-from formulations.routing.search.problem_data import Costs, ProblemData
+from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.ruin import Removed, remove_adjacent, remove_strings, restore
@@ -91,7 +92,7 @@ def anneal(
     sum_costs(tours)
     now = energy(tours.cost, objective)
     lowest = fitness(fittest.cost, measure)
-    workspace = empty_workspace(nearest.shape[0])
+    workspace = empty_workspace(costs, nearest.shape[0])
     for _ in range(steps):
         if uniform(rng) < parameters.moves:
             now = move(costs, nearest, tours, workspace, rng, now, temperature, objective, parameters.move)

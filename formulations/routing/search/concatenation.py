@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.problem_data import Costs, Nodes
+from formulations.routing.search.costs import Costs, leg, leg_into, uavs_differ
+from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.tours import Tours, join
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
@@ -22,26 +23,33 @@ from instances.kernels import njit
 class Segments(NamedTuple):
     """A tour from which the cost of any segment is known.
 
-    nodes (n+2,): the tour's nodes by position; forward, backward (n+2,): prefix sums [s];
+    nodes (n+2,): the tour's nodes by position; forward, backward (n+2,): prefix sums [s]; given_forward,
+    given_backward: those of the UAV to which segments may be given, the same arrays where UAVs are alike;
     shape (2,): tour number k and its number of tasks L.
     """
 
     nodes: Nodes
     forward: Floats
     backward: Floats
+    given_forward: Floats
+    given_backward: Floats
     shape: Ints
 
 
 @njit(cache=True, nogil=True)
-def empty_segments(n_tasks: int) -> Segments:
+def empty_segments(costs: Costs, n_tasks: int) -> Segments:
     """Return room for a tour of up to n_tasks tasks."""
     size = n_tasks + 2
-    return Segments(np.empty(size, np.int32), np.empty(size), np.empty(size), np.zeros(2, np.int64))
+    forward, backward = np.empty(size), np.empty(size)
+    nodes, shape = np.empty(size, np.int32), np.zeros(2, np.int64)
+    if uavs_differ(costs):
+        return Segments(nodes, forward, backward, np.empty(size), np.empty(size), shape)
+    return Segments(nodes, forward, backward, forward, backward, shape)
 
 
 @njit(cache=True, nogil=True)
-def read_tour(tours: Tours, k: int, segments: Segments, position: Ints) -> None:
-    """Write tour k to `segments` and each of its tasks' place to `position`."""
+def read_tour(costs: Costs, tours: Tours, k: int, h: int, segments: Segments, position: Ints) -> None:
+    """Write tour k to `segments`, whose segments may be given to UAV h, and each of its tasks' place to `position`."""
     depot = tours.after.size - tours.cost.size + k
     u, i = depot, 0
     segments.nodes[0] = depot
@@ -59,6 +67,23 @@ def read_tour(tours: Tours, k: int, segments: Segments, position: Ints) -> None:
         u = w
     segments.shape[0] = k
     segments.shape[1] = i - 1
+    if uavs_differ(costs):
+        _price_given(costs, segments, h)
+
+
+@njit(cache=True, nogil=True)
+def _price_given(costs: Costs, segments: Segments, h: int) -> None:
+    """Write the prefix sums of UAV h, over the tasks alone, or all of them where the tour is its own."""
+    nodes, forward, backward = segments.nodes, segments.given_forward, segments.given_backward
+    n = segments.shape[1]
+    if h == segments.shape[0]:
+        forward[: n + 2] = segments.forward[: n + 2]
+        backward[: n + 2] = segments.backward[: n + 2]
+        return
+    forward[1] = backward[1] = 0.0
+    for i in range(2, n + 1):
+        forward[i] = forward[i - 1] + leg(costs, h, nodes[i - 1], nodes[i])
+        backward[i] = backward[i - 1] + leg_into(costs, h, nodes[i - 1], nodes[i])
 
 
 @njit(cache=True, nogil=True)
@@ -75,10 +100,15 @@ def _flip(tours: Tours, segments: Segments, i: int, j: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _relabel(tours: Tours, segments: Segments, i: int, j: int, k: int) -> None:
-    """Book the tasks at positions i..j on tour k."""
+def _give(costs: Costs, tours: Tours, segments: Segments, i: int, j: int, k: int) -> None:
+    """Book the tasks at positions i..j on tour k; the links to either side are the caller's business."""
     for q in range(i, j + 1):
         tours.tour[segments.nodes[q]] = k
+    if uavs_differ(costs):
+        for q in range(i, j):
+            u, w = segments.nodes[q], segments.nodes[q + 1]
+            tours.arc[u] = leg(costs, k, u, w)
+            tours.back[u] = leg_into(costs, k, u, w)
 
 
 @njit(cache=True, nogil=True)
@@ -86,7 +116,8 @@ def two_opt_change(costs: Costs, a: Segments, i: int, j: int) -> float:
     """Return the change of the tour's cost [s] if its tasks at positions i..j were flown in reverse, 1 ≤ i ≤ j ≤ L."""
     u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
     before = a.forward[j + 1] - a.forward[i - 1]
-    return costs.out[u, last] + a.backward[j] - a.backward[i] + costs.into[w, first] - before
+    k = a.shape[0]
+    return leg(costs, k, u, last) + a.backward[j] - a.backward[i] + leg_into(costs, k, w, first) - before
 
 
 @njit(cache=True, nogil=True)
@@ -94,8 +125,8 @@ def two_opt(costs: Costs, tours: Tours, a: Segments, i: int, j: int) -> None:
     """Fly positions i..j in reverse."""
     u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
     _flip(tours, a, i, j)
-    join(costs, tours, u, last)
-    join(costs, tours, first, w)
+    join(costs, tours, a.shape[0], u, last)
+    join(costs, tours, a.shape[0], first, w)
 
 
 @njit(cache=True, nogil=True)
@@ -105,29 +136,30 @@ def or_opt_changes(costs: Costs, a: Segments, i: int, j: int, b: Segments, q: in
     b may be a itself, then q is not in i−1..j and the change of the tour is the sum of both.
     """
     u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
-    left = costs.out[u, w] - (a.forward[j + 1] - a.forward[i - 1])
-    inner = a.forward[j] - a.forward[i]
+    left = leg(costs, a.shape[0], u, w) - (a.forward[j + 1] - a.forward[i - 1])
+    inner = a.given_forward[j] - a.given_forward[i]
     if turned:
         first, last = last, first
-        inner = a.backward[j] - a.backward[i]
-    gap = b.forward[q + 1] - b.forward[q]
-    return left, costs.into[first, b.nodes[q]] + inner + costs.out[last, b.nodes[q + 1]] - gap
+        inner = a.given_backward[j] - a.given_backward[i]
+    k, gap = b.shape[0], b.forward[q + 1] - b.forward[q]
+    return left, leg_into(costs, k, first, b.nodes[q]) + inner + leg(costs, k, last, b.nodes[q + 1]) - gap
 
 
 @njit(cache=True, nogil=True)
 def or_opt(costs: Costs, tours: Tours, a: Segments, i: int, j: int, b: Segments, q: int, turned: bool) -> None:
     """Move a's positions i..j behind b's position q, perhaps reversed."""
     u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
+    k_a, k_b = a.shape[0], b.shape[0]
+    if k_a != k_b:
+        _give(costs, tours, a, i, j, k_b)
+        tours.size[k_a] -= j - i + 1
+        tours.size[k_b] += j - i + 1
     if turned:
         _flip(tours, a, i, j)
         first, last = last, first
-    join(costs, tours, u, w)
-    join(costs, tours, b.nodes[q], first)
-    join(costs, tours, last, b.nodes[q + 1])
-    if a.shape[0] != b.shape[0]:
-        _relabel(tours, a, i, j, b.shape[0])
-        tours.size[a.shape[0]] -= j - i + 1
-        tours.size[b.shape[0]] += j - i + 1
+    join(costs, tours, k_a, u, w)
+    join(costs, tours, k_b, b.nodes[q], first)
+    join(costs, tours, k_b, last, b.nodes[q + 1])
 
 
 @njit(cache=True, nogil=True)
@@ -138,11 +170,11 @@ def two_opt_star_costs(costs: Costs, a: Segments, i: int, b: Segments, j: int) -
 
 @njit(cache=True, nogil=True)
 def _head_and_tail(costs: Costs, a: Segments, i: int, b: Segments, j: int) -> float:
-    depot, last = a.nodes[0], b.shape[1]
+    k, depot, last = a.shape[0], a.nodes[0], b.shape[1]
     if j > last:
-        return a.forward[i] + costs.out[a.nodes[i], depot]
-    tail = b.forward[last] - b.forward[j]
-    return a.forward[i] + costs.out[a.nodes[i], b.nodes[j]] + tail + costs.out[b.nodes[last], depot]
+        return a.forward[i] + leg(costs, k, a.nodes[i], depot)
+    tail = b.given_forward[last] - b.given_forward[j]
+    return a.forward[i] + leg(costs, k, a.nodes[i], b.nodes[j]) + tail + leg(costs, k, b.nodes[last], depot)
 
 
 @njit(cache=True, nogil=True)
@@ -150,14 +182,14 @@ def two_opt_star(costs: Costs, tours: Tours, a: Segments, i: int, b: Segments, j
     """Exchange the tails behind a's position i and from b's position j on."""
     k_a, n_a, k_b, n_b = a.shape[0], a.shape[1], b.shape[0], b.shape[1]
     depot_a, depot_b = a.nodes[0], b.nodes[0]
-    _relabel(tours, a, i + 1, n_a, k_b)
-    _relabel(tours, b, j, n_b, k_a)
-    join(costs, tours, a.nodes[i], b.nodes[j] if j <= n_b else depot_a)
-    join(costs, tours, b.nodes[j - 1], a.nodes[i + 1] if i < n_a else depot_b)
+    _give(costs, tours, a, i + 1, n_a, k_b)
+    _give(costs, tours, b, j, n_b, k_a)
+    join(costs, tours, k_a, a.nodes[i], b.nodes[j] if j <= n_b else depot_a)
+    join(costs, tours, k_b, b.nodes[j - 1], a.nodes[i + 1] if i < n_a else depot_b)
     if j <= n_b:
-        join(costs, tours, b.nodes[n_b], depot_a)
+        join(costs, tours, k_a, b.nodes[n_b], depot_a)
     if i < n_a:
-        join(costs, tours, a.nodes[n_a], depot_b)
+        join(costs, tours, k_b, a.nodes[n_a], depot_b)
     tours.size[k_a] = i + n_b - j + 1
     tours.size[k_b] = j - 1 + n_a - i
 
@@ -166,18 +198,19 @@ def two_opt_star(costs: Costs, tours: Tours, a: Segments, i: int, b: Segments, j
 def reversed_two_opt_star_costs(costs: Costs, a: Segments, i: int, b: Segments, j: int) -> tuple[float, float]:
     """Return the costs [s] of tours a[..i] b[j..1] and a[L..i+1] b[j+1..], 0 ≤ i ≤ L_a, 0 ≤ j ≤ L_b."""
     n_a, n_b, depot_a, depot_b = a.shape[1], b.shape[1], a.nodes[0], b.nodes[0]
+    k_a, k_b = a.shape[0], b.shape[0]
     cost_a = a.forward[i]
     if j > 0:
-        turned = b.backward[j] - b.backward[1]
-        cost_a += costs.out[a.nodes[i], b.nodes[j]] + turned + costs.out[b.nodes[1], depot_a]
+        turned = b.given_backward[j] - b.given_backward[1]
+        cost_a += leg(costs, k_a, a.nodes[i], b.nodes[j]) + turned + leg(costs, k_a, b.nodes[1], depot_a)
     else:
-        cost_a += costs.out[a.nodes[i], depot_a]
+        cost_a += leg(costs, k_a, a.nodes[i], depot_a)
     cost_b = b.forward[n_b + 1] - b.forward[j + 1]
     if i < n_a:
-        turned = a.backward[n_a] - a.backward[i + 1]
-        cost_b += costs.out[depot_b, a.nodes[n_a]] + turned + costs.out[a.nodes[i + 1], b.nodes[j + 1]]
+        turned = a.given_backward[n_a] - a.given_backward[i + 1]
+        cost_b += leg(costs, k_b, depot_b, a.nodes[n_a]) + turned + leg(costs, k_b, a.nodes[i + 1], b.nodes[j + 1])
     else:
-        cost_b += costs.out[depot_b, b.nodes[j + 1]]
+        cost_b += leg(costs, k_b, depot_b, b.nodes[j + 1])
     return cost_a, cost_b
 
 
@@ -186,15 +219,15 @@ def reversed_two_opt_star(costs: Costs, tours: Tours, a: Segments, i: int, b: Se
     """Exchange a's tail behind position i and b's head up to position j, both reversed."""
     k_a, n_a, k_b, n_b = a.shape[0], a.shape[1], b.shape[0], b.shape[1]
     depot_a, depot_b = a.nodes[0], b.nodes[0]
-    _relabel(tours, a, i + 1, n_a, k_b)
-    _relabel(tours, b, 1, j, k_a)
+    _give(costs, tours, a, i + 1, n_a, k_b)
+    _give(costs, tours, b, 1, j, k_a)
     _flip(tours, a, i + 1, n_a)
     _flip(tours, b, 1, j)
-    join(costs, tours, a.nodes[i], b.nodes[j] if j > 0 else depot_a)
+    join(costs, tours, k_a, a.nodes[i], b.nodes[j] if j > 0 else depot_a)
     if j > 0:
-        join(costs, tours, b.nodes[1], depot_a)
-    join(costs, tours, depot_b, a.nodes[n_a] if i < n_a else b.nodes[j + 1])
+        join(costs, tours, k_a, b.nodes[1], depot_a)
+    join(costs, tours, k_b, depot_b, a.nodes[n_a] if i < n_a else b.nodes[j + 1])
     if i < n_a:
-        join(costs, tours, a.nodes[i + 1], b.nodes[j + 1])
+        join(costs, tours, k_b, a.nodes[i + 1], b.nodes[j + 1])
     tours.size[k_a] = i + j
     tours.size[k_b] = n_a - i + n_b - j

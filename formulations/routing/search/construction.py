@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.problem_data import Costs, Nodes
+from formulations.routing.search.costs import Costs, leg, leg_into
+from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.tours import Tours, insertion_change, link
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
@@ -51,11 +52,11 @@ def _note_least(gaps: Gaps, k: int) -> None:
 @njit(cache=True, nogil=True)
 def first_gaps(costs: Costs, n_tasks: int) -> Gaps:
     """Return the Gaps of empty tours."""
-    m = costs.out.shape[0] - n_tasks
+    m = costs.out.shape[-1] - n_tasks
     gaps = Gaps(np.empty((m, n_tasks)), np.empty((m, n_tasks), np.int32), np.zeros(m, np.int64), np.empty(m))
     for k in range(m):
         for v in range(n_tasks):
-            gaps.growth[k, v] = costs.out[n_tasks + k, v] + costs.into[n_tasks + k, v]
+            gaps.growth[k, v] = leg(costs, k, n_tasks + k, v) + leg_into(costs, k, n_tasks + k, v)
             gaps.behind[k, v] = n_tasks + k
         _note_least(gaps, k)
     return gaps
@@ -94,8 +95,8 @@ def insert(costs: Costs, tours: Tours, gaps: Gaps, k: int, v: int) -> None:
         if behind[i] == u:
             _look_again(costs, tours, gaps, k, i)
             continue
-        ahead = costs.out[u, i] + costs.into[v, i] - tours.arc[u]
-        after = costs.out[v, i] + costs.into[w, i] - tours.arc[v]
+        ahead = leg(costs, k, u, i) + leg_into(costs, k, v, i) - tours.arc[u]
+        after = leg(costs, k, v, i) + leg_into(costs, k, w, i) - tours.arc[v]
         if ahead < growth[i]:
             growth[i], behind[i] = ahead, u
         if after < growth[i]:
@@ -137,10 +138,10 @@ def insert_many(costs: Costs, tours: Tours, gaps: Gaps, rule: Rule, count: int) 
 
 
 @njit(cache=True, nogil=True)
-def extend_nearest(cost: Floats, tours: Tours) -> None:
+def extend_nearest(costs: Costs, tours: Tours) -> None:
     """Route all tasks left: again and again the UAV whose tour is shortest flies on to the task nearest to its last.
 
-    Made to be the last step, on costs in one direction alone: the arcs of the tours are left as they were.
+    Made to be the last step, and to read `costs.out` alone: the arcs of the tours are left as they were.
     """
     m = tours.cost.size
     n = tours.after.size - m
@@ -148,13 +149,13 @@ def extend_nearest(cost: Floats, tours: Tours) -> None:
     for held in range(left.size, 0, -1):
         k = int(np.argmin(tours.cost))
         u = tours.before[n + k]
-        row, at = cost[u], 0
+        at = 0
         for i in range(1, held):
-            if row[left[i]] < row[left[at]]:
+            if leg(costs, k, u, left[i]) < leg(costs, k, u, left[at]):
                 at = i
         v = left[at]
         left[at] = left[held - 1]
-        tours.cost[k] += row[v] + cost[v, n + k] - cost[u, n + k]
+        tours.cost[k] += leg(costs, k, u, v) + leg(costs, k, v, n + k) - leg(costs, k, u, n + k)
         tours.after[u], tours.before[v], tours.after[v], tours.before[n + k] = v, u, n + k, v
         tours.tour[v] = k
         tours.size[k] += 1

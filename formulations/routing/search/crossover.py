@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.routing.search.problem_data import Costs, Nodes, ProblemData
+from formulations.routing.search.costs import Costs
+from formulations.routing.search.problem_data import Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from formulations.routing.search.costs import Costs, part_of
 from formulations.routing.search.problem_data import (
-    Costs,
     GranularNeighbourhood,
     NeighbourhoodParameters,
     Nodes,
@@ -118,9 +118,7 @@ def subproblem(data: ProblemData, tours: Tours, uavs: Nodes, parameters: Neighbo
     """Return the tours of some UAVs as an instance of their own."""
     nodes = _nodes_of(tours, uavs)
     n_tasks = nodes.size - uavs.size
-    cost = np.ascontiguousarray(data.costs.out[np.ix_(nodes, nodes)])
-    cost.setflags(write=False)  # like an instance's own: the kernels are compiled for that type
-    own = problem_data(cost, n_tasks, parameters)
+    own = problem_data(part_of(data.costs, nodes, uavs), n_tasks, parameters)
     part = Subproblem(own, tours, empty_tours(n_tasks, uavs.size), empty_tours(n_tasks, uavs.size), nodes)
     ends = np.cumsum(tours.size[uavs])
     for j, tasks in enumerate(np.split(np.arange(n_tasks, dtype=np.int32), ends[:-1])):

@@ -16,7 +16,8 @@ import numpy as np
 
 from formulations.routing.search import concatenation
 from formulations.routing.search.concatenation import Segments
-from formulations.routing.search.problem_data import Costs, Nodes, keep_nearest
+from formulations.routing.search.costs import AlikeCosts, Costs, leg
+from formulations.routing.search.problem_data import Nodes, keep_nearest
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.tours import Tours, clear, fill, sum_costs
 from instances.arrays import Bools, Floats, Ints
@@ -47,7 +48,7 @@ class ClosedTour(NamedTuple):
     ring (2,): its first place and length.
     """
 
-    costs: Costs
+    costs: AlikeCosts
     segments: Segments
     ahead: Nodes
     behind: Nodes
@@ -64,12 +65,13 @@ def closed_tour(cost: Floats, parameters: LocalSearchParameters) -> ClosedTour:
     """Return the tour 0, 1, …, L, 0 over `cost`, shape (L+1, L+1) [s], ready to be improved."""
     size = cost.shape[0]
     near = min(parameters.near, size - 1)
-    costs = Costs(cost, cost.T.copy())
+    costs = AlikeCosts(cost, cost.T.copy())
     ahead, behind = np.zeros((size, near), np.int32), np.zeros((size, near), np.int32)
     for v in range(size):
         keep_nearest(costs.out[v], costs.out[v], v, 0, ahead[v])
         keep_nearest(costs.into[v], costs.into[v], v, 0, behind[v])
-    segments, position, spare = concatenation.empty_segments(size - 1), np.arange(size), np.zeros(size + 1, np.int32)
+    segments, position = concatenation.empty_segments(costs, size - 1), np.arange(size)
+    spare = np.zeros(size + 1, np.int32)
     queue, queued, ring = np.zeros(size, np.int64), np.zeros(size, np.bool_), np.zeros(2, np.int64)
     tour = ClosedTour(costs, segments, ahead, behind, position, spare, queue, queued, ring, parameters)
     segments.shape[1] = size - 1
@@ -274,7 +276,7 @@ def _intensify_one(
     cost = np.empty((nodes.size, nodes.size))
     for i in range(nodes.size):
         for j in range(nodes.size):
-            cost[i, j] = costs.out[nodes[i], nodes[j]]
+            cost[i, j] = leg(costs, k, nodes[i], nodes[j])
     tour = closed_tour(cost, parameters)
     before = tour.segments.forward[-1]
     improve(tour, rng, int(kicks * tours.size[k]))

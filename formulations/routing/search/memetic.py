@@ -18,6 +18,7 @@ import numpy as np
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.budget import Budget
+from formulations.routing.search.costs import search_costs
 from formulations.routing.search.decomposition import merge
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
@@ -116,7 +117,7 @@ class Memetic(RecordedSolver):
 
     def _populations(self, instance: Instance, count: int, seed: int, start: Routes | None) -> list[Population]:
         parameters = self._with_options()
-        data = problem_data(instance.cost, instance.n_tasks, parameters.neighbourhood)
+        data = problem_data(search_costs(instance), instance.n_tasks, parameters.neighbourhood)
         first = [from_routes(data.costs, start) if start is not None else None for _ in range(count)]
         return [Population(data, parameters, seeded(seed, i), tours) for i, tours in enumerate(first)]
 

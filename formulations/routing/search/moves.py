@@ -13,8 +13,9 @@ import numpy as np
 
 from formulations.routing.search import concatenation
 from formulations.routing.search.concatenation import Segments
+from formulations.routing.search.costs import Costs
 from formulations.routing.search.energy import Objective, PartialEnergy, energy_with, energy_without
-from formulations.routing.search.problem_data import Costs, Nodes
+from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours
 from instances.arrays import Ints
@@ -43,9 +44,9 @@ class Workspace(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def empty_workspace(n_tasks: int) -> Workspace:
+def empty_workspace(costs: Costs, n_tasks: int) -> Workspace:
     """Return room for tours of up to n_tasks tasks."""
-    a, b = concatenation.empty_segments(n_tasks), concatenation.empty_segments(n_tasks)
+    a, b = concatenation.empty_segments(costs, n_tasks), concatenation.empty_segments(costs, n_tasks)
     return Workspace(a, b, np.zeros(n_tasks, np.int64))
 
 
@@ -72,9 +73,9 @@ def move(
     width = min(parameters.width, near.shape[1])
     v = below(rng, n)
     k_a, k_b = tours.tour[v], tours.tour[near[v, below(rng, width)]]
-    concatenation.read_tour(tours, k_a, a, position)
+    concatenation.read_tour(costs, tours, k_a, k_b, a, position)
     if k_b != k_a:
-        concatenation.read_tour(tours, k_b, b, position)
+        concatenation.read_tour(costs, tours, k_b, k_a, b, position)
     partial = energy_without(tours, k_a, k_b, objective)
     n_a = a.shape[1]
     pool = n_a if k_a == k_b else n_a + b.shape[1]

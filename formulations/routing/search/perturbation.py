@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.problem_data import Costs, ProblemData
+from formulations.routing.search.costs import Costs, leg, leg_into
+from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink
@@ -38,7 +39,7 @@ def draw_relocation(costs: Costs, tours: Tours, draws: int, rng: Rng) -> tuple[i
             h = g
         if tours.cost[tours.tour[w]] > tours.cost[tours.tour[v]]:
             v = w
-        if tours.tour[v] != h and costs.out[n + h, v] + costs.into[n + h, v] < longest:
+        if tours.tour[v] != h and leg(costs, h, n + h, v) + leg_into(costs, h, n + h, v) < longest:
             return h, v
     return -1, -1
 
@@ -49,8 +50,8 @@ def relocate(costs: Costs, tours: Tours, h: int, v: int, limit: float) -> None:
     n = tours.after.size - tours.cost.size
     u, so_far = n + h, 0.0
     while v < n:
-        so_far += costs.into[v, u]
-        if u < n and so_far + costs.out[v, n + h] > limit:
+        so_far += leg_into(costs, h, v, u)
+        if u < n and so_far + leg(costs, h, v, n + h) > limit:
             break
         after = tours.after[v]
         unlink(costs, tours, v)
@@ -69,7 +70,7 @@ def perturb(
         return
     n = data.near.tasks.shape[0]
     removed = np.empty(n, np.int32)
-    there_and_back = costs.out[n + h, v] + costs.into[n + h, v]
+    there_and_back = leg(costs, h, n + h, v) + leg_into(costs, h, n + h, v)
     limit = there_and_back + uniform(rng) * (tours.cost.max() - there_and_back)
     count = clear(costs, tours, h, removed)
     relocate(costs, tours, h, v, limit)

@@ -1,9 +1,8 @@
 """Problem data: what all searches of one instance share, read only.
 
-Moving costs are readable along rows in both directions: a kernel that tries many places for one task v needs all c_vu
-and all c_uv, two rows that stay in the processor's cache, where a column would not.
 The granular neighbourhood (Toth & Vigo 2003) is every task's nearest tasks and nearest depots, all that a move looks
-at. Near means a small min(c_ij, c_ji): under wind the cheap direction is the one a good tour uses.
+at. Near means a small min(c_ij, c_ji): under wind the cheap direction is the one a good tour uses. In a fleet it is
+the least of all classes between tasks, and between task and depot the time of the UAV that starts there.
 """
 
 from __future__ import annotations
@@ -13,35 +12,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.search.costs import AlikeCosts, Costs, kinds, least
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
 Nodes = NDArray[np.int32]
 """Node numbers: tasks 0..n−1, then depots."""
 
-_FEW = 8
-"""Rows that show most asymmetric matrices to be so, before all are compared."""
-
-
-class Costs(NamedTuple):
-    """out[i, j] = into[j, i] = c_ij [s], both (n+m, n+m); one and the same array where costs are symmetric."""
-
-    out: Floats
-    into: Floats
-
-
-def both_ways(cost: Floats) -> Costs:
-    """Return Costs of the matrix `cost`; an asymmetric one is copied once, transposed."""
-    few = cost[:_FEW]
-    if np.array_equal(few, cost[:, :_FEW].T) and np.array_equal(cost, cost.T):
-        return Costs(cost, cost)
-    into = np.ascontiguousarray(cost.T)
-    into.setflags(write=False)
-    return Costs(cost, into)
-
 
 class ProblemData(NamedTuple):
-    """Costs, granular neighbourhood, and the site of each depot, shape (m,): the first depot at the same place."""
+    """Costs, granular neighbourhood, and the site of each depot, shape (m,): the first at that place of such a UAV."""
 
     costs: Costs
     near: GranularNeighbourhood
@@ -59,22 +39,28 @@ class ProblemData(NamedTuple):
         return n * n / m
 
 
-def problem_data(cost: Floats, n_tasks: int, parameters: NeighbourhoodParameters) -> ProblemData:
-    """Return the ProblemData of a cost matrix, shape (n+m, n+m) [s]."""
-    costs = both_ways(cost)
-    return ProblemData(costs, granular_neighbourhood(costs, n_tasks, parameters), depot_sites(costs, n_tasks))
+def problem_data(costs: Costs, n_tasks: int, parameters: NeighbourhoodParameters) -> ProblemData:
+    """Return the ProblemData of an instance's costs."""
+    anyones = least(costs)
+    site = depot_sites(anyones, n_tasks, kinds(costs, len(anyones.out) - n_tasks))
+    return ProblemData(costs, granular_neighbourhood(anyones, n_tasks, parameters), site)
 
 
 @njit(cache=True, nogil=True)
-def depot_sites(costs: Costs, n_tasks: int) -> Ints:
-    """Return for each depot the first depot at the same place, shape (m,): the one with the same costs to all tasks."""
+def depot_sites(costs: AlikeCosts, n_tasks: int, kind: Ints) -> Ints:
+    """Return for each depot the first depot at the same place whose UAV is of the same kind, shape (m,).
+
+    The place is the same where the costs to all tasks are.
+    """
     n_depots = costs.out.shape[0] - n_tasks
     site = np.arange(n_depots)
     for k in range(n_depots):
         for h in range(k):
             row, other = n_tasks + k, n_tasks + h
-            if np.all(costs.out[row, :n_tasks] == costs.out[other, :n_tasks]) and np.all(
-                costs.into[row, :n_tasks] == costs.into[other, :n_tasks]
+            if (
+                kind[k] == kind[h]
+                and np.all(costs.out[row, :n_tasks] == costs.out[other, :n_tasks])
+                and np.all(costs.into[row, :n_tasks] == costs.into[other, :n_tasks])
             ):
                 site[k] = h
                 break
@@ -122,7 +108,9 @@ def keep_nearest(there: Floats, back: Floats, v: int, first: int, out: Nodes) ->
 
 
 @njit(cache=True, nogil=True)
-def granular_neighbourhood(costs: Costs, n_tasks: int, parameters: NeighbourhoodParameters) -> GranularNeighbourhood:
+def granular_neighbourhood(
+    costs: AlikeCosts, n_tasks: int, parameters: NeighbourhoodParameters
+) -> GranularNeighbourhood:
     """Return the nearest tasks and nearest depots of every task."""
     n_depots = costs.out.shape[0] - n_tasks
     tasks = np.empty((n_tasks, min(parameters.tasks, n_tasks - 1)), np.int32)

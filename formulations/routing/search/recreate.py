@@ -14,8 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from formulations.routing.search.costs import Costs, leg, leg_into
 from formulations.routing.search.energy import Measure, MeasureKind, excess, p_norm, power
-from formulations.routing.search.problem_data import Costs, GranularNeighbourhood, Nodes, ProblemData
+from formulations.routing.search.problem_data import GranularNeighbourhood, Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.tours import Tours, insertion_change, link
 from instances.kernels import njit
@@ -59,9 +60,9 @@ def growth(length: float, change: float, guide: Measure, tie: float) -> float:
 @njit(cache=True, nogil=True)
 def _better_side(costs: Costs, tours: Tours, v: int, u: int) -> tuple[int, float]:
     """Return (node to put task v behind, cost change [s]) for the cheaper of behind u and before u."""
-    b = tours.before[u]
+    k, b = tours.tour[u], tours.before[u]
     behind = insertion_change(costs, tours, v, u)
-    ahead = costs.into[v, b] + costs.out[v, u] - tours.arc[b]
+    ahead = leg_into(costs, k, v, b) + leg(costs, k, v, u) - tours.arc[b]
     if ahead < behind:
         return b, ahead
     return u, behind

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from formulations.routing.search.problem_data import Costs, Nodes
+from formulations.routing.search.costs import Costs
+from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours, link, removal_change, unlink
 from instances.arrays import Bools

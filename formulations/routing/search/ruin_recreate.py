@@ -9,18 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.annealing import AnnealingParameters, anneal
 from formulations.routing.search.budget import Budget, BudgetParameters
+from formulations.routing.search.costs import search_costs, warm_up
+from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule, ScheduleParameters
 from formulations.routing.search.strategy import SEVERAL_DEPOTS
-from formulations.routing.search.tours import duplicate, empty_tours, from_routes, to_routes
+from formulations.routing.search.tours import duplicate, empty_tours, from_routes, reprice, to_routes
 from formulations.routing.solver import Result
 from instances import InputError, Instance
 
@@ -41,13 +41,14 @@ class RuinRecreate(RecordedSolver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (or load them from numba's cache)."""
-        small = Instance("warm-up", 1.0 - np.eye(3), 2, 1)
-        self.solve(small, limits=Limits(time=3600.0, iterations=1))
+        self.solve(warm_up(instance, 2, 1), limits=Limits(time=3600.0, iterations=1))
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Anneal until a limit; one step is one iteration."""
         instance = recorder.instance
-        data = problem_data(instance.cost, instance.n_tasks, _NEAREST)
+        endurance = Endurance(instance, search_costs(instance))
+        endurance.refer(min(endurance.most, recorder.objective))
+        data = problem_data(endurance.costs, instance.n_tasks, _NEAREST)
         how = AnnealingParameters(removals=self.removals, moves=0.0)
         rng = seeded(seed)
         if recorder.routes is not None:
@@ -68,4 +69,7 @@ class RuinRecreate(RecordedSolver):
             budget.took(steps)
             if best.cost.max() < longest:
                 recorder.incumbent(to_routes(best))
+                if endurance.follow(best):
+                    for each in (tours, best, fittest):
+                        reprice(data.costs, each)
         return recorder.result(budget.stopped_by, iterations=budget.iterations)

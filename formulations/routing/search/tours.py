@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.problem_data import Costs, Nodes
+from formulations.routing.search.costs import Costs, leg, leg_into
+from formulations.routing.search.problem_data import Nodes
 from instances import Routes
 from instances.arrays import Floats
 from instances.kernels import njit
@@ -63,12 +64,12 @@ def duplicate(tours: Tours) -> Tours:
 
 
 @njit(cache=True, nogil=True)
-def join(costs: Costs, tours: Tours, u: int, w: int) -> None:
-    """Let node w follow node u."""
+def join(costs: Costs, tours: Tours, k: int, u: int, w: int) -> None:
+    """Let node w follow node u on tour k."""
     tours.after[u] = w
     tours.before[w] = u
-    tours.arc[u] = costs.out[u, w]
-    tours.back[u] = costs.into[u, w]
+    tours.arc[u] = leg(costs, k, u, w)
+    tours.back[u] = leg_into(costs, k, u, w)
 
 
 @njit(cache=True, nogil=True)
@@ -80,10 +81,10 @@ def link(costs: Costs, tours: Tours, v: int, u: int) -> None:
     tours.before[v] = u
     tours.after[v] = w
     tours.before[w] = v
-    tours.arc[u] = costs.into[v, u]
-    tours.arc[v] = costs.out[v, w]
-    tours.back[u] = costs.out[v, u]
-    tours.back[v] = costs.into[v, w]
+    tours.arc[u] = leg_into(costs, k, v, u)
+    tours.arc[v] = leg(costs, k, v, w)
+    tours.back[u] = leg(costs, k, v, u)
+    tours.back[v] = leg_into(costs, k, v, w)
     tours.tour[v] = k
     tours.size[k] += 1
 
@@ -92,7 +93,7 @@ def link(costs: Costs, tours: Tours, v: int, u: int) -> None:
 def unlink(costs: Costs, tours: Tours, v: int) -> None:
     """Take task v out of its tour; the tour's cost is the caller's business."""
     u, w, k = tours.before[v], tours.after[v], tours.tour[v]
-    join(costs, tours, u, w)
+    join(costs, tours, k, u, w)
     tours.tour[v] = -1
     tours.size[k] -= 1
 
@@ -101,13 +102,14 @@ def unlink(costs: Costs, tours: Tours, v: int) -> None:
 def removal_change(costs: Costs, tours: Tours, v: int) -> float:
     """Return the change of its tour's cost [s] if task v were taken out."""
     u, w = tours.before[v], tours.after[v]
-    return costs.out[u, w] - tours.arc[u] - tours.arc[v]
+    return leg(costs, tours.tour[v], u, w) - tours.arc[u] - tours.arc[v]
 
 
 @njit(cache=True, nogil=True)
 def insertion_change(costs: Costs, tours: Tours, v: int, u: int) -> float:
     """Return the change of the tour's cost [s] if task v were put behind node u."""
-    return costs.into[v, u] + costs.out[v, tours.after[u]] - tours.arc[u]
+    k = tours.tour[u]
+    return leg_into(costs, k, v, u) + leg(costs, k, v, tours.after[u]) - tours.arc[u]
 
 
 @njit(cache=True, nogil=True)
@@ -122,6 +124,15 @@ def sum_costs(tours: Tours) -> None:
             if u == n + k:
                 break
         tours.cost[k] = total
+
+
+@njit(cache=True, nogil=True)
+def reprice(costs: Costs, tours: Tours) -> None:
+    """Book anew what every leg and tour costs, after the costs have changed."""
+    for u in range(tours.after.size):
+        if tours.tour[u] >= 0:
+            join(costs, tours, tours.tour[u], u, tours.after[u])
+    sum_costs(tours)
 
 
 @njit(cache=True, nogil=True)
@@ -148,7 +159,7 @@ def fill(costs: Costs, tours: Tours, k: int, tasks: Nodes) -> None:
 def from_routes(costs: Costs, routes: Routes) -> Tours:
     """Return `routes` as rings with their costs."""
     n_depots = len(routes)
-    n_tasks = costs.out.shape[0] - n_depots
+    n_tasks = costs.out.shape[-1] - n_depots
     tours = empty_tours(n_tasks, n_depots)
     for k, route in enumerate(routes):
         fill(costs, tours, k, np.array(route, np.int32))

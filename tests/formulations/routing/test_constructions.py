@@ -35,7 +35,7 @@ from formulations.routing.ga_operators import (
 from formulations.routing.greedy import VARIANTS
 from formulations.routing.recorder import Recorder
 from formulations.routing.registry import make_solver
-from formulations.routing.search.problem_data import both_ways
+from formulations.routing.search.costs import both_ways
 from instances import InputError, Instance, Routes, as_routes, check_routes, makespan, tour_costs
 
 Windy = Callable[..., Instance]

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from formulations.routing.search import crossover as mixing
 from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import AnnealingParameters
+from formulations.routing.search.costs import both_ways
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.parameters import PopulationParameters, SearchParameters
 from formulations.routing.search.population import Population
@@ -28,7 +29,7 @@ def plane(seed, positions):
     cost = np.hypot(leg[..., 0], leg[..., 1]) * 1.2 - 0.3 * leg[..., 0]
     np.fill_diagonal(cost, 0.0)
     instance = Instance("plane", np.maximum(cost, 0.0), N, len(positions))
-    return instance, problem_data(instance.cost, N, NeighbourhoodParameters())
+    return instance, problem_data(both_ways(instance.cost), N, NeighbourhoodParameters())
 
 
 def random_routes(seed, m):

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from formulations.routing.search import decomposition
 from formulations.routing.search import tours as rings
+from formulations.routing.search.costs import both_ways
 from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
 from instances import check_routes, tour_costs
@@ -18,7 +19,7 @@ seeds = st.integers(0, 10**6)
 
 def prepared(case):
     instance, routes = case
-    data = problem_data(instance.cost, instance.n_tasks, NEAR)
+    data = problem_data(both_ways(instance.cost), instance.n_tasks, NEAR)
     return instance, data, rings.from_routes(data.costs, routes)
 
 
@@ -35,7 +36,7 @@ def test_a_subproblem_takes_tours_that_touch_before_distant_ones():
     """Two crowds far apart, two UAVs at each: no step leads from one to the other, only a draw from anywhere."""
     x = np.array([0, 1, 2, 3, 1000, 1001, 1002, 1003, 0, 1, 1000, 1001], float)
     cost = np.abs(np.subtract.outer(x, x))
-    data = problem_data(cost, 8, NEAR)
+    data = problem_data(both_ways(cost), 8, NEAR)
     near = data.near._replace(tasks=data.near.tasks[:, :3].copy())
     tours = rings.from_routes(data.costs, ((0, 3), (1, 2), (4, 6), (5, 7)))
     partners = [int(decomposition.around_longest(near, tours, 2, HOW, seeded(seed))[1]) for seed in range(200)]

@@ -12,6 +12,7 @@ from formulations.routing.search import recreate as rebuilding
 from formulations.routing.search import ruin as ruining
 from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import AnnealingParameters, anneal, undo
+from formulations.routing.search.costs import both_ways
 from formulations.routing.search.energy import (
     MeasureKind,
     Objective,
@@ -24,7 +25,6 @@ from formulations.routing.search.energy import (
 )
 from formulations.routing.search.problem_data import (
     NeighbourhoodParameters,
-    both_ways,
     granular_neighbourhood,
     problem_data,
 )
@@ -208,7 +208,7 @@ def test_a_wider_recreation_sees_a_tour_that_passes_none_of_the_nearest_tasks():
 def test_construction_and_recreation_book_what_they_build(seed):
     instance = random_instance(seed)
     tours = rings.empty_tours(14, 3)
-    rebuilding.construct(problem_data(instance.cost, 14, NEAR), tours, RecreateParameters(), seeded(seed))
+    rebuilding.construct(problem_data(both_ways(instance.cost), 14, NEAR), tours, RecreateParameters(), seeded(seed))
     routes = rings.to_routes(tours)
     assert check_routes(instance, routes) == []
     assert tours.cost == pytest.approx(tour_costs(instance, routes))
@@ -218,7 +218,7 @@ def test_construction_where_all_costs_are_zero_or_huge():
     for scale in (0.0, 1e149):
         cost = Instance("flat", scale * (1.0 - np.eye(8)), 6, 2).cost
         tours = rings.empty_tours(6, 2)
-        rebuilding.construct(problem_data(cost, 6, NEAR), tours, RecreateParameters(), seeded(0))
+        rebuilding.construct(problem_data(both_ways(cost), 6, NEAR), tours, RecreateParameters(), seeded(0))
         assert sorted(sum(rings.to_routes(tours), ())) == list(range(6))
 
 
@@ -271,7 +271,7 @@ def test_undo_returns_to_the_tours_before_the_step():
 @settings(deadline=None, max_examples=15)
 def test_annealing_keeps_its_best_and_its_books(seed):
     instance, routes = random_instance(seed), random_routes(seed)
-    data = problem_data(instance.cost, 14, NEAR)
+    data = problem_data(both_ways(instance.cost), 14, NEAR)
     tours, best, fittest = (rings.from_routes(both_ways(instance.cost), routes) for _ in range(3))
     objective, measure = Objective(p_norm(9), 0.1), excess(0.9 * makespan(instance, routes))
     how = AnnealingParameters(removals=6, moves=0.3, guides=4)

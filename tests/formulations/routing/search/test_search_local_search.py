@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from formulations.limits import Limits
 from formulations.routing.search import local_search
 from formulations.routing.search import tours as rings
+from formulations.routing.search.costs import both_ways
 from formulations.routing.search.local_search import intensify
-from formulations.routing.search.problem_data import both_ways
 from formulations.routing.search.randomness import seeded
 from formulations.routing.subset_dp import SubsetDp
 from instances import tour_costs

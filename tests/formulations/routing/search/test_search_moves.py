@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from formulations.routing.search import concatenation, moves
 from formulations.routing.search import tours as rings
+from formulations.routing.search.costs import both_ways
 from formulations.routing.search.energy import Objective, energy, excess, p_norm
-from formulations.routing.search.problem_data import NeighbourhoodParameters, both_ways, granular_neighbourhood
+from formulations.routing.search.problem_data import NeighbourhoodParameters, granular_neighbourhood
 from formulations.routing.search.randomness import seeded
 from instances import Instance, check_routes, tour_costs
 
@@ -29,10 +30,10 @@ class Table:
         self.routes = [tuple(r) for r in routes]
         self.costs = both_ways(self.instance.cost)
         self.tours = rings.from_routes(self.costs, tuple(self.routes))
-        self.workspace = moves.empty_workspace(N)
+        self.workspace = moves.empty_workspace(self.costs, N)
         self.k_a, self.k_b = (int(k) for k in rng.permutation(M)[:2])
-        concatenation.read_tour(self.tours, self.k_a, self.workspace.a, self.workspace.position)
-        concatenation.read_tour(self.tours, self.k_b, self.workspace.b, self.workspace.position)
+        concatenation.read_tour(self.costs, self.tours, self.k_a, self.k_b, self.workspace.a, self.workspace.position)
+        concatenation.read_tour(self.costs, self.tours, self.k_b, self.k_a, self.workspace.b, self.workspace.position)
         self.rng = rng
 
     def pick(self, low, high):

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from formulations.routing.search import perturbation
 from formulations.routing.search import tours as rings
-from formulations.routing.search.problem_data import NeighbourhoodParameters, both_ways, problem_data
+from formulations.routing.search.costs import both_ways
+from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import RecreateParameters
 from instances import check_routes, tour_costs
@@ -72,7 +73,7 @@ def test_a_perturbation_keeps_every_task_and_its_books(random_case, seed):
     instance, routes = random_case(seed, N, M)
     costs = both_ways(instance.cost)
     tours = rings.from_routes(costs, routes)
-    data = problem_data(instance.cost, N, NeighbourhoodParameters(8, M))
+    data = problem_data(both_ways(instance.cost), N, NeighbourhoodParameters(8, M))
     how = perturbation.PerturbationParameters()
     perturbation.perturb(data, tours, how, RecreateParameters(), seeded(seed))
     found = rings.to_routes(tours)

@@ -1,0 +1,165 @@
+"""Moving costs as the kernels read them: one matrix where the UAVs are alike, one for each class where they differ.
+
+Costs are readable along rows in both directions: a kernel that tries many places for one task v needs all c_vu and all
+c_uv, two rows that stay in the processor's cache, where a column would not.
+
+Kernels ask for `leg` and `leg_into` of a UAV and are compiled twice: for UAVs that are alike the number of the UAV is
+never looked at. A fleet's costs are finite: a leg that a class cannot fly takes longer than any tour without such a
+leg (`forbidden`), so that differences of sums stay numbers; whether routes can be flown, `instances.objective` says.
+
+Each UAV's costs are multiplied by a scale of its own, which is how endurance is kept (endurance.py); else it is 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba.extending import overload
+from numpy.typing import NDArray
+
+from instances import Instance
+from instances.arrays import Floats, Ints
+
+_FEW = 8
+"""Rows that show most asymmetric matrices to be so, before all are compared."""
+
+
+class AlikeCosts(NamedTuple):
+    """out[i, j] = into[j, i] = c_ij [s], both (n+m, n+m); one and the same array where costs are symmetric."""
+
+    out: Floats
+    into: Floats
+
+
+class FleetCosts(NamedTuple):
+    """out[g, i, j] = into[g, j, i] = c_ij [s] of class g, both (G, n+m, n+m), finite; one array where symmetric.
+
+    classes (m,): the class of each UAV; scale (m,): what its costs are multiplied by, which may change.
+    """
+
+    out: Floats
+    into: Floats
+    classes: Ints
+    scale: Floats
+
+
+Costs = AlikeCosts | FleetCosts
+
+
+def leg(costs: Costs, k: int, u: int, w: int) -> float:
+    """Return what UAV k takes from node u to node w [s], read along the row of u."""
+    if isinstance(costs, FleetCosts):
+        return float(costs.out[costs.classes[k], u, w] * costs.scale[k])
+    return float(costs.out[u, w])
+
+
+def leg_into(costs: Costs, k: int, w: int, u: int) -> float:
+    """Return what UAV k takes to node w from node u [s], read along the row of w."""
+    if isinstance(costs, FleetCosts):
+        return float(costs.into[costs.classes[k], w, u] * costs.scale[k])
+    return float(costs.into[w, u])
+
+
+def uavs_differ(costs: Costs) -> bool:
+    """Return whether the costs are a fleet's; a constant to the compiler."""
+    return isinstance(costs, FleetCosts)
+
+
+def _of_fleet(costs: Any) -> bool:
+    """Return whether `costs` is numba's type of a fleet's costs."""
+    return getattr(costs, "instance_class", None) is FleetCosts
+
+
+@overload(leg, strict=False)
+def _leg(costs: Any, k: Any, u: Any, w: Any) -> Callable[..., Any]:
+    if _of_fleet(costs):
+        return lambda costs, k, u, w: costs.out[costs.classes[k], u, w] * costs.scale[k]
+    return lambda costs, k, u, w: costs.out[u, w]
+
+
+@overload(leg_into, strict=False)
+def _leg_into(costs: Any, k: Any, w: Any, u: Any) -> Callable[..., Any]:
+    if _of_fleet(costs):
+        return lambda costs, k, w, u: costs.into[costs.classes[k], w, u] * costs.scale[k]
+    return lambda costs, k, w, u: costs.into[w, u]
+
+
+@overload(uavs_differ, strict=False)
+def _uavs_differ(costs: Any) -> Callable[..., Any]:
+    differ = _of_fleet(costs)
+    return lambda costs: differ
+
+
+def both_ways(cost: Floats) -> AlikeCosts:
+    """Return the costs of UAVs that are alike, of the matrix `cost`; an asymmetric one is copied once, transposed."""
+    few = cost[:_FEW]
+    if np.array_equal(few, cost[:, :_FEW].T) and np.array_equal(cost, cost.T):
+        return AlikeCosts(cost, cost)
+    return AlikeCosts(cost, _frozen(cost.T))
+
+
+def fleet_costs(cost: Floats, classes: Ints, scale: Floats) -> FleetCosts:
+    """Return the costs of UAVs that differ, of matrices `cost` (G, n+m, n+m) [s], finite."""
+    symmetric = np.array_equal(cost, cost.transpose(0, 2, 1))
+    out = _frozen(cost)
+    return FleetCosts(out, out if symmetric else _frozen(cost.transpose(0, 2, 1)), _frozen(classes), scale)
+
+
+def search_costs(instance: Instance) -> Costs:
+    """Return the costs of an instance's UAVs; the scale of a fleet is 1."""
+    if not instance.axes:
+        return both_ways(instance.cost)
+    cost = instance.class_costs
+    if not np.isfinite(cost).all():
+        cost = np.where(np.isfinite(cost), cost, forbidden(instance))
+    return fleet_costs(cost, instance.classes, np.ones(instance.n_depots))
+
+
+def forbidden(instance: Instance) -> float:
+    """Return a time [s] that no tour of legs which can be flown exceeds."""
+    cost = instance.class_costs
+    return float(instance.n_tasks + 1) * float(cost[np.isfinite(cost)].max()) or 1.0
+
+
+def warm_up(like: Instance, n_tasks: int, n_depots: int) -> Instance:
+    """Return a small instance for which the same kernels are compiled as for `like`."""
+    cost = 1.0 - np.eye(n_tasks + n_depots)
+    return Instance("warm-up", cost, n_tasks, n_depots, endurance=np.full(n_depots, 1e9) if like.axes else None)
+
+
+def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer]) -> Costs:
+    """Return the costs between some nodes, the tasks first, then the depots of `uavs`; a fleet's scale is copied."""
+    if isinstance(costs, FleetCosts):
+        used, classes = np.unique(costs.classes[uavs], return_inverse=True)
+        return fleet_costs(costs.out[np.ix_(used, nodes, nodes)], classes, costs.scale[uavs])
+    cost = costs.out[np.ix_(nodes, nodes)]
+    cost.setflags(write=False)  # like an instance's own: the kernels are compiled for that type
+    return both_ways(cost)
+
+
+def least(costs: Costs) -> AlikeCosts:
+    """Return what legs take [s] whoever flies them: to and from a depot its own UAV, between tasks the fastest."""
+    if isinstance(costs, AlikeCosts):
+        return costs
+    cost, m = costs.out.min(axis=0), len(costs.classes)
+    for k, g in enumerate(costs.classes, len(cost) - m):
+        cost[k], cost[:, k] = costs.out[g, k], costs.out[g, :, k]
+    cost.setflags(write=False)
+    return both_ways(cost)
+
+
+def kinds(costs: Costs, n_depots: int) -> Ints:
+    """Return numbers (m,), equal for UAVs of the same class and scale."""
+    if isinstance(costs, AlikeCosts):
+        return np.zeros(n_depots, dtype=np.int64)
+    return np.unique(np.column_stack([costs.classes, costs.scale]), axis=0, return_inverse=True)[1].ravel()
+
+
+def _frozen(array: Any) -> Any:
+    """Return the array contiguous and read only, the type the kernels are compiled for; copied where it is neither."""
+    if array.flags.writeable or not array.flags.c_contiguous:
+        array = np.array(array, order="C")
+        array.setflags(write=False)
+    return array

@@ -18,23 +18,28 @@ from instances.arrays import Ints
 
 
 def shared_depots(instance: Instance) -> list[list[int]]:
-    """Return the groups of depots (node numbers, in order) that have the same costs from and to every task."""
+    """Return the groups of depots (node numbers, in order) whose UAVs can exchange their tours.
+
+    They have the same costs from and to every task, and their UAVs are of one class and one endurance.
+    """
     n = instance.n_tasks
-    groups: dict[bytes, list[int]] = {}
-    for k in instance.depots:
-        groups.setdefault(instance.cost[k, :n].tobytes() + instance.cost[:n, k].tobytes(), []).append(k)
+    groups: dict[tuple[int, float, bytes], list[int]] = {}
+    for uav, k in enumerate(instance.depots):
+        cost = instance.uav_cost(uav)
+        ends = cost[k, :n].tobytes() + cost[:n, k].tobytes()
+        groups.setdefault((int(instance.classes[uav]), float(instance.limits[uav]), ends), []).append(k)
     return list(groups.values())
 
 
 def neighbours(instance: Instance) -> list[tuple[int, int]]:
-    """Return the pairs of UAVs, one after the other in a group of the same depot."""
+    """Return the pairs of UAVs, one after the other in a group of `shared_depots`."""
     return [pair for group in shared_depots(instance) for pair in pairwise(group)]
 
 
 def is_symmetric(instance: Instance) -> bool:
-    """Return whether every arc in use costs the same both ways, so that a tour may be flown backwards."""
-    n = instance.n_tasks
-    return bool((instance.cost[:n, :] == instance.cost[:, :n].T).all())
+    """Return whether every arc in use costs every UAV the same both ways, so that a tour may be flown backwards."""
+    n, costs = instance.n_tasks, instance.class_costs
+    return bool((costs[:, :n, :] == costs[:, :, :n].transpose(0, 2, 1)).all())
 
 
 def in_order(instance: Instance, routes: Routes) -> Routes:
@@ -53,7 +58,7 @@ def in_order(instance: Instance, routes: Routes) -> Routes:
 
 
 def symmetry(paper: PaperModel, instance: Instance) -> None:
-    """Break the symmetry of UAVs at one depot and of symmetric costs: only routes as `in_order` has them.
+    """Break the symmetry of like UAVs at one depot and of symmetric costs: only routes as `in_order` has them.
 
     y_ik ≤ Σ_{l<i} y_l,k−1 for neighbours k − 1, k of a group: UAV k takes task i only if its predecessor has a
     smaller one. Exchanging routes within a group changes no cost, so an optimum of this order exists.

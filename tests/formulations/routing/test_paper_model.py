@@ -14,9 +14,10 @@ from formulations.routing.paper_model import PaperModel
 from formulations.routing.registry import make_solver
 from formulations.routing.scaling import scale_costs
 from formulations.routing.solver import Status
-from formulations.routing.strengthening import in_order, shortest_ways, used_arcs
+from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, shortest_ways, used_arcs
 from formulations.routing.subtours import find_subtours, repair, walk
-from instances import Instance, Routes, check_routes, makespan
+from instances import Instance, Routes, Travel, check_routes, makespan
+from instances.arrays import Floats
 
 Windy = Callable[..., Instance]
 Oracle = Callable[[Instance], tuple[float, Routes]]
@@ -119,6 +120,23 @@ def test_in_order_sorts_shared_depots_and_turns_symmetric_tours() -> None:
     instance = Instance("shared", np.hypot(d[..., 0], d[..., 1]), 4, 2)
     assert in_order(instance, ((), (3, 1, 0, 2))) == ((2, 0, 1, 3), ())
     assert in_order(instance, ((1, 2), (3, 0))) == ((0, 3), (1, 2))
+
+
+def test_uavs_that_differ_share_no_depot() -> None:
+    """Exchanging their tours would change costs, or pass an endurance."""
+    points = np.array([[0.0, 0], [1, 0], [2, 1], [9, 9], [9, 9], [9, 9]])
+    cost = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
+    one_way = cost.copy()
+    one_way[0, 1] = np.inf
+
+    def fleet(costs: list[Floats], endurance: list[float] | None = None) -> Instance:
+        return Instance.of_travel("fleet", Travel.of_uavs(costs), 3, endurance=endurance)
+
+    assert shared_depots(fleet([cost] * 3)) == [[3, 4, 5]]
+    assert shared_depots(fleet([cost, 2 * cost, cost])) == [[3, 5], [4]]
+    assert shared_depots(fleet([cost] * 3, [50, np.inf, 50])) == [[3, 5], [4]]
+    assert is_symmetric(fleet([cost, 2 * cost, cost]))
+    assert not is_symmetric(fleet([cost, one_way, cost]))
 
 
 @pytest.mark.parametrize(

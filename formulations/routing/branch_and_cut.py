@@ -11,7 +11,8 @@ Floating point. SCIP accepts rows violated by up to feastol = 1e-6 relatively, a
 to dualfeastol = 1e-7. The routes it begins with cost U, 512 to 1024 in SCIP's unit, and any solution has at most n + m
 arcs of θ = 1 besides C_max itself, so SCIP's dual bound is too high by at most feastol·U + (n + m + 1)·dualfeastol
 units. Twice this margin is subtracted from every bound reported; costs of routes are recomputed from the float costs.
-So OPTIMAL means: no routes are better by more than ``tolerance``, 4e-6·U and a little.
+So OPTIMAL means: no routes are better by more than ``tolerance``, 4e-6·U and a little. Endurance is loosened as much in
+SCIP, so INFEASIBLE has the same margin, and tours beyond it by less are cut off one by one.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.branch_and_cut_handler import Messenger, Offers, Shared, SubtourHandler, report_bound
-from formulations.routing.branch_and_cut_model import ScipModel
-from formulations.routing.model_solver import ModelSolver
+from formulations.routing.branch_and_cut_model import DUALFEASTOL, FEASTOL, ScipModel
+from formulations.routing.model_solver import ModelSolver, cutoff
 from formulations.routing.paper_model import why_too_large
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.ruin_recreate import RuinRecreate
@@ -35,7 +36,6 @@ from instances import Instance
 
 MOST_THETA = 80_000
 """Beyond this building the model and its first relaxation alone take minutes."""
-_FEASTOL, _DUALFEASTOL = 1e-6, 1e-7
 _MEMORY = 3500.0  # MB
 _STEPS_A_TASK = 1000
 _STOPPED = {"nodelimit": "iterations", "totalnodelimit": "iterations", "timelimit": "time", "memlimit": "memory"}
@@ -55,6 +55,7 @@ class BranchAndCut(ModelSolver):
     """
 
     proves: ClassVar[bool] = True
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
 
     fractional: bool = True
     two_cycles: bool = True
@@ -77,7 +78,7 @@ class BranchAndCut(ModelSolver):
     def improve(self, recorder: Recorder, seed: int) -> Result:
         """Raise the bound by simple means, look for better routes, then `prove`."""
         for simple_bound in SIMPLE.values():
-            recorder.raise_bound(simple_bound(recorder.instance, recorder.objective))
+            recorder.raise_bound(simple_bound(recorder.instance, cutoff(recorder)))
         if self.warm_start:
             _warm_start(recorder, seed)
         if recorder.objective == 0:
@@ -91,9 +92,10 @@ class BranchAndCut(ModelSolver):
     def prove(self, recorder: Recorder, seed: int) -> Result:
         """Build the model, run SCIP below the recorder's incumbent and say how that ended."""
         instance = recorder.instance
-        model = ScipModel(instance, recorder.objective, reach=self.reach)
-        units = _FEASTOL * model.upper + (instance.n_nodes + 1) * _DUALFEASTOL
-        margin = 2 * model.seconds(units)
+        # twice what no routes exceed: a proof that there are none must not hang by it
+        upper = recorder.objective if recorder.routes is not None else 2 * cutoff(recorder)
+        model = ScipModel(instance, upper, reach=self.reach)
+        margin = 2 * model.seconds(model.slack)
         shared = Shared(model, recorder, margin)
         self._set_up(shared, seed)
         scip = model.scip
@@ -106,6 +108,8 @@ class BranchAndCut(ModelSolver):
         status = scip.getStatus()
         if status == "userinterrupt" and not shared.stopped:
             raise KeyboardInterrupt
+        if status == "infeasible" and recorder.routes is None:
+            return recorder.infeasible(nodes=scip.getNTotalNodes(), **shared.counts)
         report_bound(shared)
         tolerance = 2 * margin
         proved = status == "optimal" and recorder.objective - recorder.bound <= tolerance
@@ -125,8 +129,8 @@ class BranchAndCut(ModelSolver):
                 scip.chgVarBranchPriority(y, 1)  # before θ: it settles many θ at once
         scip.setParams(
             {
-                "numerics/feastol": _FEASTOL,
-                "numerics/dualfeastol": _DUALFEASTOL,
+                "numerics/feastol": FEASTOL,
+                "numerics/dualfeastol": DUALFEASTOL,
                 "timing/clocktype": 2,  # wall clock
                 "limits/memory": _MEMORY,
                 "randomization/randomseedshift": seed % 2**31,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,10 @@ from pyscipopt import Conshdlr, Eventhdlr, Heur
 from pyscipopt.scip import PY_SCIP_EVENTTYPE, PY_SCIP_HEURTIMING, PY_SCIP_RESULT, Solution
 
 from formulations.routing.branch_and_cut_model import ScipModel
+from formulations.routing.model_solver import too_long
 from formulations.routing.recorder import Recorder
 from formulations.routing.separation import subtours, two_cycles
-from formulations.routing.subtours import find_subtours, repair
+from formulations.routing.subtours import Arc, find_subtours, repair, walk
 from instances.arrays import Bools, Floats, Ints
 
 LEAST = 0.02
@@ -62,7 +64,7 @@ def routed_once(used: list[Bools]) -> bool:
 
 
 class SubtourHandler(Conshdlr):
-    """const6 in its depot-linked form, added when violated."""
+    """const6 in its depot-linked form, added when violated; tours beyond endurance by less than SCIP can tell."""
 
     def __init__(self, shared: Shared, *, fractional: bool, two_cycles: bool) -> None:
         self.shared, self.fractional, self.two_cycles = shared, fractional, two_cycles
@@ -82,26 +84,28 @@ class SubtourHandler(Conshdlr):
 
     @guarded({"result": PY_SCIP_RESULT.INFEASIBLE})
     def conscheck(self, constraints: Any, solution: Any, *what_to_check: Any) -> dict[str, Any]:
-        """Refuse a solution with a subtour; offer the routes it comes to, repaired where need be."""
+        """Refuse a solution with a flaw; offer the routes it comes to, repaired where need be."""
         self.shared.counts["handler_calls"] += 1
-        feasible = not self.subtours_of(self.theta(solution))
+        feasible = not self.flawed(self.theta(solution))
         return {"result": PY_SCIP_RESULT.FEASIBLE if feasible else PY_SCIP_RESULT.INFEASIBLE}
 
     @guarded({"result": PY_SCIP_RESULT.INFEASIBLE})
     def consenfolp(self, constraints: Any, n_useful: Any, infeasible: Any) -> dict[str, Any]:
-        """Cut off an integer solution of the relaxation that has subtours."""
+        """Cut off an integer solution of the relaxation that has subtours or tours too long."""
         self.shared.counts["handler_calls"] += 1
         theta = self.theta(None)
-        if not self.subtours_of(theta):
+        if not self.flawed(theta):
             return {"result": PY_SCIP_RESULT.FEASIBLE}
         cutoff = self.add([subtours(np.round(matrix), 0.5) for matrix in theta], "lazy_cuts", force=True)
+        for k, tour in self.too_long(self.arcs_of(theta)):
+            cutoff |= self.add_never(k, tour)
         return {"result": PY_SCIP_RESULT.CUTOFF if cutoff else PY_SCIP_RESULT.SEPARATED}
 
     @guarded({"result": PY_SCIP_RESULT.INFEASIBLE})
     def consenfops(self, constraints: Any, n_useful: Any, infeasible: Any, objinfeasible: Any) -> dict[str, Any]:
-        """Refuse a pseudo solution with a subtour (SCIP then branches)."""
+        """Refuse a pseudo solution with a flaw (SCIP then branches)."""
         self.shared.counts["handler_calls"] += 1
-        return {"result": PY_SCIP_RESULT.INFEASIBLE if self.subtours_of(self.theta(None)) else PY_SCIP_RESULT.FEASIBLE}
+        return {"result": PY_SCIP_RESULT.INFEASIBLE if self.flawed(self.theta(None)) else PY_SCIP_RESULT.FEASIBLE}
 
     @guarded({"result": PY_SCIP_RESULT.DIDNOTRUN})
     def conssepalp(self, constraints: Any, n_useful: Any) -> dict[str, Any]:
@@ -127,18 +131,32 @@ class SubtourHandler(Conshdlr):
         for variable in [*model.y.values(), *(v for theta in model.theta for v in theta.values())]:
             model.scip.addVarLocksType(variable, locktype, both, both)
 
-    def subtours_of(self, theta: list[Floats]) -> list[list[int]]:
-        """Return the subtours of an integer solution and offer its routes, subtours spliced into tours."""
-        instance = self.shared.model.instance
-        n = instance.n_tasks
-        used = [matrix > _INTEGER for matrix in theta]
-        arcs_of = [
-            [(i if i < n else n + k, j if j < n else n + k) for i, j in np.argwhere(matrix).tolist()]
-            for k, matrix in enumerate(used)
+    def arcs_of(self, theta: list[Floats]) -> list[list[Arc]]:
+        """Return the arcs that each UAV flies in an integer solution."""
+        n = self.shared.model.instance.n_tasks
+        return [
+            [(i if i < n else n + k, j if j < n else n + k) for i, j in np.argwhere(matrix > _INTEGER).tolist()]
+            for k, matrix in enumerate(theta)
         ]
-        if routed_once(used):
+
+    def flawed(self, theta: list[Floats]) -> bool:
+        """Return whether an integer solution has subtours or tours too long; offer its routes, subtours spliced in."""
+        instance = self.shared.model.instance
+        arcs_of, beyond = self.arcs_of(theta), False
+        if routed_once([matrix > _INTEGER for matrix in theta]):
             self.shared.recorder.incumbent(repair(instance, arcs_of))
-        return [S for k, arcs in enumerate(arcs_of) for S in find_subtours(arcs, n + k, n)]
+            beyond = bool(self.too_long(arcs_of))
+        return beyond or any(
+            find_subtours(arcs, instance.n_tasks + k, instance.n_tasks) for k, arcs in enumerate(arcs_of)
+        )
+
+    def too_long(self, arcs_of: list[list[Arc]]) -> list[tuple[int, list[int]]]:
+        """Return the UAVs that fly beyond their endurance, each with its tour."""
+        instance = self.shared.model.instance
+        if instance.endurance is None:
+            return []
+        tours = [walk(arcs, instance.n_tasks + k)[1:] for k, arcs in enumerate(arcs_of)]
+        return [(k, tours[k]) for k in too_long(instance, tours)]
 
     def add(self, found: list[tuple[Bools, Ints]], kind: str, *, force: bool) -> bool:
         """Add the cuts of the sets found, for every UAV; return whether SCIP saw that nothing is left."""
@@ -169,6 +187,21 @@ class SubtourHandler(Conshdlr):
         for i in (i for i in S if i != v) if inside else (v,):
             scip.addVarToRow(row, model.y[i, n + k], -1.0)
         scip.flushRowExtensions(row)
+        return self.enter(row, force=force)
+
+    def add_never(self, k: int, tour: list[int]) -> bool:
+        """Cut off this tour of UAV k, valid in the whole tree: not all of its arcs at once."""
+        model = self.shared.model
+        scip, depot = model.scip, model.instance.n_tasks + k
+        row = scip.createEmptyRowUnspec("endurance", lhs=None, rhs=float(len(tour)), local=False, removable=True)
+        for arc in pairwise([depot, *tour, depot]):
+            scip.addVarToRow(row, model.theta[k][arc], 1.0)
+        self.shared.counts["lazy_cuts"] += 1
+        return self.enter(row, force=True)
+
+    def enter(self, row: Any, *, force: bool) -> bool:
+        """Add a row as a cut and keep it; return whether SCIP saw that nothing is left."""
+        scip = self.shared.model.scip
         cutoff: bool = scip.addCut(row, forcecut=force)
         scip.addPoolCut(row)
         scip.releaseRow(row)

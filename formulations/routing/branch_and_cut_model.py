@@ -4,7 +4,10 @@ The equations stand in ``paper_model.py``. As there, θ_ijk exists only for arcs
 UAV k visits task i, is a variable, so that SCIP can branch on it and cuts can be written in it.
 
 Costs are multiplied by a power of two, which is exact, so that the routes known cost between 512 and 1024: SCIP's
-tolerances are meant for numbers of that size. An arc that costs more than those routes alone is left out.
+tolerances are meant for numbers of that size. An arc that costs more than those routes alone is left out, and so is
+one that its UAV cannot fly. Where endurance is limited there is a row C_k ≤ L_k, looser than that by twice SCIP's own
+tolerance: no tour that UAV k can fly is cut off, and no proof that there are no routes hangs by it. The tours between
+are refused by the constraint handler.
 """
 
 from __future__ import annotations
@@ -20,16 +23,20 @@ from formulations.routing.simple_bounds import ways_between_tasks, ways_from_dep
 from formulations.routing.strengthening import in_order, is_symmetric, neighbours, used_arcs
 from formulations.routing.subtours import Arc
 from instances import Instance, Routes, makespan
+from instances.routes import ENDURANCE_ROUNDING
 
 _BITS = 10  # the incumbent costs less than 2^10 in SCIP's unit
 _ROUNDING = 1e-9
+FEASTOL, DUALFEASTOL = 1e-6, 1e-7
 
 
 class ScipModel:
     """θ, y, C_max and eqs. const1–const5 of one instance below the cost of routes known.
 
     scip : the model.
+    limits : the longest tour of each UAV in SCIP's unit, (m,): `upper`, or what its endurance allows and a little.
     theta : per UAV (0..m−1), arc → θ_ijk; node numbers as in the instance.
+    slack : by how much SCIP's dual bound can be too high, in its unit (``branch_and_cut.py``).
     y : ``y[i, k]``, UAV k (node number) visits task i.
     exponent : a cost in SCIP is 2^exponent times that in seconds.
     """
@@ -38,12 +45,18 @@ class ScipModel:
         self.instance = instance
         self.exponent = min(_BITS - math.frexp(incumbent)[1], 1000)
         self.upper = math.ldexp(incumbent, self.exponent) * (1 + _ROUNDING)
-        self.cost = np.ldexp(np.minimum(instance.cost, 2.0 * incumbent), self.exponent)
+        self.slack = FEASTOL * self.upper + (instance.n_nodes + 1) * DUALFEASTOL
+        costs = np.ldexp(np.minimum(instance.class_costs, 2.0 * incumbent), self.exponent)
         self.T, self.D = instance.tasks, instance.depots
+        self.cost = {k: costs[g] for k, g in zip(self.D, instance.classes, strict=True)}
+        endurance = np.minimum(instance.limits * (1 + ENDURANCE_ROUNDING), 2.0 * incumbent)
+        self.limits = np.minimum(np.ldexp(endurance, self.exponent) + 2 * self.slack, self.upper)
         self.scip = Model("MMMDMTSP")
         self.scip.hideOutput()
-        between = ways_between_tasks(self.cost, instance.n_tasks)
-        self.ways = {k: ways_from_depot(self.cost, between, k) for k in self.D}
+        between = [ways_between_tasks(cost, instance.n_tasks) for cost in costs]
+        self.ways = {
+            k: ways_from_depot(self.cost[k], between[g], k) for k, g in zip(self.D, instance.classes, strict=True)
+        }
         self.theta: list[dict[Arc, Variable]] = [
             {(i, j): self.scip.addVar(f"theta_{i}_{j}_{k}", "B") for i, j in self.edges(k, reach)} for k in self.D
         ]
@@ -54,7 +67,10 @@ class ScipModel:
             out, back = self.sum_theta(k, ((k, i) for i in self.T)), self.sum_theta(k, ((i, k) for i in self.T))
             self.scip.addCons(out <= 1, "const3")
             self.scip.addCons(out - back == 0, "const4")
-            self.scip.addCons(quicksum(self.cost[arc] * v for arc, v in theta.items()) <= self.C_max, "const5")
+            tour = quicksum(self.cost[k][arc] * v for arc, v in theta.items())
+            self.scip.addCons(tour <= self.C_max, "const5")
+            if self.limit(k) < self.upper:
+                self.scip.addCons(tour <= self.limit(k), "endurance")
             for i in self.T:
                 self.const2(i, k)
         for i in self.T:
@@ -63,16 +79,20 @@ class ScipModel:
             self.reach()
 
     def edges(self, k: int, reach: bool) -> list[Arc]:
-        """Return the arcs of E that UAV k can use within the cost of the routes known.
+        """Return the arcs of E that UAV k can use within the cost of the routes known and its endurance.
 
         reach : count the cheapest ways to the arc and back too, not the arc alone.
         """
         n = self.instance.n_tasks
         out, back = (np.append(way, 0.0) if reach else np.zeros(n + 1) for way in self.ways[k])
         nodes = np.array([*self.T, k])
-        length = out[:, None] + self.cost[np.ix_(nodes, nodes)] + back[None, :]
+        length = out[:, None] + self.cost[k][np.ix_(nodes, nodes)] + back[None, :]
         np.fill_diagonal(length, np.inf)
-        return [(int(nodes[i]), int(nodes[j])) for i, j in np.argwhere(length <= self.upper)]
+        return [(int(nodes[i]), int(nodes[j])) for i, j in np.argwhere(length <= self.limit(k))]
+
+    def limit(self, k: int) -> float:
+        """Return the longest tour of the UAV at depot k in SCIP's unit."""
+        return float(self.limits[k - self.instance.n_tasks])
 
     def sum_theta(self, k: int, arcs: Iterable[Arc]) -> Variable:
         """Return Σ θ_ijk over those of `arcs` that exist."""

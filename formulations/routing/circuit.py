@@ -12,14 +12,20 @@ D_1, tour of UAV 1, D_2, tour of UAV 2, …, back to D_1: the arc into the next 
 
 D_k → D_k+1 (UAV k stays home) is free: no cost between depots is ever used.
 
+Where UAVs differ, t_j ≥ t_i + c_ij holds for each class g with c_ijg and if u_ig, which is 1 where a UAV of class g
+visits i (Σ y_ik over these UAVs); c_ij in the average is the least over the classes. Where endurance is limited,
+x_{i D_k+1} ⇒ t_i + c_ik ≤ L_k. Tours too long by less than integers tell are cut off and the search begun again.
+
 **One circuit per UAV** (``per_uav``): θ_ijk as in the paper, add_circuit(θ_··k) with a loop at every node UAV k leaves
-out, Σ_k y_ik = 1, C_k ≤ z.
+out, Σ_k y_ik = 1, C_k ≤ z, C_k ≤ L_k.
 
 Each pair of nodes has one literal, because parallel arcs with time rows make add_multiple_circuit crash.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import ClassVar
@@ -28,7 +34,7 @@ from ortools.sat.python import cp_model
 
 from formulations.routing import cpsat
 from formulations.routing.cpsat import Values
-from formulations.routing.model_solver import ModelSolver
+from formulations.routing.model_solver import ModelSolver, cutoff, too_long
 from formulations.routing.paper_model import Theta
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts, scale_costs
@@ -51,6 +57,7 @@ class Circuit(ModelSolver):
     """
 
     proves: ClassVar[bool] = True
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
 
     per_uav: bool = False
     symmetry: bool = True
@@ -62,25 +69,36 @@ class Circuit(ModelSolver):
         return f"the model would have {size} clauses; it takes {MOST_LITERALS}" if size > MOST_LITERALS else None
 
     def improve(self, recorder: Recorder, seed: int) -> Result:
-        """Solve in one search."""
+        """Solve in one search, or in several where a tour is too long by less than CP-SAT's integers can tell."""
         instance, limits = recorder.instance, recorder.limits
-        scaled = scale_costs(instance, recorder.objective)
+        scaled = scale_costs(instance, cutoff(recorder))
         form = CircuitPerUav(instance, scaled) if self.per_uav else GiantCircuit(instance, scaled, self.average)
         if self.symmetry:
             form.break_symmetry()
-        best = recorder.routes or ()
-        form.hint(in_order(instance, best) if self.symmetry else best)
+        beyond: set[tuple[int, tuple[int, ...]]] = set()
 
         def on_solution(value: Values) -> None:
-            recorder.incumbent(form.routes(value))
+            routes = form.routes(value)
+            beyond.update((instance.depots[k], routes[k]) for k in too_long(instance, routes))
+            recorder.incumbent(routes)
 
-        cpsat.search(form.model, scaled, recorder, seed, on_solution, conflicts=limits.iterations)
-        proved = recorder.objective - recorder.bound <= scaled.tolerance
+        while True:
+            if recorder.routes is not None:
+                form.hint(in_order(instance, recorder.routes) if self.symmetry else recorder.routes)
+            beyond.clear()
+            ending = cpsat.search(form.model, scaled, recorder, seed, on_solution, conflicts=limits.iterations)
+            proved = recorder.objective - recorder.bound <= scaled.tolerance
+            if ending == "infeasible":
+                return recorder.infeasible()
+            if proved or ending == "limit" or recorder.remaining == 0:
+                break
+            for k, tour in sorted(beyond):
+                form.never(k, tour)
         limit = "time" if limits.iterations is None or recorder.remaining == 0 else "iterations"
         return recorder.result("proof" if proved else limit, proved=proved, tolerance=scaled.tolerance)
 
 
-class Form:
+class Form(ABC):
     """What both forms share: y, its symmetry and its hints."""
 
     def __init__(self, instance: Instance, scaled: ScaledCosts) -> None:
@@ -93,6 +111,14 @@ class Form:
         for before, k in neighbours(self.instance):
             for i in self.instance.tasks:
                 self.model.add_bool_or(~self.y[i, k], *(self.y[j, before] for j in range(i)))
+
+    def never(self, k: int, tour: Sequence[int]) -> None:
+        """Cut off this tour of UAV k: not all of its arcs at once."""
+        self.model.add_bool_or(~arc for arc in self.arcs(k, tour))
+
+    @abstractmethod
+    def arcs(self, k: int, tour: Sequence[int]) -> Iterable[cp_model.IntVar]:
+        """Return the literals of the arcs of UAV k's tour."""
 
     def hint_visits(self, routes: Routes) -> None:
         """Tell CP-SAT to try the assignment of `routes` first."""
@@ -133,22 +159,38 @@ class GiantCircuit(Form):
                         self.model.add_bool_or(~self.x[i, j], self.y[i, k], ~self.y[j, k])
 
     def _times(self) -> None:
-        T, D, cost = self.instance.tasks, self.instance.depots, self.scaled.cost
+        T, D, scaled = self.instance.tasks, self.instance.depots, self.scaled
         for i in T:
-            for j in T:
-                if i != j:
-                    self.model.add(self.t[j] >= self.t[i] + int(cost[i, j])).only_enforce_if(self.x[i, j])
-            for k in D:
+            for flown_by, cost in zip(self._of_class(i), scaled.costs, strict=True):
+                for j in T:
+                    if i != j:
+                        after = self.model.add(self.t[j] >= self.t[i] + int(cost[i, j]))
+                        after.only_enforce_if(self.x[i, j], *flown_by)
+            for uav, k in enumerate(D):
+                cost, limit = scaled.uav_cost(uav), int(scaled.limits[uav])
                 self.model.add(self.t[i] >= int(cost[k, i])).only_enforce_if(self.x[k, i])
                 home = self.x[i, self.following[k]]
                 self.model.add(self.z >= self.t[i] + int(cost[i, k])).only_enforce_if(home)
+                if limit < scaled.upper:
+                    self.model.add(self.t[i] + int(cost[i, k]) <= limit).only_enforce_if(home)
+
+    def _of_class(self, i: int) -> list[list[cp_model.IntVar]]:
+        """Return for each class of UAV the literals that hold where one of it visits task i: none for one class."""
+        n_classes, D = len(self.scaled.costs), self.instance.depots
+        if n_classes == 1:
+            return [[]]
+        literals = [[self.model.new_bool_var(f"u[{i},{g}]")] for g in range(n_classes)]
+        for g, (u,) in enumerate(literals):
+            self.model.add(sum(self.y[i, k] for k, of in zip(D, self.scaled.classes, strict=True) if of == g) == u)
+        return literals
 
     def _average(self) -> None:
         T, D, cost = self.instance.tasks, self.instance.depots, self.scaled.cost
         costs = {(i, j): int(cost[i, j]) for i in T for j in T if i != j}
         for i in T:
-            for k in D:
-                costs[k, i], costs[i, self.following[k]] = int(cost[k, i]), int(cost[i, k])
+            for uav, k in enumerate(D):
+                own = self.scaled.uav_cost(uav)
+                costs[k, i], costs[i, self.following[k]] = int(own[k, i]), int(own[i, k])
         total = cp_model.LinearExpr.weighted_sum([self.x[arc] for arc in costs], list(costs.values()))
         self.model.add(total <= len(D) * self.z)
 
@@ -162,10 +204,12 @@ class GiantCircuit(Form):
 
     def hint(self, routes: Routes) -> None:
         """Tell CP-SAT to try `routes` first."""
-        instance, cost = self.instance, self.scaled.cost
+        instance = self.instance
+        self.model.clear_hints()
         used = set()
         longest = 0
-        for k, route in zip(instance.depots, routes, strict=True):
+        for uav, (k, route) in enumerate(zip(instance.depots, routes, strict=True)):
+            cost = self.scaled.uav_cost(uav)
             used |= set(pairwise([k, *route, self.following[k]]))
             time, at = 0, k
             for i in route:
@@ -176,6 +220,10 @@ class GiantCircuit(Form):
             self.model.add_hint(x, arc in used)
         self.hint_visits(routes)
         self.model.add_hint(self.z, longest)
+
+    def arcs(self, k: int, tour: Sequence[int]) -> Iterable[cp_model.IntVar]:
+        """Return the literals of the arcs of UAV k's tour."""
+        return [self.x[arc] for arc in pairwise([k, *tour, self.following[k]])]
 
     def routes(self, value: Values) -> Routes:
         """Return the routes of a solution."""
@@ -208,8 +256,12 @@ class CircuitPerUav(Form):
             model.add_circuit([*((i, j, self.theta[i, j, k]) for i, j in arcs), *loops, (k, k, ~flies)])
             for i in T:  # else the circuit could leave the depot out
                 model.add_implication(self.y[i, k], flies)
-            costs = [int(scaled.cost[i, j]) for i, j in arcs]
-            model.add(cp_model.LinearExpr.weighted_sum([self.theta[i, j, k] for i, j in arcs], costs) <= self.z)
+            cost, limit = scaled.uav_cost(D.index(k)), int(scaled.limits[D.index(k)])
+            costs = [int(cost[i, j]) for i, j in arcs]
+            tour = cp_model.LinearExpr.weighted_sum([self.theta[i, j, k] for i, j in arcs], costs)
+            model.add(tour <= self.z)
+            if limit < scaled.upper:
+                model.add(tour <= limit)
         model.minimize(self.z)
 
     def break_symmetry(self) -> None:
@@ -220,10 +272,15 @@ class CircuitPerUav(Form):
 
     def hint(self, routes: Routes) -> None:
         """Tell CP-SAT to try `routes` first."""
+        self.model.clear_hints()
         used = used_arcs(self.instance, routes)
         for key, theta in self.theta.items():
             self.model.add_hint(theta, key in used)
         self.hint_visits(routes)
+
+    def arcs(self, k: int, tour: Sequence[int]) -> Iterable[cp_model.IntVar]:
+        """Return the literals of the arcs of UAV k's tour."""
+        return [self.theta[i, j, k] for i, j in pairwise([k, *tour, k])]
 
     def routes(self, value: Values) -> Routes:
         """Return the routes of a solution."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Literal
 
 from ortools.sat.python import cp_model
 
@@ -16,6 +17,10 @@ from formulations.routing.scaling import ScaledCosts
 
 Values = Callable[[cp_model.IntVar], int]
 """The value of a variable in a solution."""
+
+
+Ending = Literal["solved", "infeasible", "limit"]
+"""How a search ended: the integer model is solved to proof, it has no solution, or neither is known."""
 
 
 class _Watch(cp_model.CpSolverSolutionCallback):
@@ -37,12 +42,10 @@ def search(
     seed: int,
     on_solution: Callable[[Values], object],
     conflicts: int | None = None,
-) -> bool:
+) -> Ending:
     """Solve `model` in the time the recorder has left, streaming its bounds there and its solutions to `on_solution`.
 
-    Return whether the integer model is solved to proof.
-
-    Raises RuntimeError where CP-SAT refuses the model or calls it infeasible: it holds the incumbent, so it cannot be.
+    Raises RuntimeError where CP-SAT refuses the model or calls one infeasible that holds the incumbent.
     """
 
     def on_bound(bound: float) -> None:
@@ -57,9 +60,11 @@ def search(
         solver.parameters.max_number_of_conflicts = conflicts
     solver.best_bound_callback = on_bound
     status = solver.solve(model, _Watch(on_solution))
+    if status == cp_model.INFEASIBLE and recorder.routes is None:
+        return "infeasible"
     if status in (cp_model.MODEL_INVALID, cp_model.INFEASIBLE):
         raise RuntimeError(f"CP-SAT ended {solver.status_name(status)} on a model that has a solution")
     bound = solver.best_objective_bound
     if math.isfinite(bound):
         on_bound(bound)
-    return bool(status == cp_model.OPTIMAL)
+    return "solved" if status == cp_model.OPTIMAL else "limit"

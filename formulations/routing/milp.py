@@ -5,6 +5,9 @@ solve eqs. const1–const5 (``paper_model.py``); find the subtours of the soluti
 set S found and every UAV; solve again, from the last solution repaired; stop when there is none. Each round solves a
 relaxation, so its bound is a bound of the problem, and a solution without subtours is optimal.
 
+Where endurance is limited, a round may end with tours that are too long by less than the integers of CP-SAT can tell
+(``scaling.py``); each of them is cut off like a subtour.
+
 CP-SAT cannot add rows during a search, hence the rounds. What is not in the paper is an option, on by default where
 it helps (``strengthening.py``), so that a report can show what each is worth.
 """
@@ -17,12 +20,12 @@ from typing import ClassVar
 
 from formulations.routing import cpsat, strengthening
 from formulations.routing.cpsat import Values
-from formulations.routing.model_solver import ModelSolver
+from formulations.routing.model_solver import ModelSolver, cutoff, too_long
 from formulations.routing.paper_model import PaperModel, why_too_large
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import scale_costs
 from formulations.routing.solver import Result
-from formulations.routing.subtours import find_subtours, repair
+from formulations.routing.subtours import find_subtours, repair, walk
 from instances import Instance
 
 MOST_THETA = 60_000
@@ -43,6 +46,7 @@ class Milp(ModelSolver):
     """
 
     proves: ClassVar[bool] = True
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
     counters: ClassVar[tuple[str, ...]] = ("rounds", "cuts")
 
     depot_linked: bool = True
@@ -67,10 +71,11 @@ class _Rounds:
     def __init__(self, options: Milp, recorder: Recorder, seed: int) -> None:
         self.options, self.recorder, self.seed = options, recorder, seed
         self.instance = instance = recorder.instance
-        self.scaled = scale_costs(instance, recorder.objective)
+        self.scaled = scale_costs(instance, cutoff(recorder))
         self.paper = PaperModel(instance, self.scaled)
         self.cuts: set[tuple[int, ...]] = set()
         self.found: list[list[int]] = []
+        self.too_long: set[tuple[int, tuple[int, ...]]] = set()
         if options.two_cycles:
             self.add_cuts([[i, j] for i in instance.tasks for j in range(i)])
         if options.symmetry:
@@ -86,23 +91,29 @@ class _Rounds:
                 return self.result("time", rounds)
             if rounds == recorder.limits.iterations:
                 return self.result("iterations", rounds)
-            self.found = []
+            self.found, self.too_long = [], set()
             if self.options.hint and recorder.routes is not None:
                 strengthening.hint(self.paper, self.instance, recorder.routes)
-            solved = cpsat.search(self.paper.model, self.scaled, recorder, self.seed, self.on_solution)
+            ending = cpsat.search(self.paper.model, self.scaled, recorder, self.seed, self.on_solution)
             rounds += 1
             if recorder.objective - recorder.bound <= self.scaled.tolerance:
                 return self.result("proof", rounds)
-            if not solved:
+            if ending == "infeasible":
+                return recorder.infeasible(rounds=rounds, cuts=len(self.cuts))
+            if ending == "limit":
                 return self.result("time", rounds)
             self.add_cuts(self.found)
+            for k, tour in self.too_long:
+                self.paper.never(k, tour)
 
     def on_solution(self, value: Values) -> None:
-        """Offer the repaired routes of a solution and keep its subtours for the next round."""
+        """Offer the repaired routes of a solution; keep its subtours and tours too long for the next round."""
         theta, depots, n = self.paper.theta, self.instance.depots, self.instance.n_tasks
         arcs_of = [[(i, j) for i, j in self.paper.edges(k) if value(theta[i, j, k])] for k in depots]
         subtours = [S for k, arcs in zip(depots, arcs_of, strict=True) for S in find_subtours(arcs, k, n)]
         self.found = [*self.found, *subtours] if self.options.every_solution else subtours
+        tours = [tuple(walk(arcs, k)[1:]) for k, arcs in zip(depots, arcs_of, strict=True)]
+        self.too_long |= {(depots[k], tours[k]) for k in too_long(self.instance, tours)}
         self.recorder.incumbent(repair(self.instance, arcs_of))
 
     def add_cuts(self, sets: Sequence[Sequence[int]]) -> None:

@@ -1,18 +1,23 @@
 """What the solvers share that write a model for an engine: CP-SAT, SCIP, OR-Tools routing.
 
-Engines are given routes to beat: they cut off costs beyond them, scale by them and start from them.
+Engines are given routes to beat: they cut off costs beyond them, scale by them and start from them. Where no routes
+are known that the UAVs can fly, they are given a cost that none exceed.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from typing import Any, ClassVar
+
+import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.greedy import Greedy
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.solver import Result
 from instances import Instance
+from instances.routes import ENDURANCE_ROUNDING, past_endurance, tour_costs
 
 
 class ModelSolver(RecordedSolver):
@@ -41,4 +46,29 @@ class ModelSolver(RecordedSolver):
 
     @abstractmethod
     def improve(self, recorder: Recorder, seed: int) -> Result:
-        """Look for better routes than the recorder's, of cost > 0, and for bounds, in the time it has left."""
+        """Look for better routes than the recorder's, of cost > 0, if any, and for bounds, in the time it has left."""
+
+
+def cutoff(recorder: Recorder) -> float:
+    """Return the cost [s], > 0, of the routes to beat, or `worst_makespan` where there are none."""
+    return recorder.objective if recorder.routes is not None else worst_makespan(recorder.instance)
+
+
+def worst_makespan(instance: Instance) -> float:
+    """Return a cost [s], > 0, that no routes exceed which can be flown: what an engine starts from that knows none.
+
+    A UAV leaves every task and its depot at most once, at the cost of the dearest leg, and flies L_k at most.
+    """
+    n = instance.n_tasks
+    flown = np.where(np.isfinite(instance.class_costs), instance.class_costs, 0.0)
+    tours = flown[:, :n].max(axis=2).sum(axis=1) + flown[:, n:, :n].max(axis=(1, 2))
+    longest = np.minimum(tours[instance.classes], instance.limits).max()
+    return float(longest) * (1 + 2 * ENDURANCE_ROUNDING) or 1.0
+
+
+def too_long(instance: Instance, tours: Sequence[Sequence[int]]) -> list[int]:
+    """Return the UAVs (0..m−1) whose tour exceeds their endurance; `tours` may leave tasks out."""
+    if instance.endurance is None:
+        return []
+    beyond: list[int] = np.flatnonzero(past_endurance(instance, tour_costs(instance, tours))).tolist()
+    return beyond

@@ -17,11 +17,17 @@ and, for short, y_ik = θ_kik + Σ_j θ_jik, which is 1 where UAV k visits task 
 Two remarks. The paper lets |S| run to n − 1; |S| = n is needed too, or a cycle through all tasks and no depot passes
 const1–const5. A UAV never uses another one's depot, so θ_ijk with i or j in D \ {k} is not made, and neither is θ_iik,
 which the paper sets to zero.
+
+Where UAVs differ, costsum has the c_ijk of UAV k; const5 forbids legs it cannot fly, which are scaled to more than
+C_max can be. Where endurance is limited, there is one row more:
+
+    endurance   C_k ≤ L_k                                                   every k ∈ D
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from ortools.sat.python import cp_model
 from ortools.sat.python.cp_model import LinearExpr
@@ -71,8 +77,10 @@ class PaperModel:
             self.model.add(leaves <= 1)  # const3
         for leaves, returns in zip(out, back, strict=True):
             self.model.add(leaves - returns == 0)  # const4
-        for k in self.D:
+        for k, limit in zip(self.D, scaled.limits.tolist(), strict=True):
             self.model.add(self.costsum(k) <= self.C_max)  # const5
+            if limit < scaled.upper:
+                self.model.add(self.costsum(k) <= limit)  # endurance
 
     def edges(self, k: int) -> list[Arc]:
         """Return the arcs of E that UAV k can use."""
@@ -89,10 +97,8 @@ class PaperModel:
 
     def costsum(self, k: int) -> LinearExpr:
         """Eq. costsum: the scaled C_k."""
-        arcs = self.edges(k)
-        return LinearExpr.weighted_sum(
-            [self.theta[i, j, k] for i, j in arcs], [int(self.scaled.cost[i, j]) for i, j in arcs]
-        )
+        arcs, cost = self.edges(k), self.scaled.uav_cost(self.D.index(k))
+        return LinearExpr.weighted_sum([self.theta[i, j, k] for i, j in arcs], [int(cost[i, j]) for i, j in arcs])
 
     def const6(self, S: Sequence[int]) -> None:
         """Eq. const6 for the set S and every UAV: no subtour within S."""
@@ -108,6 +114,11 @@ class PaperModel:
         for k in self.D:
             for v in S:
                 self.model.add(self.within(S, k) <= LinearExpr.sum(*(self.y[i, k] for i in S if i != v)))
+
+    def never(self, k: int, tour: Sequence[int]) -> None:
+        """Cut off this tour of UAV k: not all of its arcs at once."""
+        arcs = list(pairwise([k, *tour, k]))
+        self.model.add(LinearExpr.sum(*(self.theta[i, j, k] for i, j in arcs)) <= len(arcs) - 1)
 
     def within(self, S: Sequence[int], k: int) -> LinearExpr:
         """Return Σ_{i∈S} Σ_{j∈S} θ_ijk."""

@@ -92,15 +92,17 @@ def shortest_ways(costs: Ints, n_tasks: int, k: int) -> tuple[Ints, Ints]:
 def reach(paper: PaperModel, instance: Instance) -> None:
     """Use the way out to a task and back, which its UAV flies in any case.
 
-    C_max ≥ Σ_k (out_ki + back_ik) y_ik for every task i; θ_ijk = 0 where out_ki + c_ij + back_jk > the incumbent.
+    C_max ≥ Σ_k (out_ki + back_ik) y_ik for every task i; θ_ijk = 0 where out_ki + c_ijk + back_jk > the incumbent or
+    the endurance.
     """
-    ways = {k: shortest_ways(paper.scaled.cost, instance.n_tasks, k) for k in instance.depots}
+    n, scaled = instance.n_tasks, paper.scaled
+    ways = {k: shortest_ways(scaled.uav_cost(k - n), n, k) for k in instance.depots}
     for i in instance.tasks:
         paper.model.add(sum(int(ways[k][0][i] + ways[k][1][i]) * paper.y[i, k] for k in paper.D) <= paper.C_max)
     for (i, j, k), theta in paper.theta.items():
         out, back = ways[k]
-        length = paper.scaled.cost[i, j] + (out[i] if i != k else 0) + (back[j] if j != k else 0)
-        if length > paper.scaled.upper:
+        length = scaled.uav_cost(k - n)[i, j] + (out[i] if i != k else 0) + (back[j] if j != k else 0)
+        if length > scaled.limits[k - n]:
             paper.model.add(theta == 0)
 
 
@@ -113,9 +115,11 @@ def hint(paper: PaperModel, instance: Instance, routes: Routes) -> None:
     visits = {(j, k) for _, j, k in used}
     for visit, y in paper.y.items():
         paper.model.add_hint(y, visit in visits)
-    costs = paper.scaled.cost
-    tours = [sum(int(costs[i, j]) for i, j, of in used if of == k) for k in instance.depots]
-    paper.model.add_hint(paper.C_max, min(max(tours), paper.scaled.upper))
+    costs = {k: paper.scaled.uav_cost(k - instance.n_tasks) for k in instance.depots}
+    tours = dict.fromkeys(instance.depots, 0)
+    for i, j, k in used:
+        tours[k] += int(costs[k][i, j])
+    paper.model.add_hint(paper.C_max, min(max(tours.values()), paper.scaled.upper))
 
 
 def used_arcs(instance: Instance, routes: Sequence[Sequence[int]]) -> set[tuple[int, int, int]]:

@@ -51,16 +51,18 @@ def repair(instance: Instance, arcs_of: Sequence[Sequence[Arc]]) -> Routes:
     arcs_of : the used arcs of each UAV, in depot order; every task is entered and left once over all of them.
 
     The subtours go in from the longest down, each opened at the arc, and put into the tour and place, that leave the
-    shortest tour of the UAV that takes it.
+    shortest tour of the UAV that takes it, within its endurance if one can take it. Routes that no UAV can fly may
+    come of it where UAVs differ.
     """
-    cost, n = instance.cost, instance.n_tasks
+    n, limits = instance.n_tasks, instance.limits
+    costs = [instance.uav_cost(k) for k in range(instance.n_depots)]
     tours = [walk(arcs, n + k)[1:] for k, arcs in enumerate(arcs_of)]
     cycles = [walk(arcs, S[0]) for k, arcs in enumerate(arcs_of) for S in find_subtours(arcs, n + k, n)]
-    lengths = np.array([_length(cost, [n + k, *tour]) for k, tour in enumerate(tours)])
+    lengths = np.array([_length(costs[k], [n + k, *tour]) for k, tour in enumerate(tours)])
     for cycle in sorted(cycles, key=len, reverse=True):
         k, place, opening, lengths[k] = min(
-            (_best_splice(cost, [n + k, *tour], cycle, lengths[k], k) for k, tour in enumerate(tours)),
-            key=lambda choice: choice[3],
+            (_best_splice(costs[k], [n + k, *tour], cycle, lengths[k], k) for k, tour in enumerate(tours)),
+            key=lambda choice: (choice[3] > limits[choice[0]], choice[3]),
         )
         tours[k][place:place] = cycle[opening:] + cycle[:opening]
     return as_routes(tours)
@@ -75,6 +77,9 @@ def _best_splice(
     cost: Floats, tour: Sequence[int], cycle: Sequence[int], length: float, k: int
 ) -> tuple[int, int, int, float]:
     """Return (k, place, opening, length of the tour) of the best splice of `cycle` into `tour` (its depot first)."""
+    inner = _length(cost, cycle)
+    if np.isinf(length + inner):  # UAV k cannot fly the tour or the cycle, so differences have no meaning
+        return k, 0, 0, np.inf
     a = np.array(tour)
     b = np.roll(a, -1)
     first = np.array(cycle)
@@ -82,5 +87,4 @@ def _best_splice(
     # a UAV at home is the tour (depot), whose arc depot → depot costs 0 (the diagonal)
     extra = cost[np.ix_(a, first)] + cost[np.ix_(last, b)].T - cost[a, b][:, None] - cost[last, first][None, :]
     place, opening = np.unravel_index(int(np.argmin(extra)), extra.shape)
-    inner = _length(cost, cycle)
     return k, int(place), int(opening), length + inner + float(extra[place, opening])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from formulations.limits import Limits
 from formulations.routing.registry import SOLVERS, make_solver
 from formulations.routing.solver import ABLE, Status, refusal
-from instances import Instance, Routes, Travel
+from instances import Instance, Routes, Travel, check_routes, tour_costs
 from instances.arrays import Floats
 
 Oracle = Callable[[Instance], tuple[float, Routes]]
@@ -67,6 +68,27 @@ def test_known_values(name: str, case: str) -> None:
     else:
         assert result.status is Status.OPTIMAL
         assert result.objective == pytest.approx(optimum, abs=1e-6)
+
+
+@pytest.mark.parametrize("share", [1 - 3e-7, 1 - 1e-8, 1 - 5e-10, 1.0])
+@pytest.mark.parametrize("name", EXACT)
+def test_endurance_is_exact_at_the_boundary(
+    windy: Callable[..., Instance], held_karp: Oracle, name: str, share: float
+) -> None:
+    """Optimal tours stay if they just fit; a hair less, finer than what an engine works in, forbids them."""
+    solver, base = make_solver(name), windy(6, 2, 1)
+    lengths = tour_costs(base, held_karp(base)[1])
+    instance = replace(base, endurance=np.maximum(lengths, 1.0) * share)
+    if reason := refusal(solver, instance):
+        pytest.skip(reason)
+    optimum, _ = held_karp(instance)
+    assert np.isinf(optimum) == (share < 1 - 1e-9), "all other routes are longer"
+    result = solver.solve(instance, limits=Limits(time=60))
+    assert result.status is (Status.INFEASIBLE if np.isinf(optimum) else Status.OPTIMAL)
+    loose = replace(base, endurance=[lengths[0] * share, np.inf])
+    result, (optimum, _) = solver.solve(loose, limits=Limits(time=60)), held_karp(loose)
+    assert result.objective == pytest.approx(optimum, abs=result.tolerance)
+    assert check_routes(loose, result.routes or ()) == []
 
 
 def test_who_lacks_an_axis_says_who_has_it() -> None:

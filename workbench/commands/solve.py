@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 @click.option("--iterations", type=ITERATIONS, help="Limit on the method's own iterations.")
 @click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the solver; repeatable.")
 @click.option("--start", type=click.Path(path_type=Path), help="Routes (.sol) to begin from.")
+@click.option("--fewest", is_flag=True, help="How many UAVs does a makespan of --limit take? With proof.")
+@click.option("--limit", type=SECONDS, help="The makespan [s] for --fewest.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 @click.option("--out", type=click.Path(path_type=Path), help="Write the routes (.sol).")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw the routes (.svg).")
@@ -40,11 +42,17 @@ def command(
     iterations: int | None,
     options: tuple[str, ...],
     start: Path | None,
+    fewest: bool,
+    limit: float | None,
     as_json: bool,
     out: Path | None,
     plot: Path | None,
 ) -> None:
-    """Solve INSTANCE. Exit code 1 where that ends without routes, by a crash or by a kill."""
+    """Solve INSTANCE. Exit code 1 where that ends without routes, by a crash or by a kill.
+
+    With --fewest: find the fewest UAVs that fly all tasks within --limit, and which.
+    """
+    from instances.errors import InputError
     from instances.files import read_instance, read_routes, write_routes
     from instances.paths import paths_file, read_paths
     from workbench.jobs.job import Job, folder_of
@@ -53,6 +61,8 @@ def command(
     from workbench.problems.routing import ROUTING
     from workbench.settings import check_target, key_values
 
+    if fewest == (limit is None) or (fewest and (start or plot)):
+        raise InputError("--fewest needs --limit, --limit goes with --fewest alone, and --start and --plot do not")
     chosen = key_values(options, "--option")
     limits = {"time_limits": (time_limit,), "threads": threads, "iterations": iterations}
     entry = checked_entry(ROUTING, solver, chosen, seeds=(seed,), **limits)
@@ -60,6 +70,13 @@ def command(
     begin = read_routes(start, instance) if start else None
     for path, endings in ((out, (".sol",)), (plot, (".svg",))):
         check_target(path, endings)
+    if limit is not None:
+        from formulations.limits import Limits
+        from workbench.commands.solve_fewest import run_fewest
+
+        within, method = Limits(time_limit, threads, iterations), (solver, entry.options)
+        found = run_fewest(instance, limit, method, within, seed, as_json=as_json, out=out)
+        context.exit(0 if found else 1)
     beside = paths_file(instance_file)
     paths = read_paths(beside, instance) if plot and beside.exists() else None
     job = Job(folder_of(instance), solver, entry.options, seed, time_limit, threads, iterations)

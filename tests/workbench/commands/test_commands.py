@@ -11,7 +11,7 @@ import sys
 import numpy as np
 import pytest
 
-from instances import Instance, makespan
+from instances import Instance, makespan, tour_costs
 from instances.files import read_instance, read_routes, write_instance, write_routes
 from workbench.cli import main
 
@@ -55,6 +55,21 @@ def test_solve_without_json_is_for_people(cli, instance_file):
     assert code == 0
     assert out.startswith("FEASIBLE: longest tour")
     assert "UAV 1:" in out
+
+
+def test_solve_counts_the_uavs_that_a_makespan_takes(cli, instance, instance_file, tmp_path):
+    alone = [float(tour_costs(instance, routes).max()) for routes in (((0, 1, 2, 3), ()), ((), (3, 2, 1, 0)))]
+    args = ["solve", instance_file, "--fewest", "--solver", "subset-dp", "--limit"]
+    code, out, err = cli(*args, max(alone), "--json", "--out", "few.sol")
+    found = json.loads(out)
+    assert (code, found["status"], found["fewest"], found["at_least"]) == (0, "OPTIMAL", 1, 1)
+    assert len(found["uavs"]) == 1
+    assert "suffice" in err
+    assert cli("check", instance_file, "few.sol")[0] == 0
+    assert "UAVs can fly all tasks within" in cli(*args, max(alone))[1]
+    code, out, _ = cli(*args, 1e-3)
+    assert (code, out.startswith("INFEASIBLE: not even all UAVs")) == (1, True)
+    assert "--fewest needs --limit" in cli("solve", instance_file, "--fewest")[2]
 
 
 def test_a_failed_solve_is_a_problem(cli, instance_file, tmp_path):

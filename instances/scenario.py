@@ -2,10 +2,12 @@
 
     name = "survey"                       # optional: the file's name if left out
     airspeed = 100.0                      # v0 [m/s]
-    size = [20000, 20000]                 # [m], or region = "area.geojson"
+    size = [20000, 20000]                 # [m], or region = "area.kml": see instances.places
     no_fly = "zones.geojson"              # optional, any number of polygons
-    depots = [[x, y], ...]                # [m], one UAV at each
-    tasks = [[x, y], ...]                 # [m], or tasks = 40: that many are still to be placed
+    depots = [[x, y], ...]                # [m], one UAV at each; or degrees, or a file of points
+    tasks = [[x, y], ...]                 # likewise, or tasks = 40: that many are still to be placed
+    crs = "EPSG:4326"                     # optional: what lists, and files that state nothing, are in
+    origin = [lat, lon]                   # optional: of the point (0, 0)
     terrain = "dem.tif"                   # optional
     [wind]                                # optional; see instances.environment.wind
     kind = "uniform"
@@ -28,16 +30,21 @@ from numpy.typing import ArrayLike
 from shapely.geometry import MultiPolygon, Polygon, mapping
 
 from instances.arrays import Floats
-from instances.disk import read_json, read_toml, write_aside
-from instances.environment.region import Region, polygons
+from instances.disk import read_toml, write_aside
+from instances.environment.region import Region
+from instances.environment.site import Site
 from instances.environment.wind import WindField
 from instances.environment.wind_table import wind_from_toml
 from instances.errors import InputError, naming, shown, suggestion
 from instances.extent import positive
+from instances.geodesy import TangentPlane
+from instances.georeference import LOCAL, Georeference, could_be_degrees
 from instances.instance import check_name
+from instances.places import KEYS as PLACE_KEYS
+from instances.places import file_name, local_pair, read_places
 from instances.toml_text import toml_text
 
-KEYS = ("name", "airspeed", "size", "region", "no_fly", "depots", "tasks", "terrain", "wind", "radio", "provenance")
+KEYS = ("name", "airspeed", *PLACE_KEYS, "terrain", "wind", "radio", "provenance")
 """Every key of a scenario file."""
 
 
@@ -56,6 +63,7 @@ class Scenario:
     terrain : file of the elevation model, or None.
     radio : the table that describes the radio source, or None.
     provenance : where it comes from.
+    plane : where on Earth the local plane is, or None.
 
     Raises InputError with one sentence that names the field and the value.
     """
@@ -71,6 +79,7 @@ class Scenario:
     terrain: Path | None = None
     radio: Mapping[str, Any] | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    plane: TangentPlane | None = None
 
     def __post_init__(self) -> None:
         check_name(self.name)
@@ -116,6 +125,11 @@ class Scenario:
                 )
 
     @property
+    def site(self) -> Site:
+        """Where files of terrain, wind and fields are read for."""
+        return Site(self.region, self.plane)
+
+    @property
     def points(self) -> Floats:
         """Tasks, then depots, (n+m, 2) [m]: the instance's coordinates; InputError where tasks are not placed."""
         if self.tasks is None:
@@ -123,11 +137,14 @@ class Scenario:
         return np.concatenate([self.tasks, self.depots])
 
 
-def read_scenario(path: Path | str) -> Scenario:
-    """Read a scenario file; InputError names the file, the key and the value that cannot be used."""
+def read_scenario(path: Path | str, more: Mapping[str, Any] | None = None) -> Scenario:
+    """Read a scenario file, and `more` keys of it; InputError names the file, the key and what cannot be used."""
     path = Path(path)
     table = read_toml(path)
     with naming(path):
+        for key, value in (more or {}).items():
+            if table.setdefault(key, value) != value:
+                raise InputError(f"{key} is {shown(table[key])} here and {shown(value)} in the mission")
         return scenario_of(table, path.parent, path.stem)
 
 
@@ -142,22 +159,32 @@ def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
     for key in ("wind", "radio", "provenance"):
         if not isinstance(table.get(key, {}), dict):
             raise InputError(f"[{key}] must be a table, got {shown(table[key])}")
-    tasks = table["tasks"]
+    places = read_places(table, folder)
+    tasks = places.tasks
     count = tasks if isinstance(tasks, int) and not isinstance(tasks, bool) else None
-    zones = _file(table, "no_fly", folder)
+    site = Site(places.region, places.reference.plane)
     return Scenario(
         name=table.get("name", name),
-        region=_region(table, folder),
-        depots=table["depots"],
+        region=places.region,
+        depots=places.depots,
         airspeed=table["airspeed"],
-        wind=wind_from_toml(table["wind"], folder) if "wind" in table else None,
+        wind=wind_from_toml(table["wind"], folder, site) if "wind" in table else None,
         tasks=tasks if count is None else None,
         n_tasks=count or 0,
-        no_fly=_read_polygons(zones) if zones else (),
-        terrain=_file(table, "terrain", folder),
-        radio=table.get("radio"),
+        no_fly=places.no_fly,
+        terrain=folder / file_name(table, "terrain") if "terrain" in table else None,
+        radio=_radio(table, places.reference),
         provenance=table.get("provenance", {}),
+        plane=site.plane,
     )
+
+
+def _radio(table: Mapping[str, Any], reference: Georeference) -> Mapping[str, Any] | None:
+    """Return the table [radio], its position in the plane."""
+    radio = table.get("radio")
+    if not radio or "position" not in radio:
+        return radio
+    return {**radio, "position": local_pair(radio["position"], "radio.position", reference)}
 
 
 def write_scenario(scenario: Scenario, path: Path | str) -> None:
@@ -174,6 +201,10 @@ def write_scenario(scenario: Scenario, path: Path | str) -> None:
         table["no_fly"] = f"{path.stem}-no-fly.geojson"
         zones = {"type": "Feature", "properties": {}, "geometry": mapping(MultiPolygon(list(scenario.no_fly)))}
         write_aside(path.with_name(table["no_fly"]), json.dumps(zones))
+    if scenario.plane is not None:
+        table |= {"origin": [scenario.plane.latitude, scenario.plane.longitude], "crs": LOCAL}
+    elif could_be_degrees(scenario.region.polygon):
+        table["crs"] = LOCAL
     table["depots"] = scenario.depots.tolist()
     table["tasks"] = scenario.n_tasks if scenario.tasks is None else scenario.tasks.tolist()
     if scenario.terrain is not None:
@@ -184,35 +215,6 @@ def write_scenario(scenario: Scenario, path: Path | str) -> None:
         if value:
             table[key] = dict(value)
     write_aside(path, toml_text(table))
-
-
-def _region(table: Mapping[str, Any], folder: Path) -> Region:
-    if "size" in table and "region" in table:
-        raise InputError("either 'size' or 'region' must be given, not both")
-    if "size" not in table and "region" not in table:
-        raise InputError("the key 'size' or 'region' is missing")
-    file = _file(table, "region", folder)
-    if file:
-        return Region.read(file)
-    size = table["size"]
-    if not isinstance(size, list) or len(size) != 2:
-        raise InputError(f"size must be two positive numbers [m], got {shown(size)}")
-    return Region.rectangle(positive(size[0], "size[0] [m]"), positive(size[1], "size[1] [m]"))
-
-
-def _file(table: Mapping[str, Any], key: str, folder: Path) -> Path | None:
-    if key not in table:
-        return None
-    value = table[key]
-    if not isinstance(value, str) or not value:
-        raise InputError(f"{key} must be the name of a file, got {shown(value)}")
-    return folder / value
-
-
-def _read_polygons(path: Path) -> list[Polygon]:
-    with naming(path):
-        zones = polygons(read_json(path))
-        return [Region(zone).polygon for zone in zones]  # each must be valid
 
 
 def _points(value: ArrayLike, label: str, region: Region) -> Floats:

@@ -17,6 +17,7 @@ from instances.environment.terrain import Terrain
 from instances.environment.wind_grid import Grid
 from instances.errors import InputError, naming
 from instances.formats.netcdf import Variable, read_grids, write_grids
+from instances.geodesy import TangentPlane
 from instances.scenario import Scenario, scenario_of, write_scenario
 from instances.toml_text import toml_text
 
@@ -37,7 +38,7 @@ def keep_scenario(scenario: Scenario, folder: Path) -> None:
             name: Variable(("y", "x"), values, {"units": "m s-1", "standard_name": standard})
             for name, values, standard in (("u", grid.u, "x_wind"), ("v", grid.v, "y_wind"))
         }
-        write_grids(folder / "wind.nc", {"x": x, "y": y}, components)
+        write_grids(folder / "wind.nc", {"x": x, "y": y}, components, scenario.plane)
         table["wind"] = {"kind": "grid", "file": "wind.nc"}
     write_aside(path, toml_text(table))
 
@@ -58,11 +59,11 @@ def kept_scenario(folder: Path) -> Scenario:
     return replace(scenario, wind=grid)
 
 
-def keep_terrain(terrain: Terrain, folder: Path) -> None:
-    """Write ``terrain.nc`` into `folder`."""
+def keep_terrain(terrain: Terrain, folder: Path, plane: TangentPlane | None = None) -> None:
+    """Write ``terrain.nc`` into `folder`. plane : where on Earth it is, if known."""
     x, y = node_axes(terrain.origin, terrain.spacing, terrain.height.shape)
     height = Variable(("y", "x"), terrain.height, {"units": "m", "standard_name": "surface_altitude"})
-    write_grids(folder / "terrain.nc", {"x": x, "y": y}, {"height": height})
+    write_grids(folder / "terrain.nc", {"x": x, "y": y}, {"height": height}, plane)
 
 
 def kept_terrain(folder: Path) -> Terrain | None:
@@ -74,10 +75,10 @@ def kept_terrain(folder: Path) -> Terrain | None:
         return Terrain(*_origin_spacing(axes), values["height"].values, "terrain.nc")
 
 
-def keep_field(field: RadioMap, folder: Path) -> None:
-    """Write ``field.nc`` into `folder`."""
+def keep_field(field: RadioMap, folder: Path, plane: TangentPlane | None = None) -> None:
+    """Write ``field.nc`` into `folder`. plane : where on Earth it is, if known."""
     values = Variable(("y", "x"), field.values, {"long_name": "field", "units": field.unit or "1"})
-    write_grids(folder / "field.nc", {"x": field.x, "y": field.y}, {"field": values})
+    write_grids(folder / "field.nc", {"x": field.x, "y": field.y}, {"field": values}, plane)
 
 
 def kept_field(folder: Path) -> RadioMap:

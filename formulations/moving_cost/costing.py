@@ -35,7 +35,7 @@ def query_of(scenario: Scenario) -> Query:
                 f"scenario {scenario.name}: the wind covers ({a0:g}, {b0:g}) to ({a1:g}, {b1:g}) m and not all of the "
                 f"region, ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m: are both in the same projection and unit?"
             )
-    if scenario.terrain is not None and (crs := getattr(wind, "crs", "")):
+    if scenario.plane is None and scenario.terrain is not None and (crs := getattr(wind, "crs", "")):
         same_projection(read_terrain(scenario.terrain).crs, crs, f"scenario {scenario.name}: terrain and wind")
     return Query(scenario.points, region, wind, scenario.airspeed)
 

@@ -1,6 +1,7 @@
 """Files of a RadioMap, or of any scalar field a user wants mapped: CSV, NetCDF and GeoTIFF.
 
-CSV: a header ``x,y,<name>`` and a line a grid node, in metres and the field's unit, in any order.
+CSV: a header ``x,y,<unit>`` and a line a grid node, in metres and the field's unit, in any order; or ``lon,lat,<unit>``
+in degrees.
 """
 
 from __future__ import annotations
@@ -10,20 +11,32 @@ from pathlib import Path
 
 import numpy as np
 
+from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.environment.radio import RadioMap
-from instances.environment.raster import node_axes, nodes_and_values, open_netcdf, read_geotiff, write_netcdf
+from instances.environment.raster import Raster, netcdf_raster, node_axes, open_netcdf, read_geotiff, write_netcdf
+from instances.environment.site import Site, check_metres
 from instances.errors import InputError, naming, shown
+from instances.geodesy import WGS84
 
 
-def read_field(path: Path | str) -> RadioMap:
-    """Read a field by the ending of its name: .csv, .nc or .tif; InputError names the file and what is wrong."""
+def read_field(path: Path | str, site: Site | None = None, unit: str | None = None) -> RadioMap:
+    """Read a field by the ending of its name: .csv, .nc or .tif; InputError names the file and what is wrong.
+
+    site : where it is brought to. unit : of the values, what the file says unless given.
+    """
     path = Path(path)
-    readers = {".csv": _read_csv, ".nc": _read_netcdf, ".tif": _read_geotiff, ".tiff": _read_geotiff}
+    readers = {".csv": _read_csv, ".nc": _read_netcdf, ".tif": read_geotiff, ".tiff": read_geotiff}
     if path.suffix.lower() not in readers:
         raise InputError(f"{path}: a field file must be CSV (.csv), NetCDF (.nc) or GeoTIFF (.tif)")
     with naming(path):
-        return readers[path.suffix.lower()](path)
+        raster = readers[path.suffix.lower()](path)
+        if site is not None:
+            raster = site.local(raster, path)
+        else:
+            check_metres(raster.crs)
+        axes = node_axes(raster.origin, raster.spacing, raster.values.shape)
+        return RadioMap(*axes, raster.values, raster.unit if unit is None else unit)
 
 
 def write_field(field: RadioMap, path: Path | str) -> None:
@@ -47,10 +60,11 @@ def _csv(field: RadioMap) -> str:
     return out.getvalue()
 
 
-def _read_csv(path: Path) -> RadioMap:
+def _read_csv(path: Path) -> Raster:
     lines = read_text(path).splitlines()
-    head = [name.strip().lower() for name in lines[0].split(",")] if lines else []
-    if len(head) != 3 or head[:2] != ["x", "y"]:
+    head = [name.strip() for name in lines[0].split(",")] if lines else []
+    degrees = [name.lower() for name in head[:2]] == ["lon", "lat"]
+    if len(head) != 3 or not (degrees or [name.lower() for name in head[:2]] == ["x", "y"]):
         raise InputError(f"{path}: the first line must be 'x,y,<unit>', got {shown(lines[0] if lines else '')}")
     rows = np.array([_three(line, number, path) for number, line in enumerate(lines[1:], 2) if line.strip()])
     if not len(rows):
@@ -60,7 +74,16 @@ def _read_csv(path: Path) -> RadioMap:
         raise InputError(f"{path}: {len(x)} × {len(y)} grid nodes need {len(x) * len(y)} lines, got {len(rows)}")
     values = np.full((len(y), len(x)), np.nan)
     values[j, i] = rows[:, 2]
-    return RadioMap(x, y, values, lines[0].split(",")[2].strip())
+    spacing = [_spacing(axis, name) for axis, name in ((x, head[0]), (y, head[1]))]
+    return Raster((float(x[0]), float(y[0])), (spacing[0], spacing[1]), values, WGS84 if degrees else "", head[2])
+
+
+def _spacing(axis: Floats, name: str) -> float:
+    """Return the distance between nodes; InputError where it varies."""
+    step = np.diff(axis)
+    if len(step) == 0 or not np.allclose(step, step[0], rtol=1e-3):
+        raise InputError(f"field: {name} must be equally spaced, at least 2 values")
+    return float((axis[-1] - axis[0]) / (len(axis) - 1))
 
 
 def _three(line: str, number: int, path: Path) -> list[float]:
@@ -73,16 +96,10 @@ def _three(line: str, number: int, path: Path) -> list[float]:
     return [x, y, value]
 
 
-def _read_geotiff(path: Path) -> RadioMap:
-    raster = read_geotiff(path)
-    return RadioMap(*node_axes(raster.origin, raster.spacing, raster.values.shape), raster.values)
-
-
-def _read_netcdf(path: Path) -> RadioMap:
+def _read_netcdf(path: Path) -> Raster:
     with open_netcdf(path) as data:
         flat = [v for v in data.data_vars.values() if v.squeeze(drop=True).ndim == 2]
         if len(flat) != 1:
             have = ", ".join(f"'{name}'" for name in data.data_vars) or "none"
             raise InputError(f"{path}: must hold one variable of two dimensions, it has {have}")
-        v = flat[0].squeeze(drop=True)
-        return RadioMap(*nodes_and_values(v, path), str(v.attrs.get("units", "")))
+        return netcdf_raster(data, flat[0].squeeze(drop=True), path)

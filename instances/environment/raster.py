@@ -1,7 +1,6 @@
 """Rasters, what wind, terrain and fields share: their nodes, ESRI ASCII grids, GeoTIFF, NetCDF, map projections.
 
-Everything downstream works in metres of one map projection, so a raster in degrees, or in another projection
-than its neighbours, is refused rather than guessed at.
+What they hold stays in the coordinates of the file here; `instances.environment.site` brings it to where it is used.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ from instances.disk import check_file, read_bytes, read_text, write_aside
 from instances.documents import most_opened
 from instances.errors import InputError, shown
 from instances.extent import FINEST, LARGEST, check_positions
+from instances.geodesy import WGS84, mapped_crs
 
 if TYPE_CHECKING:
     import xarray
@@ -33,15 +33,17 @@ DEGREES = ("degrees_east", "degrees_north", "degree", "degrees", "degree_east", 
 
 @dataclass(frozen=True, eq=False)
 class Raster:
-    """Values on an equally spaced grid in metres of a map projection.
+    """Values on an equally spaced grid in the coordinates of its reference system.
 
-    origin : node (0, 0) [m]; spacing (dx, dy) [m]; values (rows, columns), rows going north, NaN for no data.
+    origin : node (0, 0); spacing (dx, dy); values (rows, columns), rows going north, NaN for no data.
+    crs : reference system, "" where the file states none. unit : of the values, "" where the file states none.
     """
 
     origin: tuple[float, float]
     spacing: tuple[float, float]
     values: Floats
     crs: str
+    unit: str = ""
 
 
 def node_axes(
@@ -114,8 +116,6 @@ def read_ascii_grid(path: Path) -> Raster:
     x, y = (head.get(f"{axis}llcenter", head.get(f"{axis}llcorner", 0.0) + cell / 2) for axis in "xy")
     prj = path.with_suffix(".prj")
     crs = read_text(prj).strip() if prj.exists() else ""
-    if crs.startswith("GEOGCS"):
-        raise InputError(f"{path}: the grid is in degrees ({prj.name}); project it to metres first")
     return Raster((x, y), (cell, cell), values, crs)
 
 
@@ -171,8 +171,11 @@ def _check_opened(what: str, size: int, shape: tuple[int, ...]) -> None:
         raise InputError(f"{what} is of shape {shape}, which is more than a file of {size:,} bytes can hold")
 
 
-def coordinate(field: xarray.DataArray, axis: str, path: Path) -> xarray.DataArray:
-    """Return the one-dimensional coordinate of `field` along `axis` ("x" or "y"), equally spaced and in metres."""
+def coordinate(field: xarray.DataArray, axis: str, path: Path) -> tuple[xarray.DataArray, bool]:
+    """Return the one-dimensional coordinate of `field` along `axis` ("x" or "y"), equally spaced in metres or degrees.
+
+    With it, whether it is in degrees.
+    """
     dims = {"x": ("x", "lon", "longitude", "easting"), "y": ("y", "lat", "latitude", "northing")}[axis]
     for name in field.dims:
         found = field.coords.get(name)
@@ -180,30 +183,34 @@ def coordinate(field: xarray.DataArray, axis: str, path: Path) -> xarray.DataArr
             continue
         standard = found.attrs.get("standard_name", "")
         if (
-            standard != f"projection_{axis}_coordinate"
+            standard not in (f"projection_{axis}_coordinate", dims[2])
             and found.attrs.get("axis", "").lower() != axis
             and name not in dims
         ):
             continue
         unit = str(found.attrs.get("units", "m"))
-        if unit in DEGREES or name in dims[1:3]:
-            raise InputError(f"{path}: coordinate '{name}' is in degrees; project the grid to metres first")
-        if unit not in METRES:
+        degrees = unit in DEGREES or name in dims[1:3]
+        if not degrees and unit not in METRES:
             raise InputError(f"{path}: coordinate '{name}' must be in metres, its units are '{unit}'")
         step = np.diff(found.values.astype(float))
         if len(step) == 0 or not np.allclose(step, step[0], rtol=1e-3) or step[0] == 0:
             raise InputError(f"{path}: coordinate '{name}' must be equally spaced, at least 2 values")
-        return found
+        return found, degrees
     raise InputError(
         f"{path}: variable '{field.name}' has no {axis} coordinate (its dimensions: {', '.join(map(str, field.dims))})"
     )
 
 
-def nodes_and_values(field: xarray.DataArray, path: Path) -> tuple[Floats, Floats, Floats]:
-    """Return x and y [m] of the nodes of a two-dimensional `field`, both rising, and its values (rows, columns)."""
-    x, y = coordinate(field, "x", path), coordinate(field, "y", path)
+def netcdf_raster(data: xarray.Dataset, field: xarray.DataArray, path: Path) -> Raster:
+    """Return a two-dimensional `field` of the file `data` with its reference system and its units."""
+    (x, x_degrees), (y, y_degrees) = coordinate(field, "x", path), coordinate(field, "y", path)
+    if x_degrees != y_degrees:
+        raise InputError(f"{path}: one of the coordinates '{x.name}' and '{y.name}' is in degrees, the other is not")
     field = field.sortby([x.name, y.name]).transpose(y.dims[0], x.dims[0])
-    return np.sort(x.values.astype(float)), np.sort(y.values.astype(float)), field.values
+    (x0, x1), (y0, y1) = ((float(axis.min()), float(axis.max())) for axis in (x, y))
+    spacing = ((x1 - x0) / (x.size - 1), (y1 - y0) / (y.size - 1))
+    crs = projection(data, field) or (WGS84 if x_degrees else "")
+    return Raster((x0, y0), spacing, field.values.astype(np.float64), crs, str(field.attrs.get("units", "")))
 
 
 def write_netcdf(
@@ -232,9 +239,8 @@ def projection(data: xarray.Dataset, field: xarray.DataArray) -> str:
     mapping = field.attrs.get("grid_mapping", field.encoding.get("grid_mapping"))
     if mapping in data:
         attributes = data[mapping].attrs
-        return str(
-            attributes.get("crs_wkt") or attributes.get("spatial_ref") or attributes.get("grid_mapping_name", "")
-        )
+        said = attributes.get("crs_wkt") or attributes.get("spatial_ref") or mapped_crs(attributes)
+        return str(said or attributes.get("grid_mapping_name", ""))
     return str(data.attrs.get("crs", ""))
 
 
@@ -252,18 +258,14 @@ def read_geotiff(path: Path) -> Raster:
         with rasterio.open(path, driver="GTiff") as data:  # GDAL would follow a virtual raster to other files
             _check_opened(str(path), size, data.shape)
             band = data.read(1, masked=True).astype(np.float64).filled(np.nan)
-            transform, crs = data.transform, data.crs
+            transform, crs, unit = data.transform, data.crs, data.units[0]
     except InputError:
         raise
     except Exception as error:  # damaged files meet the library anywhere, and it raises anything
         raise InputError(f"{path}: cannot be read as GeoTIFF ({error})") from None
-    if crs is not None and crs.is_geographic:
-        raise InputError(f"{path}: the raster is in degrees ({crs}); project it to metres first")
-    if crs is not None and crs.linear_units.lower() not in METRES:
-        raise InputError(f"{path}: the raster's coordinates are in {crs.linear_units}, not in metres")
     if transform.b or transform.d or transform.a <= 0 or transform.e >= 0:
         raise InputError(f"{path}: the raster must be north up, its transform is {tuple(transform)[:6]}")
     dx, dy = transform.a, -transform.e
     # Pixels are areas: the first node is the centre of the lower left one.
     origin = (transform.c + dx / 2, transform.f - dy * (band.shape[0] - 0.5))
-    return Raster(origin, (dx, dy), band[::-1], "" if crs is None else crs.to_wkt())
+    return Raster(origin, (dx, dy), band[::-1], "" if crs is None else crs.to_wkt(), unit or "")

@@ -1,12 +1,13 @@
 """Region: the bounded, possibly non-convex area A that is surveyed, with holes (no-fly zones).
 
-Coordinates are metres in a local plane, x east and y north. Files are GeoJSON: a Polygon (or a Feature or
-FeatureCollection holding one), its coordinates read as local metres.
+Coordinates are metres in a local plane, x east and y north. Files of regions in degrees and in map projections are read
+by `instances.places`.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,14 +16,15 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
-from shapely.geometry import Polygon, mapping, shape
+from shapely.geometry import Polygon, mapping
 from shapely.ops import nearest_points
 from shapely.validation import explain_validity
 
 from instances.arrays import Bools, Floats
 from instances.disk import read_json, write_aside
-from instances.errors import InputError, naming, shown
+from instances.errors import InputError, naming
 from instances.extent import check_positions
+from instances.formats.geojson import parts_of
 
 LEAST_SHARE = 1e-6
 """Of its bounding box that a region must fill for points to be drawn in it: one try in a million succeeds."""
@@ -53,7 +55,7 @@ class Region:
 
     @classmethod
     def read(cls, path: Path | str) -> Region:
-        """Read a GeoJSON polygon; InputError names the file and what is wrong."""
+        """Read a GeoJSON polygon in local metres; InputError names the file and what is wrong."""
         data = read_json(path)
         with naming(path):
             return cls(single_polygon(data))
@@ -136,29 +138,26 @@ class Region:
 
 
 def polygons(data: Any) -> list[Polygon]:
-    """Return every polygon in GeoJSON `data` (geometry, Feature or FeatureCollection)."""
-    kind = data.get("type") if isinstance(data, dict) else None
-    if kind == "FeatureCollection":
-        features = data.get("features")
-        if not isinstance(features, list):
-            raise InputError("GeoJSON: a FeatureCollection must hold a list of features")
-        return [p for feature in features for p in polygons(feature)]
-    if kind == "Feature":
-        return polygons(data.get("geometry"))
-    if kind not in ("Polygon", "MultiPolygon"):
-        raise InputError(
-            f"GeoJSON type must be a Polygon, MultiPolygon, Feature or FeatureCollection, got {shown(kind)}"
-        )
-    try:
-        geometry = shape(data)
-    except (ValueError, TypeError, LookupError, AttributeError, OverflowError, shapely.errors.ShapelyError) as error:
-        raise InputError(f"GeoJSON coordinates cannot be read as polygons ({error})") from None
-    return [part for part in shapely.get_parts(geometry) if isinstance(part, Polygon)]
+    """Return every polygon in GeoJSON `data` (geometry, Feature or FeatureCollection); InputError where it has none."""
+    parts = list(parts_of(data))
+    found = [part for part in parts if isinstance(part, Polygon)]
+    if parts and not found:
+        raise InputError(f"GeoJSON must hold a polygon, it holds a {parts[0].geom_type}")
+    return found
 
 
 def single_polygon(data: Any) -> Polygon:
     """Return the one polygon in GeoJSON `data`."""
-    found = polygons(data)
+    return only(polygons(data))
+
+
+def only(found: Sequence[Polygon]) -> Polygon:
+    """Return the one polygon that `found` are, those side by side made one; InputError for any other number."""
+    if len(found) > 1 and all(polygon.is_valid for polygon in found):
+        united = shapely.union_all(list(found))
+        beside = united.area > (1 - 1e-6) * sum(polygon.area for polygon in found)  # one inside another may be a hole
+        if isinstance(united, Polygon) and beside:
+            return united
     if len(found) != 1:
-        raise InputError(f"GeoJSON must hold one polygon, got {len(found)}")
+        raise InputError(f"must hold one polygon, got {len(found)}")
     return found[0]

@@ -1,7 +1,7 @@
 """Terrain: the ground's elevation on a rectangular grid, from a digital elevation model or synthetic mountains.
 
-Files are GeoTIFF or NetCDF (extra ``geo``) or ESRI ASCII grids, in metres of a map projection; a model in degrees, or
-with holes in it, is refused.
+Files are GeoTIFF or NetCDF (extra ``geo``) or ESRI ASCII grids, in metres of a map projection or, for a site whose
+place on Earth is known, in any projection or degrees (`instances.environment.site`).
 """
 
 from __future__ import annotations
@@ -15,16 +15,17 @@ from numpy.typing import ArrayLike
 from instances.arrays import Floats
 from instances.environment.raster import (
     METRES,
+    Raster,
     bilinear,
     check_grid,
+    netcdf_raster,
     node_bounds,
-    nodes_and_values,
     open_netcdf,
-    projection,
     read_ascii_grid,
     read_geotiff,
 )
-from instances.errors import InputError
+from instances.environment.site import Site, check_metres
+from instances.errors import InputError, naming, shown
 from instances.extent import LARGEST, positive
 
 ELEVATIONS = (
@@ -108,18 +109,29 @@ def mountains(
     return Terrain((0.0, 0.0), (size / cells, size / cells), relief * unit**2, f"mountains of seed {seed}")
 
 
-def read_terrain(path: Path | str) -> Terrain:
-    """Read a digital elevation model by the ending of its name; InputError names the file and what is wrong."""
+def read_terrain(path: Path | str, site: Site | None = None) -> Terrain:
+    """Read a digital elevation model by the ending of its name, for `site`; InputError names the file and the fault."""
     path = Path(path)
+    raster = _raster(path)
+    if raster.unit and raster.unit.lower() not in METRES:
+        raise InputError(f"{path}: elevations must be in metres, their unit is {shown(raster.unit)}")
+    if site is not None:
+        raster = site.local(raster, path)
+    else:
+        with naming(path):
+            check_metres(raster.crs)
+    return Terrain(raster.origin, raster.spacing, raster.values, str(path), raster.crs)
+
+
+def _raster(path: Path) -> Raster:
     if path.suffix in (".nc", ".nc4", ".cdf"):
         return _read_netcdf(path)
     if path.suffix != ".asc" and path.suffix.lower() not in (".tif", ".tiff"):
         raise InputError(f"{path}: a terrain file must be GeoTIFF (.tif), NetCDF (.nc) or an ASCII grid (.asc)")
-    raster = read_ascii_grid(path) if path.suffix == ".asc" else read_geotiff(path)
-    return Terrain(raster.origin, raster.spacing, raster.values, str(path), raster.crs)
+    return read_ascii_grid(path) if path.suffix == ".asc" else read_geotiff(path)
 
 
-def _read_netcdf(path: Path) -> Terrain:
+def _read_netcdf(path: Path) -> Raster:
     with open_netcdf(path) as data:
         named = [z for name, z in data.data_vars.items() if z.attrs.get("standard_name", name) in ELEVATIONS]
         if not named:
@@ -133,6 +145,4 @@ def _read_netcdf(path: Path) -> Terrain:
         unit = str(z.attrs.get("units", "m"))
         if unit not in METRES:
             raise InputError(f"{path}: variable '{z.name}' must be in metres, its units are '{unit}'")
-        xs, ys, height = nodes_and_values(z, path)
-        spacing = (float(np.diff(xs).mean()), float(np.diff(ys).mean()))
-        return Terrain((float(xs[0]), float(ys[0])), spacing, height, str(path), projection(data, z))
+        return netcdf_raster(data, z, path)

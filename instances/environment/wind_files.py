@@ -1,21 +1,26 @@
 """Wind grids from files: CF NetCDF (extra ``geo``) and WindNinja's ASCII grids.
 
 NetCDF follows the CF conventions: wind components are found by ``standard_name`` (eastward_wind, x_wind, …) or by
-their usual names (ERA5, WRF, …), in m/s, on one-dimensional x and y in metres of a map projection.
+their usual names (ERA5, WRF, …), in m/s, on one-dimensional x and y in metres of a map projection or, for a site whose
+place on Earth is known, in degrees or metres of any projection. Components named eastward are along the parallels, all
+others along the axes of the grid; both are turned into those of the local plane.
 WindNinja writes ESRI ASCII grids: ``*_vel.asc`` speed, in a unit the file does not state, and ``*_ang.asc``, the
 direction the wind blows *from*, degrees clockwise from north.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from instances.arrays import Floats
-from instances.environment.raster import nodes_and_values, open_netcdf, projection, read_ascii_grid
-from instances.errors import InputError, shown, suggestion
+from instances.environment.raster import Raster, netcdf_raster, node_axes, open_netcdf, read_ascii_grid
+from instances.environment.site import Site, check_metres
+from instances.errors import InputError, naming, shown, suggestion
+from instances.geodesy import WGS84
 
 if TYPE_CHECKING:
     import xarray
@@ -42,12 +47,27 @@ class WindData(NamedTuple):
     crs: str
 
 
-def read_wind(path: Path | str, units: str | None = None) -> WindData:
-    """Read a wind grid by the ending of its name; InputError names the file and what is wrong.
+def read_wind(path: Path | str, units: str | None = None, site: Site | None = None) -> WindData:
+    """Read a wind grid by the ending of its name, for `site`; InputError names the file and what is wrong.
 
     `units` applies to WindNinja's ``.asc`` files only: NetCDF states its own.
     """
     path = Path(path)
+    u, v, axes = _components(path, units)
+    if site is None:
+        with naming(path):
+            check_metres(u.crs)
+        return WindData(u.origin, u.spacing, u.values, v.values, str(path), u.crs)
+    u, v = site.local(u, path), site.local(v, path)
+    x, y = node_axes(u.origin, u.spacing, u.values.shape)
+    east = site.axes_east(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2), axes).reshape(*u.values.shape, 2)
+    along_x = u.values * east[..., 0] - v.values * east[..., 1]
+    along_y = u.values * east[..., 1] + v.values * east[..., 0]
+    return WindData(u.origin, u.spacing, along_x, along_y, str(path), u.crs)
+
+
+def _components(path: Path, units: str | None) -> tuple[Raster, Raster, str]:
+    """Return both components [m/s] of a file, and the reference system along whose axes they are."""
     if path.suffix == ".asc":
         return read_windninja(path, units or "m/s")
     if path.suffix not in (".nc", ".nc4", ".cdf", ".h5"):
@@ -57,7 +77,7 @@ def read_wind(path: Path | str, units: str | None = None) -> WindData:
     return read_netcdf(path)
 
 
-def read_netcdf(path: Path) -> WindData:
+def read_netcdf(path: Path) -> tuple[Raster, Raster, str]:
     """Read a CF NetCDF wind grid."""
     with open_netcdf(path) as data:
         u, v = (_component(data, path, *names) for names in COMPONENTS)
@@ -67,9 +87,9 @@ def read_netcdf(path: Path) -> WindData:
         for w, unit in zip((u, v), units, strict=True):
             if unit not in METRES_PER_SECOND:
                 raise InputError(f"{path}: variable '{w.name}' must be in m/s, its units are '{unit or 'not stated'}'")
-        (x, y, east), (_, _, north) = (nodes_and_values(w, path) for w in (u, v))
-        spacing = (float((x[-1] - x[0]) / (len(x) - 1)), float((y[-1] - y[0]) / (len(y) - 1)))
-        return WindData((float(x[0]), float(y[0])), spacing, east, north, str(path), projection(data, u))
+        east, north = (netcdf_raster(data, w, path) for w in (u, v))
+        eastward = u.attrs.get("standard_name") == "eastward_wind"
+        return east, north, WGS84 if eastward and east.crs else east.crs
 
 
 def _component(data: xarray.Dataset, path: Path, standard: tuple[str, ...], usual: tuple[str, ...]) -> xarray.DataArray:
@@ -86,7 +106,7 @@ def _component(data: xarray.Dataset, path: Path, standard: tuple[str, ...], usua
     return w
 
 
-def read_windninja(path: Path, units: str) -> WindData:
+def read_windninja(path: Path, units: str) -> tuple[Raster, Raster, str]:
     """Read WindNinja's ``*_vel.asc`` together with the ``*_ang.asc`` beside it."""
     if not isinstance(units, str) or units not in SPEED:
         raise InputError(
@@ -101,4 +121,5 @@ def read_windninja(path: Path, units: str) -> WindData:
         raise InputError(f"{path}: speed and direction lie on different grids")
     towards = np.radians(direction.values) + np.pi
     s = speed.values * SPEED[units]
-    return WindData(speed.origin, speed.spacing, s * np.sin(towards), s * np.cos(towards), str(path), speed.crs)
+    east, north = (replace(speed, values=s * part(towards)) for part in (np.sin, np.cos))
+    return east, north, speed.crs

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.raster import check_grid, node_axes, node_bounds, write_netcdf
+from instances.environment.site import Site
 from instances.environment.wind import points_of
 from instances.environment.wind_files import read_wind
 from instances.errors import InputError, shown
@@ -141,7 +142,7 @@ class Grid:
         return {"kind": "grid", "file": name}
 
     @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Grid:
+    def from_toml(cls, table: Mapping[str, Any], folder: Path, site: Site | None = None) -> Grid:
         """Read the file of a ``[wind]`` table: NetCDF, or WindNinja's ``*_vel.asc`` beside its ``*_ang.asc``.
 
         `units` says what a WindNinja file holds ("m/s", "mph", "kph" or "knots"; "m/s" where it is not given).
@@ -149,4 +150,4 @@ class Grid:
         refuse_unknown("wind: kind 'grid'", "field", table, ("file", "units"))
         if not isinstance(table.get("file"), str):
             raise InputError(f"wind: kind 'grid' needs the name of a file, got {shown(table.get('file'))}")
-        return cls(*read_wind(folder / table["file"], units=table.get("units")))
+        return cls(*read_wind(folder / table["file"], units=table.get("units"), site=site))

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
+from instances.environment.site import Site
 from instances.environment.wind import WindField, points_of
 from instances.errors import InputError, shown, suggestion
 from instances.registry import refuse_unknown
@@ -32,8 +33,12 @@ KINDS = {
 """``kind`` in a scenario's ``[wind]`` table → ``"module:Class"``, imported when met: numba takes its time."""
 
 
-def wind_from_toml(table: Mapping[str, Any], folder: Path | str = ".") -> WindField:
-    """Return the wind field of a scenario's ``[wind]`` table; files in it are relative to `folder`.
+READ = ("sum", "grid", "terrain")
+"""Kinds that read files of places, and are told the site."""
+
+
+def wind_from_toml(table: Mapping[str, Any], folder: Path | str = ".", site: Site | None = None) -> WindField:
+    """Return the wind field of a scenario's ``[wind]`` table; files in it are relative to `folder`, read for `site`.
 
     Raises InputError for an unknown kind or field (with the near miss) and for unusable values.
     """
@@ -41,8 +46,10 @@ def wind_from_toml(table: Mapping[str, Any], folder: Path | str = ".") -> WindFi
     if not isinstance(kind, str) or kind not in KINDS:
         raise InputError(f"wind: unknown kind {shown(kind)}{suggestion(str(kind), KINDS)} (kinds: {', '.join(KINDS)})")
     module, _, name = KINDS[kind].partition(":")
-    cls: type[WindField] = getattr(importlib.import_module(module), name)
-    return cls.from_toml({k: v for k, v in table.items() if k != "kind"}, Path(folder))
+    cls: type[Any] = getattr(importlib.import_module(module), name)
+    told = {"site": site} if kind in READ else {}
+    made: WindField = cls.from_toml({k: v for k, v in table.items() if k != "kind"}, Path(folder), **told)
+    return made
 
 
 @dataclass(frozen=True)
@@ -70,10 +77,10 @@ class Sum:
         return {"kind": "sum", "parts": [part.to_toml(folder) for part in self.parts]}
 
     @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Sum:
+    def from_toml(cls, table: Mapping[str, Any], folder: Path, site: Site | None = None) -> Sum:
         """Return the field of a ``[wind]`` table."""
         refuse_unknown("wind: kind 'sum'", "field", table, ("parts",))
         parts = table.get("parts")
         if not isinstance(parts, list) or not all(isinstance(part, Mapping) for part in parts):
             raise InputError("wind: the parts of a sum must be tables, each with its kind")
-        return cls(tuple(wind_from_toml(part, folder) for part in parts))
+        return cls(tuple(wind_from_toml(part, folder, site) for part in parts))

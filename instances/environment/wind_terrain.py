@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.mass_consistent import Inflow, solve_flow
+from instances.environment.site import Site
 from instances.environment.terrain import Terrain, mountains, read_terrain
 from instances.environment.wind import number, pair
 from instances.environment.wind_grid import Grid
@@ -39,7 +40,7 @@ FIELDS = ("dem", "mountains", "altitude", "cells", "layers", *INFLOW)
 
 @dataclass(frozen=True, eq=False)
 class TerrainWind:
-    """The wind at `altitude` [m] over a digital elevation model `dem`, or over synthetic `mountains`."""
+    """The wind at `altitude` [m] over a digital elevation model `dem`, at `site`, or over synthetic `mountains`."""
 
     inflow: Inflow
     altitude: float
@@ -47,12 +48,13 @@ class TerrainWind:
     mountains: Mapping[str, Any] = field(default_factory=dict)
     cells: int = 200
     layers: int = 30
+    site: Site | None = None
 
     @cached_property
     def terrain(self) -> Terrain:
         """The ground, on the grid the flow is solved on."""
         if self.dem is not None:
-            return read_terrain(self.dem).resampled(self.cells)
+            return read_terrain(self.dem, self.site).resampled(self.cells)
         return mountains(**{**self.mountains, "cells": self.cells})
 
     @cached_property
@@ -88,7 +90,7 @@ class TerrainWind:
         }
 
     @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> TerrainWind:
+    def from_toml(cls, table: Mapping[str, Any], folder: Path, site: Site | None = None) -> TerrainWind:
         """Return the wind of a ``[wind]`` table."""
         refuse_unknown("wind: kind 'terrain'", "field", table, FIELDS)
         if ("dem" in table) == ("mountains" in table):
@@ -122,4 +124,5 @@ class TerrainWind:
             dict(made),
             cells,
             layers,
+            site,
         )

@@ -36,7 +36,7 @@ def settings(mission: Mission) -> dict[str, Any]:
     return {"table": table, "files": files, "field": asdict(mission.field), "altitude": asdict(mission.altitude)}
 
 
-LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "export", "origin")
+LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "export")
 """Tables this stage does not look at."""
 
 
@@ -52,9 +52,9 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     resolved = None if scenario.terrain is None else scenario.terrain.resolve()
     keep_scenario(replace(scenario, wind=wind, terrain=resolved), out)
     if ground is not None:
-        keep_terrain(ground, out)
+        keep_terrain(ground, out, scenario.plane)
     field = field_of(mission, terrain)
-    keep_field(field, out)
+    keep_field(field, out, scenario.plane)
     write_field(field, out / "field.csv")
     low, high = float(field.values.min()), float(field.values.max())
     facts = {"field": {"unit": field.unit, "least": low, "most": high, "sd": float(field.values.std())}}
@@ -66,7 +66,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
 def terrain_of(scenario: Scenario) -> Terrain | None:
     """Return the ground: the scenario's elevation model, or what its wind blows over; None where neither is given."""
     if scenario.terrain is not None:
-        return read_terrain(scenario.terrain)
+        return read_terrain(scenario.terrain, scenario.site)
     return scenario.wind.terrain if isinstance(scenario.wind, TerrainWind) else None
 
 
@@ -77,7 +77,7 @@ def ground_of(scenario: Scenario) -> Terrain | None:
     """
     wind = scenario.wind
     if scenario.terrain is None and isinstance(wind, TerrainWind) and wind.dem is not None:
-        return read_terrain(wind.dem)
+        return read_terrain(wind.dem, scenario.site)
     return terrain_of(scenario)
 
 
@@ -114,14 +114,14 @@ def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
     if wanted.file is None:
         assert scenario.radio is not None
         source = RadioSource.from_table(scenario.radio)
-        more = {key: value for key, value in asdict(wanted).items() if key != "file"}
+        more = {key: value for key, value in asdict(wanted).items() if key not in ("file", "unit")}
         flown = mission.altitude
         altitude, above_ground = flown.above, flown.frame is Frame.ABOVE_GROUND
         if flown.frame is Frame.ABOVE_HOME and terrain is not None:
             altitude += float(terrain(scenario.depots).mean())
         bounds = scenario.region.bounds
         return radio_map(source, bounds, terrain, altitude=altitude, above_ground=above_ground, **more)
-    field = read_field(mission.folder / wanted.file)
+    field = read_field(mission.folder / wanted.file, scenario.site, wanted.unit)
     (x0, y0, x1, y1), (a0, b0, a1, b1) = scenario.region.bounds, field.bounds
     # nodes may be cell centres: half a cell may be missing at the border
     sx, sy = field.x[1] - field.x[0], field.y[1] - field.y[0]

@@ -1,7 +1,8 @@
 """Mission file: a scenario, what is measured, and the settings of each stage. TOML, SI units, every key checked.
 
-    scenario = "file.toml"       # or the scenario's own keys here: airspeed, size, depots, tasks, [wind], [radio] …
-    origin = [lat, lon]          # of the point (0, 0) [degrees], for files in WGS 84
+    scenario = "file.toml"       # or the scenario's own keys here: airspeed, region, depots, tasks, [wind], [radio] …
+    origin = [lat, lon]          # of the point (0, 0) [degrees], for files in WGS 84; that of a region in degrees
+                                 # unless given
     [field] [place] [costs] [routes] [flight] [sensing] [map] [compare] [export]    # the classes of `settings`
 
 Files are relative to the mission file.
@@ -16,14 +17,13 @@ from typing import Any
 
 from instances.disk import read_toml
 from instances.errors import InputError, naming, shown, suggestion
-from instances.geodesy import TangentPlane
 from instances.scenario import KEYS as SCENARIO_KEYS
 from instances.scenario import Scenario, read_scenario, scenario_of
 from workbench.mission.fitting import check_mission
-from workbench.mission.keys import is_number, settings_of
+from workbench.mission.keys import settings_of
 from workbench.mission.settings import TABLES, Mission
 
-KEYS = ("scenario", "origin", *SCENARIO_KEYS, *TABLES)
+KEYS = ("scenario", *SCENARIO_KEYS, *TABLES)
 """Every key of a mission file."""
 
 
@@ -46,7 +46,8 @@ def mission_of(table: Mapping[str, Any], folder: Path, name: str) -> Mission:
         if key not in KEYS:
             raise InputError(f"unknown key {shown(key)}{suggestion(key, KEYS)}")
     settings = {key: settings_of(cls, table.get(key, {}), key) for key, cls in TABLES.items()}
-    mission = Mission(_scenario(table, folder, name), _origin(table), folder, table, **settings)
+    scenario = _scenario(table, folder, name)
+    mission = Mission(scenario, scenario.plane, folder, table, **settings)
     check_mission(mission)
     return mission
 
@@ -55,19 +56,11 @@ def _scenario(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
     own = {key: value for key, value in table.items() if key in SCENARIO_KEYS}
     if "scenario" not in table:
         return scenario_of(own, folder, name)
+    placed = {key: own.pop(key) for key in ("origin",) if key in own}
     if own:
         raise InputError(
             f"'{next(iter(own))}' belongs into the scenario file, which 'scenario' names; give one of them"
         )
     if not isinstance(table["scenario"], str):
         raise InputError(f"scenario must be the name of a file, got {shown(table['scenario'])}")
-    return read_scenario(folder / table["scenario"])
-
-
-def _origin(table: Mapping[str, Any]) -> TangentPlane | None:
-    if "origin" not in table:
-        return None
-    origin = table["origin"]
-    if not (isinstance(origin, list) and len(origin) == 2 and all(is_number(c) for c in origin)):
-        raise InputError(f"origin must be [latitude, longitude] in degrees, got {shown(origin)}")
-    return TangentPlane(float(origin[0]), float(origin[1]))
+    return read_scenario(folder / table["scenario"], placed)

@@ -22,10 +22,12 @@ from workbench.mission import keys
 class FieldSettings:
     """[field]: what is measured: a `file` (CSV, NetCDF or GeoTIFF), or the signal of [radio] under `model`.
 
-    shadowing_sd [dB]; decorrelation [m] of the shadowing; cells along the longer side; the altitude is [flight]'s.
+    unit of a file's values, what the file says unless given. shadowing_sd [dB]; decorrelation [m] of the shadowing;
+    cells along the longer side; the altitude is [flight]'s.
     """
 
     file: str | None = keys.text(None)
+    unit: str | None = keys.text(None)
     model: str = keys.text("diffraction")
     shadowing_sd: float = keys.not_negative(4.0, "dB")
     decorrelation: float = keys.positive(2000.0, "m")

@@ -17,6 +17,7 @@ import msgspec
 
 from instances.disk import read_bytes, read_json, write_aside
 from instances.errors import InputError
+from instances.formats.layers import BESIDE, LAYER
 
 FILE = "stamp.json"
 
@@ -92,7 +93,8 @@ def referenced_files(value: Any, folder: Path) -> dict[str, str]:
         return {name: digest for item in value for name, digest in referenced_files(item, folder).items()}
     if not isinstance(value, str) or len(value) > 500 or not value.strip():
         return {}
-    path = folder / value
-    # a WindNinja speed grid has its directions and projection beside it
+    path = folder / value.partition(LAYER)[0]
+    # a WindNinja speed grid has its directions and projection beside it, a Shapefile what BESIDE says
     beside = [path, *(path.with_name(path.name.replace("_vel.asc", end)) for end in ("_ang.asc", "_vel.prj"))]
+    beside += [path.with_suffix(ending) for ending in BESIDE if path.suffix.lower() == ".shp"]
     return {f"{value} {p.name}": file_digest(p) for p in dict.fromkeys(beside) if os.path.isfile(p)}

@@ -56,7 +56,7 @@ def test_holes_in_the_elevation_model_are_located(tmp_path: Path) -> None:
 
 
 def test_degrees_and_feet_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"in degrees .*; project it"):
+    with pytest.raises(InputError, match=r"in degrees \(WGS 84\); project it"):
         read_terrain(geotiff(tmp_path / "deg.tif", np.ones((3, 3)), "EPSG:4326"))
     with pytest.raises(InputError, match="not in metres"):
         read_terrain(geotiff(tmp_path / "ft.tif", np.ones((3, 3)), "EPSG:2225"))

@@ -85,7 +85,7 @@ def test_bad_windninja_files_are_named(tmp_path: Path, vel: str, ang: str, units
         ({"names": ("speed", "v")}, "no variable with standard_name eastward_wind or named u .it has: 'speed', 'v'"),
         ({"units": "knots"}, "'u' must be in m/s, its units are 'knots'"),
         ({"units": ""}, "not stated"),
-        ({"dims": ("latitude", "longitude")}, "in degrees; project"),
+        ({"dims": ("latitude", "longitude")}, "in degrees .WGS 84.; project"),
         ({"coordinate_units": "km"}, "must be in metres, its units are 'km'"),
         ({"x": [0.0, 1.0, 5.0]}, "equally spaced"),
         ({"times": 2}, "one horizontal slice, its dimensions are time \\(2\\)"),

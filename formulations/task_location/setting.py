@@ -14,25 +14,27 @@ from formulations.task_location.criterion import Criterion, convention
 from instances.arrays import Floats
 from instances.disk import read_text
 from instances.environment.region import Region
+from instances.environment.site import Site
 from instances.errors import InputError, shown
 from instances.extent import FARTHEST, LARGEST
+from instances.places import read_region
 
 DEFAULT_SIDE = 20_000.0
 """Side [m] of the square that stands for a region that is not given (paper, Numerical Example)."""
-SMALLEST_SIDE = 10.0
-"""A smaller region whose coordinates could be degrees is taken to be in degrees."""
 MOST_CELLS = 1_000_000
 
 
-def region_of(path: Path | None) -> Region:
-    """Return the region in a GeoJSON file, or the paper's 20 km square; InputError where the file is in degrees."""
+def site_of(path: Path | None) -> Site:
+    """Return the region in a file (`instances.places`) and where on Earth it is, or the paper's 20 km square."""
     if path is None:
-        return Region.rectangle(DEFAULT_SIDE, DEFAULT_SIDE)
-    region = Region.read(path)
-    x0, y0, x1, y1 = region.bounds
-    if max(x1 - x0, y1 - y0) < SMALLEST_SIDE and max(abs(x0), abs(x1)) <= 180 and max(abs(y0), abs(y1)) <= 90:
-        raise InputError(f"{path}: spans {x1 - x0:.3g} × {y1 - y0:.3g}; coordinates must be metres, not degrees")
-    return region
+        return Site(Region.rectangle(DEFAULT_SIDE, DEFAULT_SIDE))
+    region, reference = read_region(path)
+    return Site(region, reference.plane)
+
+
+def region_of(path: Path | None) -> Region:
+    """Return the region in a file [m], or the paper's 20 km square."""
+    return site_of(path).region
 
 
 def criterion_of(

@@ -1,7 +1,6 @@
 """Region: the bounded, possibly non-convex area A that is surveyed, with holes (no-fly zones).
 
-Coordinates are metres in a local plane, x east and y north. Files of regions in degrees and in map projections are read
-by `instances.places`.
+Coordinates are metres in a local plane, x east and y north; files are read by `instances.places`.
 """
 
 from __future__ import annotations
@@ -21,8 +20,8 @@ from shapely.ops import nearest_points
 from shapely.validation import explain_validity
 
 from instances.arrays import Bools, Floats
-from instances.disk import read_json, write_aside
-from instances.errors import InputError, naming
+from instances.disk import write_aside
+from instances.errors import InputError
 from instances.extent import check_positions
 from instances.formats.geojson import parts_of
 
@@ -52,13 +51,6 @@ class Region:
         if not (width > 0 and height > 0):
             raise InputError(f"region: size must be positive [m], got [{width}, {height}]")
         return cls(shapely.box(0.0, 0.0, width, height))
-
-    @classmethod
-    def read(cls, path: Path | str) -> Region:
-        """Read a GeoJSON polygon in local metres; InputError names the file and what is wrong."""
-        data = read_json(path)
-        with naming(path):
-            return cls(single_polygon(data))
 
     def write(self, path: Path | str) -> None:
         """Write the region as a GeoJSON feature; every coordinate reads back as the same float64."""
@@ -137,18 +129,9 @@ class Region:
         return grid[self.contains(grid)]
 
 
-def polygons(data: Any) -> list[Polygon]:
-    """Return every polygon in GeoJSON `data` (geometry, Feature or FeatureCollection); InputError where it has none."""
-    parts = list(parts_of(data))
-    found = [part for part in parts if isinstance(part, Polygon)]
-    if parts and not found:
-        raise InputError(f"GeoJSON must hold a polygon, it holds a {parts[0].geom_type}")
-    return found
-
-
 def single_polygon(data: Any) -> Polygon:
     """Return the one polygon in GeoJSON `data`."""
-    return only(polygons(data))
+    return only([part for part in parts_of(data) if isinstance(part, Polygon)])
 
 
 def only(found: Sequence[Polygon]) -> Polygon:

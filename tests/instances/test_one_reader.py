@@ -14,12 +14,12 @@ from formulations.task_location.setting import region_of, rows_of_tests
 from instances import InputError, Instance, documents
 from instances.disk import read_bytes, read_json, read_text, read_toml, write_aside
 from instances.environment.radio_files import read_field
-from instances.environment.region import Region
 from instances.environment.terrain import read_terrain
 from instances.environment.wind_files import read_wind
 from instances.files import read_instance, read_routes
 from instances.formats.netcdf import read_grids
 from instances.paths import read_paths
+from instances.places import read_region
 from instances.scenario import read_scenario
 from instances.scenario_folder import kept_scenario
 from reports.products import Products
@@ -54,7 +54,12 @@ READERS = {
     "a.toml": read_scenario,
     "mission.toml": read_mission,
     "scenario.toml": lambda path: kept_scenario(path.parent),
-    "a.geojson": Region.read,
+    "a.geojson": read_region,
+    "a.kml": read_region,
+    "a.kmz": read_region,
+    "a.gpkg": read_region,
+    "a.shp": read_region,
+    "a.zip": read_region,
     "b.geojson": region_of,
     "field.csv": read_field,
     "field.nc": read_field,

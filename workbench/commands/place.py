@@ -62,11 +62,15 @@ def command(
     plot: Path | None,
     **setting: Any,
 ) -> None:
-    """Choose task locations of most information in REGION (a GeoJSON polygon in metres), by default a 20 km square."""
+    """Choose task locations of most information in REGION, by default a 20 km square.
+
+    REGION is GeoJSON, KML, KMZ, GeoPackage or a Shapefile, in degrees or metres; what is printed is in metres of the
+    local plane at its centre, a GeoJSON written in degrees.
+    """
     from formulations.limits import Limits
     from formulations.task_location.placement_files import ENDINGS
     from formulations.task_location.registry import make_method
-    from formulations.task_location.setting import criterion_of, region_of
+    from formulations.task_location.setting import criterion_of, site_of
     from workbench.commands.place_how_many import Asked, run_fewest, run_study
     from workbench.settings import check_target, key_values
 
@@ -76,10 +80,11 @@ def command(
     check_target(out, (".json", ".csv") if study is not None else ENDINGS)
     check_target(plot, (".svg",))
     chosen = make_method(method, key_values(options, "--option"))
-    region = region_of(region_file)
+    site = site_of(region_file)
+    region = site.region
     criterion = criterion_of(region, **setting)
     limits = Limits(time=float("inf") if time_limit is None else time_limit)
-    asked = Asked(seed, as_json, out, plot)
+    asked = Asked(seed, as_json, out, plot, site.plane)
     if study is not None:
         run_study(region, criterion, study, method, chosen, sd_limit, asked)
     elif max_sd is not None:
@@ -124,7 +129,8 @@ def _place(
     write_and_draw(problem, placement, asked)
     if asked.as_json:
         kind = None if bound is None else bound.kind
-        click.echo(json.dumps({**placement.as_dict(), "certificate_kind": kind}))
+        plane = {} if asked.plane is None else {"origin": [asked.plane.latitude, asked.plane.longitude]}
+        click.echo(json.dumps({**placement.as_dict(), "certificate_kind": kind, **plane}))
     else:
         worth = ", ".join(f"({name}) {value:.4f}" for name, value in placement.information.items())
         click.echo(f"{placement.summary()}\ninformation [nats]: {worth}")

@@ -24,6 +24,7 @@ from formulations.task_location.uncertainty import sd_map
 from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.errors import InputError, shown
+from instances.geodesy import TangentPlane
 
 COLUMNS = (
     "n", "length", "mutual_information", "mi1", "mi2", "lawnmower", "per_km", "planning_noise", "uncovered",
@@ -32,12 +33,16 @@ COLUMNS = (
 
 
 class Asked(NamedTuple):
-    """What is asked for in every case: the seed, the answer as JSON or text, a file and a picture of it."""
+    """What is asked for in every case: the seed, the answer as JSON or text, a file and a picture of it.
+
+    plane : where on Earth the region is, where its file says so.
+    """
 
     seed: int
     as_json: bool
     out: Path | None
     plot: Path | None
+    plane: TangentPlane | None = None
 
 
 def numbers_from(text: str) -> list[int]:
@@ -145,7 +150,9 @@ def _text(done: list[Trial], advice: Recommendation) -> str:
 def write_and_draw(problem: PlacementProblem, placement: Placement, asked: Asked) -> None:
     """Write a placement, and draw it over its uncertainty map, where asked for."""
     if asked.out is not None:
-        write_placement(placement, asked.out)
+        write_placement(placement, asked.out, asked.plane)
+        if asked.out.suffix == ".geojson" and asked.plane is None:
+            click.echo(f"{asked.out}: in local metres, as the region: nothing says where on Earth it is", err=True)
     if asked.plot is None:
         return
     from reports.figures.placement import draw_placement  # here: matplotlib takes its time

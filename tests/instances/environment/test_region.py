@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
 from instances import InputError
-from instances.environment.region import Region, polygons, single_polygon
+from instances.environment.region import Region, single_polygon
+from instances.formats.geojson import parts_of
+from instances.places import read_region
 
 SQUARE = [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]]
 HOLE = [[4, 4], [6, 4], [6, 6], [4, 6], [4, 4]]
@@ -35,23 +37,23 @@ def test_a_hole_is_outside():
         (geojson([[0, 0], [1, 1], [2, 2], [0, 0]]), "region: the polygon is not valid|empty interior"),
         (geojson(SQUARE, HOLE, [[5, 5], [7, 5], [7, 7], [5, 7], [5, 5]]), "not valid: Self-intersection"),
         (geojson(SQUARE, [[20, 20], [21, 20], [21, 21], [20, 20]]), "not valid: Hole lies outside shell"),
-        (geojson(), "must hold one polygon, got 0"),
+        (geojson(), "must hold a polygon, it holds nothing"),
         (geojson([[0, 0], [1, 1]]), "of type 'Polygon' cannot be read"),
         (geojson([["a", "b"], [1, 1], [2, 0]]), "of type 'Polygon' cannot be read"),
         (geojson([[0, 0], [1, 10**400], [2, 0]]), "of type 'Polygon' cannot be read"),
         ({"type": "Polygon"}, "of type 'Polygon' cannot be read"),
         ({"type": "Polygon", "coordinates": 5}, "of type 'Polygon' cannot be read"),
         ({"type": "FeatureCollection", "features": 3}, "must hold a list of features"),
-        ({"type": "FeatureCollection", "features": []}, "must hold one polygon, got 0"),
+        ({"type": "FeatureCollection", "features": []}, "must hold a polygon, it holds nothing"),
         (geojson([SQUARE], [HOLE], kind="MultiPolygon"), "must hold one polygon, got 2"),
-        (geojson([0, 0], kind="Point"), "GeoJSON must hold a polygon, it holds a Point"),
+        (geojson([0, 0], kind="Point"), "region: must hold a polygon, it holds Point"),
         ([1], "of type None cannot be read"),
     ],
 )
 def test_what_is_no_region(tmp_path, data, sentence):
     (tmp_path / "area.geojson").write_text(json.dumps(data))
     with pytest.raises(InputError, match=sentence) as caught:
-        Region.read(tmp_path / "area.geojson")
+        read_region(tmp_path / "area.geojson")
     assert "area.geojson: " in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -60,9 +62,9 @@ def test_files_that_are_no_geojson(tmp_path):
     for content in (b"", b"{", b"\xff", b"[" * 100_000, b"\x00"):
         (tmp_path / "a.geojson").write_bytes(content)
         with pytest.raises(InputError, match="geojson: "):
-            Region.read(tmp_path / "a.geojson")
+            read_region(tmp_path / "a.geojson")
     with pytest.raises(InputError, match="No such file"):
-        Region.read(tmp_path / "b.geojson")
+        read_region(tmp_path / "b.geojson")
 
 
 @pytest.mark.parametrize("size", [(0, 1), (1, -1), (np.nan, 1), (np.inf, 1)])
@@ -81,7 +83,7 @@ def test_write_and_read_keep_every_digit(tmp_path, seed, corners):
         return
     region = Region(Polygon(ring))
     region.write(tmp_path / "a.geojson")
-    back = Region.read(tmp_path / "a.geojson")
+    back, _ = read_region(tmp_path / "a.geojson", "local")
     assert [r.tolist() for r in back.rings] == [r.tolist() for r in region.rings]
 
 
@@ -137,6 +139,6 @@ def test_no_fly_zones():
 
 def test_every_polygon_of_a_collection():
     features = [{"type": "Feature", "geometry": geojson(SQUARE)}, geojson([SQUARE], [HOLE], kind="MultiPolygon")]
-    assert len(polygons({"type": "FeatureCollection", "features": features})) == 3
+    assert len(list(parts_of({"type": "FeatureCollection", "features": features}))) == 3
     with pytest.raises(InputError, match="must be one polygon, got MultiPolygon"):
         Region(shapely.MultiPolygon([Polygon(SQUARE)]))

@@ -9,9 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shapely.geometry import box, mapping
 
-from instances.environment.region import Region
 from instances.errors import InputError
+from instances.geodesy import TangentPlane
+from instances.places import read_region
 from workbench.cli import main
 from workbench.commands.place_how_many import numbers_from
 from workbench.jobs.execute import jobs_of
@@ -45,10 +47,27 @@ def test_json_states_what_was_placed(area, tmp_path, capsys):
     assert {"method", "status", "points", "mutual_information", "certificate", "elapsed"} <= said.keys()
     assert (said["method"], said["status"]) == ("nlp", "locally solved")
     assert said["mutual_information"] == said["information"]["b"] <= said["information"]["a"] <= said["certificate"]
-    assert Region.read(area).signed_distance(said["points"]).min() >= -1e-6
+    assert read_region(area)[0].signed_distance(said["points"]).min() >= -1e-6
     written = json.loads(out.read_text())
     assert [f["geometry"]["coordinates"] for f in written["features"]] == said["points"]
     assert plot.read_text().startswith("<?xml")
+    assert "origin" not in said
+
+
+def test_a_region_in_degrees_makes_geojson_in_degrees(tmp_path, capsys):
+    (tmp_path / "area.geojson").write_text(json.dumps(mapping(box(8.0, 47.0, 8.1, 47.1))))
+    words = ["place", str(tmp_path / "area.geojson"), "--tasks", "3", "--tests", "5x5", "--method", "greedy", "--json"]
+    assert call(*words, "--out", str(tmp_path / "tasks.geojson")) == 0
+    said = capsys.readouterr()
+    told = json.loads(said.out)
+    assert told["origin"] == [47.05, 8.05]
+    features = json.loads((tmp_path / "tasks.geojson").read_text())["features"]
+    written = [feature["geometry"]["coordinates"][::-1] for feature in features]
+    np.testing.assert_allclose(TangentPlane(47.05, 8.05).local(written), told["points"], atol=0.01)
+    assert "local metres" not in said.err
+    words = ["place", "--tasks", "3", "--tests", "5x5", "--method", "greedy", "--out", str(tmp_path / "m.geojson")]
+    assert call(*words) == 0
+    assert capsys.readouterr().err.count("m.geojson: in local metres, as the region") == 1
 
 
 def test_csv_and_json_files(tmp_path, capsys):
@@ -126,7 +145,7 @@ def test_bad_input_is_one_sentence_and_exit_code_2(words, sentence, capsys):
     [
         ([[[0, 0], [9, 9], [9, 0], [0, 9], [0, 0]]], "not valid"),
         ([[[0, 0], [9, 9], [18, 18], [0, 0]]], "region"),
-        ([[[8.1, 47.1], [8.4, 47.1], [8.4, 47.4], [8.1, 47.1]]], "metres, not degrees"),
+        ([[[8.1, 89.1], [8.4, 89.1], [8.4, 89.4], [8.1, 89.1]]], "within a degree of a pole"),
     ],
 )
 def test_bad_regions_are_named(rings, sentence, tmp_path, capsys):

@@ -73,6 +73,23 @@ def test_the_likelihood_agrees_with_scikit_learn_at_the_fitted_mean() -> None:
     np.testing.assert_allclose(gradient, [2 * slope[0], *slope[1:]], rtol=1e-6)
 
 
+@pytest.mark.parametrize("scales", [(150.0, 150.0), (4000.0, 120.0), (120.0, 9000.0)])
+def test_the_fit_leaves_a_peak_on_which_one_start_stays(scales: tuple[float, float]) -> None:
+    """From 150 m a single search ends at log p = −98.9, as a refit of a mission did for good; −79.1 exists."""
+    rng = np.random.default_rng(8)
+    X = rng.uniform(0, 20e3, (30, 2))
+    smooth = SquaredExponential(8.0, (4000.0, 4000.0))
+    y = -70.0 + np.linalg.cholesky(smooth(X, X) + np.eye(30)) @ rng.normal(size=30)
+    found = fit_hyperparameters(SquaredExponential(8.0, scales), 1.0, X, y)
+    assert log_likelihood(found, 1.0, X, y)[0] == pytest.approx(-79.0763, abs=1e-3)
+
+
+@pytest.mark.parametrize(("X", "y"), [(np.zeros((9, 2)), np.arange(9.0)), (np.eye(9, 2), np.full(9, -70.0))])
+def test_samples_that_say_nothing_of_scales_still_give_a_kernel(X: np.ndarray, y: np.ndarray) -> None:
+    found = fit_hyperparameters(KERNEL, 1.0, X, y)
+    assert np.isfinite([found.signal_sd, *found.length_scales]).all()
+
+
 def test_maximum_likelihood_recovers_what_made_the_data() -> None:
     rng = np.random.default_rng(5)
     X = rng.uniform(0, 20000, (300, 2))

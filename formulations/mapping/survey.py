@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -65,8 +66,8 @@ def score(posterior: Posterior, truth: ArrayLike, noise_sd: float) -> Score:
 class Tick:
     """The state of the map after one round of measurements.
 
-    time [s]; samples so far; information IG gathered so far and entropy H(y) of the samples [nats]; score; the kernel
-    in use; posterior, kept for the ticks asked for, else None.
+    time [s]; samples so far; information IG gathered so far and entropy H(y) of the samples [nats], both under the
+    planning kernel; score; the kernel in use; posterior, kept for the ticks asked for, else None.
     """
 
     time: float
@@ -98,6 +99,7 @@ def fly_survey(
     points: Floats,
     *,
     kernel: SquaredExponential,
+    planning: SquaredExponential | None = None,
     noise_sd: float = 1.0,
     period: float = 10.0,
     refit_every: int = 10,
@@ -106,30 +108,81 @@ def fly_survey(
 ) -> Survey:
     """Fly `flights` together, measure `field` and map it at `points` [m], shape (p, 2).
 
-    kernel : what is believed before the first measurement; refit_every : ticks between maximum-likelihood fits,
-    0 for none (a last fit is made at the end). keep(tick, last) says which ticks keep their whole posterior.
-    Raises InputError where no flight lasts a sensing period.
+    kernel : what is believed before the first measurement; planning : under which information and entropy are stated,
+    whatever is fitted (`kernel` unless given), so that those of several surveys compare. refit_every : ticks between
+    maximum-likelihood fits, 0 for none (a last fit is made at the end). keep(tick, last) says which ticks keep their
+    whole posterior. Raises InputError where no flight lasts a sensing period.
     """
-    schedule = _schedule(flights, period)
+    rounds = _measured(flights, field, noise_sd, period, seed)
     truth = field(points)
-    rng = np.random.default_rng(seed)
-    process = GaussianProcess(kernel, noise_sd, points)
-    ticks, record = [], []
-    for number, (time, uavs, positions) in enumerate(schedule):
-        values = field(positions) + rng.normal(0.0, noise_sd, len(uavs))
-        record.append((uavs, positions, values, np.full(len(uavs), time)))
-        process.extend(positions, values)
-        last = number == len(schedule) - 1
+    process, ledger = GaussianProcess(kernel, noise_sd, points), _ledger(planning or kernel, noise_sd)
+    ticks = []
+    for number, measured in enumerate(rounds):
+        process.extend(measured.positions, measured.values)
+        ledger.extend(measured.positions, measured.values)
+        last = number == len(rounds) - 1
         if refit_every and ((number + 1) % refit_every == 0 or last):
             process = process.refitted(fit_hyperparameters(process.kernel, noise_sd, *process.samples))
-        posterior = process.posterior()
-        judged = score(posterior, truth, noise_sd)
-        tick = Tick(
-            time, len(process.samples[1]), process.information(), process.entropy(), judged, process.kernel, posterior
-        )
-        ticks.append(tick if keep(number, len(schedule) - 1) else replace(tick, posterior=None))
-    uav, position, value, when = (np.concatenate(parts) for parts in zip(*record, strict=True))
-    return Survey(tuple(ticks), position, value, uav, when)
+        tick = _tick(measured.time, process, ledger, truth)
+        ticks.append(tick if keep(number, len(rounds) - 1) else replace(tick, posterior=None))
+    times = [np.full(len(measured.uavs), measured.time) for measured in rounds]
+    uavs = np.concatenate([measured.uavs for measured in rounds])
+    return Survey(tuple(ticks), *process.samples, uavs, np.concatenate(times))
+
+
+def last_map(
+    flights: Sequence[Flight],
+    field: Field,
+    points: Floats,
+    *,
+    kernel: SquaredExponential,
+    planning: SquaredExponential | None = None,
+    noise_sd: float = 1.0,
+    period: float = 10.0,
+    refit: bool = True,
+    seed: int = 0,
+) -> Tick:
+    """Return the state after all measurements of `fly_survey`, the same ones for the same seed, fitted once.
+
+    It is what a survey is worth, many times sooner than tick by tick.
+    """
+    rounds = _measured(flights, field, noise_sd, period, seed)
+    positions, values = (np.concatenate([getattr(m, name) for m in rounds]) for name in ("positions", "values"))
+    fitted = fit_hyperparameters(kernel, noise_sd, positions, values) if refit else kernel
+    process, ledger = GaussianProcess(fitted, noise_sd, points), _ledger(planning or kernel, noise_sd)
+    process.extend(positions, values)
+    ledger.extend(positions, values)
+    return _tick(rounds[-1].time, process, ledger, field(points))
+
+
+class _Round(NamedTuple):
+    """One round of measurements: time [s], UAVs, their positions [m], shape (b, 2), and values, shape (b,)."""
+
+    time: float
+    uavs: Ints
+    positions: Floats
+    values: Floats
+
+
+def _measured(flights: Sequence[Flight], field: Field, noise_sd: float, period: float, seed: int) -> list[_Round]:
+    """Return every round of measurements of `field`, noise included, in order."""
+    rng = np.random.default_rng(seed)
+    return [
+        _Round(time, uavs, positions, field(positions) + rng.normal(0.0, noise_sd, len(uavs)))
+        for time, uavs, positions in _schedule(flights, period)
+    ]
+
+
+def _ledger(kernel: SquaredExponential, noise_sd: float) -> GaussianProcess:
+    """Return a process that maps nothing and keeps account of information."""
+    return GaussianProcess(kernel, noise_sd, np.empty((0, 2)))
+
+
+def _tick(time: float, process: GaussianProcess, ledger: GaussianProcess, truth: Floats) -> Tick:
+    posterior = process.posterior()
+    judged = score(posterior, truth, process.noise_sd)
+    count = len(process.samples[1])
+    return Tick(time, count, ledger.information(), ledger.entropy(), judged, process.kernel, posterior)
 
 
 def promised_sd(

@@ -10,7 +10,7 @@ import pytest
 from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.gaussian_process import GaussianProcess, Posterior
-from formulations.mapping.survey import fly_survey, promised_sd, score
+from formulations.mapping.survey import fly_survey, last_map, promised_sd, score
 from instances import InputError
 
 KERNEL = SquaredExponential(10.0, (4000.0, 4000.0))
@@ -78,3 +78,23 @@ def test_the_uncertainty_promised_is_that_of_the_survey() -> None:
     promised = promised_sd(flights, GRID, kernel=KERNEL, noise_sd=1.0, period=10.0)
     flown = fly_survey(flights, smooth_field, GRID, kernel=KERNEL, refit_every=0)
     assert promised == pytest.approx(flown.ticks[-1].score.mean_sd, rel=1e-9)
+
+
+def test_information_is_that_under_the_planning_kernel_whatever_is_fitted() -> None:
+    planning = SquaredExponential(5.0, (2000.0, 3000.0))
+    survey = fly_survey([loop(1000.0, 9000.0)], smooth_field, GRID, kernel=KERNEL, planning=planning, refit_every=5)
+    stated = [tick.information for tick in survey.ticks]
+    assert all(b > a for a, b in itertools.pairwise(stated))
+    by_hand = 0.5 * np.linalg.slogdet(np.eye(len(survey.values)) + planning(survey.positions, survey.positions))[1]
+    assert stated[-1] == pytest.approx(by_hand)
+    assert survey.ticks[-1].kernel != KERNEL
+
+
+def test_the_last_map_alone_rests_on_the_same_samples() -> None:
+    flights = [loop(1000.0, 4000.0), loop(6000.0, 9000.0)]
+    for fitted in (False, True):
+        whole = fly_survey(flights, smooth_field, GRID, kernel=KERNEL, refit_every=5 if fitted else 0, seed=3).ticks[-1]
+        alone = last_map(flights, smooth_field, GRID, kernel=KERNEL, refit=fitted, seed=3)
+        assert (alone.time, alone.samples) == (whole.time, whole.samples)
+        assert alone.information == pytest.approx(whole.information)
+        assert alone.score.rmse == pytest.approx(whole.score.rmse, rel=2e-3 if fitted else 1e-9)

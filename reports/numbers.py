@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 NOTHING = "–"
@@ -104,3 +104,18 @@ def ratio(value: Any) -> str:
 def p_value(value: Any) -> str:
     """Return a probability, never as 0."""
     return NOTHING if missing(value) else "< 0.001" if value < 0.001 else f"{value:.3f}"
+
+
+def apart(a: float, b: float, digits: int = 2) -> tuple[str, str]:
+    """Return two numbers with so many decimals, or as many more as it takes to tell them apart where they differ."""
+    for more in range(digits, 13):
+        texts = fixed(more)(a), fixed(more)(b)
+        if texts[0] != texts[1] or a == b:
+            return texts
+    return f"{a!r}", f"{b!r}"
+
+
+def signed(values: Sequence[float], least: float, digits: int = 2) -> list[str]:
+    """Return numbers with their signs, with so many decimals or as many more as give `least` two figures."""
+    places = max(digits, min(12, 1 - math.floor(math.log10(least)))) if least > 0 else digits
+    return [f"{value:+.{places}f}".replace("-", "−") for value in values]

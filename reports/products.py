@@ -27,7 +27,9 @@ from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
 from reports.damage import reading
 from reports.figures.field import Extent, extent_of
 from reports.kinds import is_number
+from reports.numbers import missing
 from reports.record import Run, read_json, read_run
+from reports.verdicts import MISSION
 
 FOLDERS = ("environment", "place", "costs", "routes", "flight", "map", "compare")
 """The stages that have products."""
@@ -43,14 +45,15 @@ NUMBERS: dict[str, tuple[str, ...]] = {
     ),
     "samples.csv": ("time", "x", "y"),
     "ticks.csv": ("time", "samples", "information", *_SCORES),
-    "compare.csv": ("draw", "count", "length", "longest", "outside", "samples", *_SCORES),
-    "compare-ticks.csv": ("draw", "samples", *_SCORES),
-    "tracks.csv": ("draw", "uav", "x", "y"),
+    "compare.csv": ("draws", "count", "length", "longest", "outside", "samples", "information", *_SCORES),
+    "compare-draws.csv": ("draw", "length", *_SCORES),
+    "compare-ticks.csv": ("flown", *_SCORES),
+    "tracks.csv": ("uav", "x", "y"),
 }  # fmt: skip
 """Table → its columns of numbers that are read."""
-NAMED = ("compare.csv", "compare-ticks.csv", "tracks.csv")
+NAMED = ("compare.csv", "compare-draws.csv", "compare-ticks.csv", "tracks.csv")
 """Tables of several plans, whose `name` says which."""
-WHOLE = ("uav", "draw", "count", "samples")
+WHOLE = ("uav", "draw", "draws")
 """Columns of whole numbers from 0."""
 ENDLESS = ("least_radius",)
 """Columns that may be infinite: a UAV that stays home makes no turn."""
@@ -131,14 +134,31 @@ class Products:
     def compared(self) -> pd.DataFrame:
         """The plans compared, a row each, the mission first."""
         table = self.table("compare", "compare.csv")
-        if table["name"].iloc[0] != "mission" or table.duplicated(["name", "draw"]).any():
+        if table["name"].iloc[0] != MISSION or table["name"].duplicated().any():
             raise InputError(f"{self.folders['compare'] / 'compare.csv'}: must have a row a plan, the mission first")
         return table
 
+    @cached_property
+    def draws(self) -> pd.DataFrame:
+        """Every plan over every draw of field and noise; `refused` is "" where it may be flown."""
+        table = self.table("compare", "compare-draws.csv")
+        with reading(self.folders["compare"] / "compare-draws.csv", "draws"):
+            table["refused"] = ["" if missing(why) else str(why) for why in table["refused"]]
+            of = {name: sorted(rows["draw"]) for name, rows in table.groupby("name", sort=False)}
+            if list(of) != list(self.compared["name"]) or any(each != of[MISSION] for each in of.values()):
+                raise InputError("must have a row for each plan of compare.csv and each draw")
+        return table
+
+    @cached_property
+    def over(self) -> str:
+        """Over what the draws are, in words."""
+        path = self.folders["compare"] / "compare.json"
+        with reading(path, "a comparison"):
+            return str(read_json(path)["over"])
+
     def of_plans(self, file: str) -> pd.DataFrame:
         """Return a table about the plans compared, without rows of others."""
-        plans = self.compared[["name", "draw"]]
-        return self.table("compare", file).merge(plans, on=["name", "draw"])
+        return self.table("compare", file).merge(self.compared[["name"]], on="name")
 
     @cached_property
     def placement(self) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import shapely
@@ -31,7 +32,7 @@ def best_lawnmower(
     region: Region,
     depots: Floats,
     length: float,
-    worth: Callable[[list[Flight]], float],
+    worth: Callable[[list[Flight]], Any],
     *,
     speed: float,
     radius: float,
@@ -39,8 +40,8 @@ def best_lawnmower(
     """Return the number of lanes and the flights, one a depot, of the lawnmower of least `worth`.
 
     For lanes west–east and south–north and each margin of INSETS: the fewest lanes whose flights are `length` [m] long
-    together (or MOST_LANES − 1). depots (m, 2) [m]; worth : such as the sd that a survey by these flights promises;
-    speed v [m/s]; radius r_min [m].
+    together (or MOST_LANES − 1). depots (m, 2) [m]; worth : of any kind that compares, such as the sd that a survey by
+    these flights promises; speed v [m/s]; radius r_min [m].
     """
     tried = [_fewest_lanes(region, depots, length, along, inset, speed, radius) for along in (0, 1) for inset in INSETS]
     return min(tried, key=lambda lawnmower: worth(lawnmower[1]))

@@ -51,26 +51,27 @@ def draw_flight(scenario: Scenario, tasks: Floats, reference: pd.DataFrame, flow
 
 @rc_context(RC)
 def draw_plans(region: Region, depots: Floats, tracks: pd.DataFrame, table: pd.DataFrame, unit: str) -> Drawn:
-    """Return a map a way to fly. tracks : name, draw, uav, x, y; table : name, draw, length, rmse."""
-    first = table[table["draw"] == 0]
-    columns = min(4, len(first))
-    rows = -(-len(first) // columns)
+    """Return a map a way to fly. tracks : name, uav, x, y; table : name, length, rmse, verdict."""
+    columns = min(4, len(table))
+    rows = -(-len(table) // columns)
     figure = new_figure(7.2, 2.35 * rows + 0.2)
     plots = figure.subplots(rows, columns, sharey=True, sharex=True, squeeze=False)
-    for axes in plots.ravel()[len(first) :]:
+    for axes in plots.ravel()[len(table) :]:
         axes.set_visible(False)
-    for axes, (_, row) in zip(plots.ravel(), first.iterrows(), strict=False):
+    for axes, (_, row) in zip(plots.ravel(), table.iterrows(), strict=False):
         map_axes(axes, region)
-        mine = tracks[(tracks["name"] == row["name"]) & (tracks["draw"] == 0)]
+        mine = tracks[tracks["name"] == row["name"]]
         for k, track in mine.groupby("uav"):
             axes.plot(track["x"] / KM, track["y"] / KM, color=colour_of(int(str(k))), linewidth=1.1)
         stars(axes, depots, 40)
-        axes.set_title(f"{row['name']}\n{row['length'] / KM:.0f} km, RMSE {row['rmse']:.2f} {unit}", fontsize=8.5)
+        refused = " (not flyable)" if row["verdict"] == "not flyable" else ""
+        words = f"{row['name']}{refused}\n{row['length'] / KM:.0f} km, RMSE {row['rmse']:.2f} {unit}"
+        axes.set_title(words, fontsize=8.5)
     for axes in plots[:, 1:].ravel():
         axes.set_ylabel("")
     caption = (
-        "Every plan starts and ends at the same depots (stars), one colour a UAV. Lawnmower and random tours are at "
-        "least as long as the mission's."
+        "Every plan starts and ends at the same depots (stars). Lawnmower and random tours are at least as long as the "
+        "mission's. Drawn are the tours of the first draw; lengths and RMSE are means over all."
     )
     return Drawn("plans", "The ways to fly that are compared", caption, figure)
 

@@ -32,32 +32,28 @@ def draw_progress(ticks: pd.DataFrame, unit: str) -> Drawn:
     caption = (
         "Judged at every map cell after each round of measurements. The 95 % interval is honest where it covers about "
         "95 % of the truth (band: 90 to 98 %). Steps are where the hyperparameters are fitted anew; information is "
-        "½ log det(I + K/σ_n²) under the hyperparameters of the moment, so it may step down."
+        "½ log det(I + K/σ_n²) under the planning kernel, whatever is fitted, and only grows."
     )
     return Drawn("progress", "Error and uncertainty against time", caption, figure)
 
 
 @rc_context(RC)
-def draw_comparison(ticks: pd.DataFrame, table: pd.DataFrame, unit: str) -> Drawn:
-    """Return RMSE and NLPD against the length flown so far, a line a plan. ticks : name, draw, time, rmse, nlpd."""
+def draw_comparison(ticks: pd.DataFrame, unit: str) -> Drawn:
+    """Return RMSE and NLPD against the length flown so far, a line a plan. ticks : name, flown [m], rmse, nlpd."""
     figure = new_figure(7.2, 3.3)
     error, density = figure.subplots(1, 2)
-    plans = list(dict.fromkeys(ticks["name"]))  # the mission first
-    for (name, draw), mine in ticks.groupby(["name", "draw"], sort=False):
-        own = table[(table["name"] == name) & (table["draw"] == draw)].iloc[0]
-        km = own["length"] / 1e3 * mine["samples"] / own["samples"]
-        rank = plans.index(str(name))
+    for rank, (name, mine) in enumerate(ticks.groupby("name", sort=False)):  # the mission first
+        km = mine["flown"] / 1e3
         colour, dash, marker = COLOURS[rank % len(COLOURS)], DASHES[rank % len(DASHES)], MARKERS[rank % len(MARKERS)]
-        label = str(name) if draw == 0 else None
         for axes, column in ((error, "rmse"), (density, "nlpd")):
             width = 2.4 if name == "mission" else 1.4
-            axes.plot(km, mine[column], color=colour, linestyle=dash, linewidth=width, label=label)
+            axes.plot(km, mine[column], color=colour, linestyle=dash, linewidth=width, label=str(name))
             axes.scatter(km.iloc[-1:], mine[column].iloc[-1:], color=colour, marker=marker, s=26, zorder=4)
     error.set(ylabel=f"RMSE [{unit}]", xlabel="flown by all UAVs [km]", ylim=(0, None))
     density.set(ylabel="NLPD [nats]", xlabel="flown by all UAVs [km]")
     error.legend(loc="upper right")
     caption = (
         "Same field, UAVs, sensor and mapping; only the tours differ. Lower is better; the mark is where each plan "
-        "ends."
+        "ends. This is the mission's own field and noise, one draw: who wins is judged over all draws."
     )
     return Drawn("comparison", "Against what a person would fly otherwise", caption, figure)

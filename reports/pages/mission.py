@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from matplotlib import colormaps
 from matplotlib.image import imsave
 
 from instances.arrays import Floats
+from reports import numbers
 from reports.columns import FLIGHT, survey
 from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, draw_field
 from reports.figures.flight import colour_of, draw_flight, draw_plans
@@ -21,12 +23,14 @@ from reports.figures.heights import draw_heights
 from reports.figures.map import draw_judged, draw_stages, signal_range
 from reports.figures.mission import draw_comparison, draw_progress
 from reports.figures.svg import Drawn
+from reports.figures.verdicts import draw_verdicts
 from reports.figures.wind import draw_wind
 from reports.kinds import is_number
 from reports.pages.blocks import Beside, Block, Facts, Lines, Section, Source, Table, table_of
 from reports.pages.exported import exported
 from reports.pages.page import Page, fragment, write_page
 from reports.products import Products
+from reports.verdicts import MISSION, Verdict, difference, sentence, verdicts
 
 
 def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any]) -> list[Drawn]:
@@ -37,7 +41,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     """
     products = Products(folders)
     scenario, unit = products.scenario, products.unit
-    ticks, table = products.ticks, products.compared
+    ticks, table, judged_plans = products.ticks, products.compared, verdicts(products.draws)
     flown, samples = products.table("flight", "flown.csv"), products.table("map", "samples.csv")
     wind = [] if scenario.wind is None else [draw_wind(scenario.wind, scenario.region)]
     source = tuple(scenario.radio["position"]) if scenario.radio else None
@@ -47,16 +51,17 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     stages = draw_stages(products.maps, scenario.region, scenario.depots, flown, samples, unit)
     judged = [draw_judged(products.maps, scenario.region, unit), draw_progress(ticks, unit)]
     compared = [
-        draw_comparison(products.of_plans("compare-ticks.csv"), table, unit),
+        draw_verdicts(products.draws, judged_plans, unit),
+        draw_comparison(products.of_plans("compare-ticks.csv"), unit),
         draw_plans(scenario.region, scenario.depots, products.of_plans("tracks.csv"), table, unit),
     ]
     data = film(products, flown, samples, ticks)
     planned: list[Block] = [_placed(products), _routed(products), flight, heights]
     planned += [_checks(products), exported(folders)]
-    plans = table_of(_named(table), survey(unit), key="plans")
+    plans = _plans(table, judged_plans, unit)
     blocks: list[Block] = [
         Facts(_headline(products, ticks), large=True),
-        Lines(verdict(table, unit)),
+        Lines([sentence(verdict, unit, products.over) for verdict in judged_plans]),
         Section("Environment", [Beside(given)], "given"),
         Section("Tasks, routes and flight", planned, "plan", "Plan"),
         Section("The map as it grows", [_player(products, data), Beside([stages, list(judged)])], "map", "Map"),
@@ -69,13 +74,17 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
 
 
 WORDS = [
-    ("information", "½ log det(I + K/σ_n²) of all measurements: what they say about the field [nats]"),
+    ("information", "½ log det(I + K/σ_n²) of all measurements under the planning kernel: what they say of the field "
+     "[nats]"),
     ("lawnmower", "parallel lanes, the fewest that are at least as long as the mission's tours, shared so that the "
      "longest tour is about least"),
     ("random", "uniform random tasks, as many as make the tours at least as long, routed like the mission's"),
     ("greedy", "as many tasks as the mission has, each put where it gains most, routed like the mission's"),
 ]  # fmt: skip
 """What no column of a table explains."""
+
+
+CAPTION = "Means over the draws; random tours are other ones in each draw."
 
 
 def _made(said: dict[str, Any]) -> Section:
@@ -90,22 +99,6 @@ def _made(said: dict[str, Any]) -> Section:
 def scenario_tasks(products: Products) -> Floats:
     """Return the tasks (n, 2) [m]."""
     return products.table("place", "tasks.csv")[["x", "y"]].to_numpy()
-
-
-def verdict(table: pd.DataFrame, unit: str) -> list[str]:
-    """Return a sentence a baseline: who has the smaller error and density, and at what length."""
-    own = table[table["name"] == "mission"].iloc[0]
-    sentences = []
-    for name, rows in table[table["name"] != "mission"].groupby("name", sort=False):
-        other = rows[["length", "rmse", "nlpd"]].mean()
-        better, certain = own["rmse"] < other["rmse"], own["nlpd"] < other["nlpd"]
-        longer = other["length"] / own["length"] - 1
-        length = f"{abs(longer):.0%} {'longer' if longer >= 0 else 'shorter'}"
-        error = f"RMSE {own['rmse']:.2f} against {other['rmse']:.2f} {unit} ({own['rmse'] / other['rmse']:.0%})"
-        winner = "A draw" if better != certain else "The mission wins" if better else "The baseline wins"
-        density = f"NLPD {own['nlpd']:.2f} against {other['nlpd']:.2f} nats"
-        sentences.append(f"{winner} against {name}: {error}, {density}; {name} flies {length}.")
-    return sentences
 
 
 def film(products: Products, flown: pd.DataFrame, samples: pd.DataFrame, ticks: pd.DataFrame) -> dict[str, Any]:
@@ -163,7 +156,7 @@ def _picture(values: Floats, low: float, high: float, colours: str) -> str:
 
 def _about(products: Products, ticks: pd.DataFrame, table: pd.DataFrame) -> str:
     scenario = products.scenario
-    own = table[table["name"] == "mission"].iloc[0]
+    own = table[table["name"] == MISSION].iloc[0]
     return (
         f"{scenario.n_depots} UAVs fly {own['length'] / 1e3:.1f} km past {len(scenario_tasks(products))} tasks and "
         f"measure {int(own['samples'])} times; the last comes home after {ticks['time'].iloc[-1] / 60:.1f} min. "
@@ -223,7 +216,24 @@ def _checks(products: Products) -> Table:
     return table_of(flown.mask(home).assign(uav=names), FLIGHT, key="flight")
 
 
-def _named(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the comparison with a name of its own for each draw of a plan that has several."""
-    several = table["name"].duplicated(keep=False)
-    return table.assign(name=table["name"] + np.where(several, ", draw " + (table["draw"] + 1).astype(str), ""))
+def _plans(table: pd.DataFrame, judged: list[Verdict], unit: str) -> Table:
+    """Return the plans compared; what nobody may fly is marked as such and not as the best."""
+    more = {v.name: _more(v) for v in judged}
+    refused = {v.name for v in judged if v.refused}
+    said = {v.name: v.outcome for v in judged}
+    names = [f"{name}, not flyable" if name in refused else name for name in table["name"]]
+    shown = table.assign(name=names, **{key: table["name"].map(of) for key, of in (("more", more), ("verdict", said))})
+    made = table_of(shown, survey(unit), key="plans", caption=CAPTION)
+    rows = [
+        [replace(cell, mark="") for cell in row] if name in refused else row
+        for name, row in zip(table["name"], made.rows, strict=True)
+    ]
+    return replace(made, rows=rows)
+
+
+def _more(verdict: Verdict) -> str:
+    """Return how much greater the baseline's RMSE is, with its interval where there is one."""
+    if verdict.rmse.pairs < 2:
+        return numbers.signed([verdict.turned.mean], abs(verdict.turned.mean))[0]
+    mean, low, high = difference(verdict.turned)
+    return f"{mean} ({low} to {high})"

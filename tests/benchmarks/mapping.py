@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import math
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from formulations.kernel import SquaredExponential
 from formulations.mapping import dubins
 from formulations.mapping.gaussian_process import GaussianProcess
 from instances.environment.radio import RadioMap
-from workbench.mission.compare import Plan, lawnmower, routed
+from workbench.mission.baselines import Baselines, Plan
 from workbench.mission.file import mission_of
 from workbench.mission.map import survey_of
 from workbench.mission.place import place_tasks
@@ -124,8 +125,9 @@ def random_fields(count: int, time_limit: float) -> None:
     mission = mission_of_squares(time_limit)
     scenario = mission.scenario
     tasks = place_tasks(mission, scenario.region, scenario.n_tasks, mission.place.method, {}).points
-    own = Plan("mission", 0, 40, routed(mission, scenario, tasks))
-    other = lawnmower(mission, scenario, own.length)
+    with ThreadPoolExecutor(1) as pool:
+        own = Plan("mission", 40, Baselines(mission, scenario, None, 0.0).routed(pool, tasks)())
+    (other,) = Baselines(mission, scenario, None, own.length).lawnmower()
     rows = []
     for seed in range(count):
         drawn = field(seed)

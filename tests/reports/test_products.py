@@ -112,3 +112,23 @@ def test_damaged_routes_are_named(products, text):
     (products.folders["routes"] / "run.json").write_text(text)
     with pytest.raises(InputError, match=r"run\.json"):
         _ = products.routes
+
+
+def test_every_plan_has_the_same_draws(products):
+    path = products.folders["compare"] / "compare-draws.csv"
+    whole = pd.read_csv(path).assign(draw=0, refused=["", "UAV 0 would …"])
+    whole.to_csv(path, index=False)
+    assert list(products.draws["refused"]) == ["", "UAV 0 would …"]
+    for damaged in (whole[:1], whole.assign(draw=[0, 1]), whole.drop(columns="refused"), whole[::-1]):
+        damaged.to_csv(path, index=False)
+        with pytest.raises(InputError, match=r"compare-draws\.csv"):
+            _ = Products(products.folders).draws
+
+
+def test_what_the_draws_are_is_said(products):
+    path = products.folders["compare"] / "compare.json"
+    path.write_text('{"over": "3 noise seeds"}')
+    assert products.over == "3 noise seeds"
+    path.write_text("[]")
+    with pytest.raises(InputError, match=r"compare\.json"):
+        _ = Products(products.folders).over

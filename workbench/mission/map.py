@@ -35,7 +35,8 @@ from workbench.mission.settings import Mission
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     origin = None if mission.origin is None else asdict(mission.origin)
-    return asdict(mission.sensing) | asdict(mission.map) | {"origin": origin}
+    planned = {name: asdict(mission.place)[name] for name in ("signal_sd", "length_scale")}
+    return asdict(mission.sensing) | asdict(mission.map) | {"origin": origin, "planning": planned}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
@@ -75,13 +76,21 @@ def survey_of(
         flights,
         field,
         MapGrid.over(region, mission.map.cells).points,
-        kernel=SquaredExponential(mission.map.signal_sd, scales_of(mission.map.length_scale)),
-        noise_sd=mission.sensing.noise_sd,
-        period=mission.sensing.period,
+        **sensing_of(mission),
         refit_every=mission.map.refit_every,
         seed=mission.sensing.seed,
         keep=lambda tick, _: tick in kept,
     )
+
+
+def sensing_of(mission: Mission) -> dict[str, Any]:
+    """Return sensor and kernels as `formulations.mapping.survey` takes them; information is under the planning one."""
+    return {
+        "kernel": SquaredExponential(mission.map.signal_sd, scales_of(mission.map.length_scale)),
+        "planning": SquaredExponential(mission.place.signal_sd, scales_of(mission.place.length_scale)),
+        "noise_sd": mission.sensing.noise_sd,
+        "period": mission.sensing.period,
+    }
 
 
 def ticks_frame(survey: Survey) -> pd.DataFrame:

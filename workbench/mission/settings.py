@@ -117,11 +117,15 @@ class MapSettings:
 
 @dataclass(frozen=True)
 class CompareSettings:
-    """[compare]: what else is flown over the same field; draws of the random tours; time_limit [s] of each solve."""
+    """[compare]: what else is flown, over so many `seeds` of field and noise; time_limit [s] of each solve.
+
+    draws : different random tours, taken in turn over the seeds.
+    """
 
     baselines: list[str] = keys.texts(["lawnmower", "random", "greedy"])
-    draws: int = keys.count(1, 1)
-    time_limit: float = keys.positive(3.0, "s", LONGEST)
+    seeds: int = keys.count(8, 1, 1000)
+    draws: int = keys.count(8, 1, 1000)
+    time_limit: float = keys.positive(1.0, "s", LONGEST)
     seed: int = keys.seed()
 
 

@@ -19,31 +19,8 @@ from reports.figures.heights import draw_heights
 from reports.figures.map import draw_judged, draw_stages
 from reports.figures.mission import draw_comparison, draw_progress
 from reports.pages.exported import exported
-from reports.pages.mission import _picture, verdict
+from reports.pages.mission import _picture
 from reports.products import Maps
-
-
-def frame(**rows: tuple[float, float, float]) -> pd.DataFrame:
-    """Return a comparison: name = (length [m], RMSE, NLPD)."""
-    return pd.DataFrame([{"name": n, "length": a, "rmse": b, "nlpd": c} for n, (a, b, c) in rows.items()])
-
-
-@pytest.mark.parametrize(
-    ("other", "words"),
-    [
-        ((200e3, 2.0, 3.0), r"^The mission wins against lawnmower: RMSE 1\.00 against 2\.00 dBm \(50%\).*100% longer"),
-        ((90e3, 0.5, 1.0), r"^The baseline wins against lawnmower: RMSE 1\.00 against 0\.50 dBm \(200%\).*10% shorter"),
-        ((100e3, 0.5, 3.0), r"^A draw against lawnmower"),
-    ],
-)
-def test_the_verdict_says_who_wins(other: tuple[float, float, float], words: str) -> None:
-    (sentence,) = verdict(frame(mission=(100e3, 1.0, 2.0), lawnmower=other), "dBm")
-    assert pd.Series([sentence]).str.contains(words)[0]
-
-
-def test_draws_of_one_baseline_are_judged_by_their_mean() -> None:
-    table = pd.concat([frame(mission=(1e3, 1.0, 2.0)), frame(random=(1e3, 0.5, 1.0)), frame(random=(1e3, 2.5, 4.0))])
-    assert "RMSE 1.00 against 1.50" in verdict(table, "dBm")[0]
 
 
 def test_a_picture_has_a_pixel_a_cell_north_up_and_nothing_outside() -> None:
@@ -84,11 +61,10 @@ def test_figures_of_a_region_that_is_no_square(maps: Maps) -> None:
 def test_curves_of_a_single_tick() -> None:
     ticks = pd.DataFrame(
         {"time": [10.0], "rmse": [1.0], "mean_sd": [1.0], "max_sd": [2.0], "nlpd": [1.0], "coverage": [1.0],
-         "information": [3.0], "samples": [3], "name": ["mission"], "draw": [0]}
+         "information": [3.0], "flown": [1e3], "name": ["mission"]}
     )  # fmt: skip
     assert len(draw_progress(ticks, "dBm").figure.axes) == 4
-    table = pd.DataFrame({"name": ["mission"], "draw": [0], "length": [1e3], "samples": [3]})
-    assert len(draw_comparison(ticks, table, "dBm").figure.axes) == 2
+    assert len(draw_comparison(ticks, "dBm").figure.axes) == 2
 
 
 @pytest.mark.parametrize("known", [True, False])

@@ -72,7 +72,8 @@ cells = 20
 frames = 4
 
 [compare]
-time_limit = 1.0
+seeds = 2
+time_limit = 0.5
 """
 ZONE = {"type": "Polygon", "coordinates": [[[2600, 1800], [3400, 1800], [3400, 3000], [2600, 3000], [2600, 1800]]]}
 
@@ -123,7 +124,11 @@ def test_every_stage_leaves_its_products(made: Path) -> None:
     assert check_routes(instance, read_routes(made / "4-routes/routes.sol", instance)) == []
     axes, maps = read_grids(made / "6-map/maps.nc")
     assert maps["mean"].values.shape == (len(axes["time"]), 17, 20)
-    assert list(pd.read_csv(made / "7-compare/compare.csv")["name"]) == ["mission", "lawnmower", "random", "greedy"]
+    compared, draws = (pd.read_csv(made / f"7-compare/{name}.csv") for name in ("compare", "compare-draws"))
+    assert list(compared["name"]) == ["mission", "lawnmower", "random", "greedy"]
+    assert list(draws["draw"]) == [0] * 4 + [1] * 4
+    np.testing.assert_allclose(compared["rmse"], draws.groupby("name", sort=False)["rmse"].mean())
+    assert draws["information"][0] == pytest.approx(pd.read_csv(made / "6-map/ticks.csv")["information"].iloc[-1])
     assert not list(made.glob(".*"))
 
 

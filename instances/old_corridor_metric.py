@@ -19,14 +19,14 @@ TOLERANCE = 1e-9
 """Touching a wall within this fraction of the region's diameter is no crossing."""
 
 
-def old_corridor_costs(points: Floats, region: Region, airspeed: float, wind: WindField | None) -> Floats:
+def old_corridor_costs(points: Floats, region: Region, v0: float, wind: WindField | None) -> Floats:
     """Return ``cost[i, j]`` [s], shape (k, k), between `points` (k, 2) [m] inside `region`, as old files mean them."""
-    cost = _leg_costs(points, points, region, airspeed, wind)
+    cost = _leg_costs(points, points, region, v0, wind)
     corners = turning_corners(region)
     if len(corners):
-        among = shortest_walks(_leg_costs(corners, corners, region, airspeed, wind))
-        first = _leg_costs(points, corners, region, airspeed, wind)
-        last = _leg_costs(corners, points, region, airspeed, wind)
+        among = shortest_walks(_leg_costs(corners, corners, region, v0, wind))
+        first = _leg_costs(points, corners, region, v0, wind)
+        last = _leg_costs(corners, points, region, v0, wind)
         reach = np.min(first[:, :, None] + among[None, :, :], axis=1)
         for corner in range(len(corners)):
             np.minimum(cost, reach[:, corner, None] + last[None, corner, :], out=cost)
@@ -48,7 +48,7 @@ def turning_corners(region: Region) -> Floats:
     return np.concatenate(found)
 
 
-def _leg_costs(a: Floats, b: Floats, region: Region, airspeed: float, wind: WindField | None) -> Floats:
+def _leg_costs(a: Floats, b: Floats, region: Region, v0: float, wind: WindField | None) -> Floats:
     """Return the cost [s] of the straight legs a → b, shape (len(a), len(b)); inf where one leaves the region."""
     x0, y0, x1, y1 = region.bounds
     roomy = shapely.buffer(region.polygon, TOLERANCE * float(np.hypot(x1 - x0, y1 - y0)), join_style="mitre")
@@ -56,9 +56,9 @@ def _leg_costs(a: Floats, b: Floats, region: Region, airspeed: float, wind: Wind
     cost = np.empty((len(a), len(b)))
     for i, start in enumerate(a):
         starts = np.broadcast_to(start, b.shape)
-        cost[i] = np.sqrt(((b - start) ** 2).sum(axis=1)) / airspeed
+        cost[i] = np.sqrt(((b - start) ** 2).sum(axis=1)) / v0
         if wind is not None:
-            cost[i] = moving_cost(cost[i], wind.line_integral(starts, b), airspeed)
+            cost[i] = moving_cost(cost[i], wind.line_integral(starts, b), v0)
         outside = ~np.asarray(shapely.covers(roomy, shapely.linestrings(np.stack([starts, b], axis=1))))
         cost[i, outside & (b != start).any(axis=1)] = np.inf  # a leg of no length is no line to shapely
     return cost

@@ -1,7 +1,8 @@
 """Paths between nodes, their files, and their independent check: length, wind integral and collision, recomputed.
 
-`check_paths` trusts neither a planner's costs (`moving_cost.moving_costs`) and the wind's exact line integrals they are
-made of nor its collision tests: it samples the wind itself and asks the region's polygon.
+`check_paths` trusts neither a planner's costs (`moving_cost.CostMeasure`) and the integrals they are made of nor its
+collision tests: it samples the wind itself and asks the region's polygon. What it confirms is what a path costs and
+that it can be flown, not that no other path is cheaper.
 
 The file lies beside the instance, ``NAME.paths.json.gz`` for ``NAME.json``; its points are rounded to the millimetre.
 """
@@ -26,7 +27,8 @@ from instances.environment.wind import WindField
 from instances.errors import InputError, naming, shown
 from instances.extent import check_positions
 from instances.instance import Instance
-from instances.moving_cost import moving_cost, segments
+from instances.moving_cost import CostKind, moving_cost, segments
+from instances.wind_triangle import ground_speeds
 
 ENDING = ".paths.json.gz"
 NEAR = 5e-3
@@ -100,11 +102,13 @@ def check_paths(
     wind: WindField | None,
     v0: float,
     potential: Floats | None = None,
+    kind: CostKind = CostKind.ENERGY,
 ) -> list[str]:
     """Return what is wrong with `paths`, a sentence each; an empty list means that all of it is confirmed.
 
     cost : claimed costs [s], shape (N, N). coordinates : of the nodes (N, 2) [m]. region : without its no-fly
-    zones. potential : node potentials p [s], shape (N,), where ``cost[i, j]`` is C(σ) + p_j − p_i.
+    zones. potential : node potentials p [s], shape (N,), where ``cost[i, j]`` is C(σ) + p_j − p_i. kind : what costs
+    are, at the speed v0 [m/s].
     """
     n = paths.n_nodes
     if cost.shape != (n, n) or coordinates.shape != (n, 2):
@@ -133,9 +137,12 @@ def check_paths(
             f"The path from {p} to {q} runs {far:.3g} m outside the region or in a no-fly zone "
             f"({len(outside)} of {len(k)} paths do)."
         )
-    lengths, push = _recomputed(paths, wind)
+    lengths, found = _recomputed(paths, wind, v0, kind)
     tau = lengths[k] / v0
-    actual = moving_cost(tau, push[k], v0)
+    actual = found[k] if kind is CostKind.TIME else moving_cost(tau, found[k], v0)
+    if np.isnan(actual).any():
+        q = int(np.argmax(np.isnan(actual)))
+        return [*faults, f"The path from {i[q]} to {j[q]} meets a wind in which the airspeed cannot keep it."]
     if potential is not None:
         actual = actual + potential[j] - potential[i]
     wrong = np.abs(cost[i, j] - actual) > TOLERANCE * np.maximum(tau, 1e-3)
@@ -158,31 +165,40 @@ def paths_outside(paths: Paths, region: Region) -> Ints:
     return flown[~np.asarray(shapely.covers(room, lines))]
 
 
-def _recomputed(paths: Paths, wind: WindField | None) -> tuple[Floats, Floats]:
-    """Return length [m] and ∫ w·dσ [m²/s] of each path."""
+def _recomputed(paths: Paths, wind: WindField | None, v0: float, kind: CostKind) -> tuple[Floats, Floats]:
+    """Return of each path its length [m] and ∫ w·dσ [m²/s], or for times the time [s], NaN where it cannot be flown."""
     a, b, owner = segments(paths.points, paths.offsets)
     size = np.hypot(*(b - a).T)
     count = paths.n_nodes**2
     lengths = np.bincount(owner, size, minlength=count).astype(float)
-    push = np.zeros(count)
     if wind is None:
-        return lengths, push
+        return lengths, lengths / v0 if kind is CostKind.TIME else np.zeros(count)
+    total = np.zeros(count)
     pieces = np.clip(np.ceil(size / PIECE), 1, MOST_PIECES).astype(np.int64)
     for part in np.split(np.arange(len(a)), np.flatnonzero(np.diff(np.cumsum(pieces) // AT_ONCE)) + 1):
-        push += np.bincount(owner[part], _wind_integrals(a[part], b[part], pieces[part], wind), minlength=count)
-    return lengths, push
+        found = _integrals(a[part], b[part], pieces[part], wind, v0, kind)
+        total += np.bincount(owner[part], found, minlength=count)
+    return lengths, total
 
 
-def _wind_integrals(a: Floats, b: Floats, pieces: Ints, wind: WindField) -> Floats:
-    """Return ∫ w·dσ [m²/s] along the segments `a` → `b`, the wind sampled by composite Gauss quadrature."""
+def _integrals(a: Floats, b: Floats, pieces: Ints, wind: WindField, v0: float, kind: CostKind) -> Floats:
+    """Return ∫ w·dσ [m²/s] or the times [s] along the segments `a` → `b`, by composite Gauss quadrature."""
     d = b - a
+    size = np.hypot(*d.T)
+    tangents = np.divide(d, size[:, None], out=np.zeros_like(d), where=size[:, None] > 0)
     which = np.repeat(np.arange(len(a)), pieces)
     number = np.arange(len(which)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    push = np.zeros(len(which))
+    total = np.zeros(len(which))
     for node, weight in ((-(0.6**0.5), 5 / 18), (0.0, 8 / 18), (0.6**0.5, 5 / 18)):
         t = (number + 0.5 + 0.5 * node) / pieces[which]
-        push += weight * np.einsum("ij,ij->i", wind(a[which] + t[:, None] * d[which]), d[which]) / pieces[which]
-    return np.bincount(which, push, minlength=len(a)).astype(float)
+        w = wind(a[which] + t[:, None] * d[which])
+        if kind is CostKind.TIME:
+            speeds = ground_speeds(w, tangents[which], v0)
+            value = size[which] / np.where(speeds > 0, speeds, np.nan)
+        else:
+            value = np.einsum("ij,ij->i", w, d[which])
+        total += weight * value / pieces[which]
+    return np.bincount(which, total, minlength=len(a)).astype(float)
 
 
 def paths_file(instance_file: Path | str) -> Path:

@@ -1,7 +1,8 @@
 """Scenario: a mission before its moving costs are known. It is read from and written to TOML; SI units.
 
     name = "survey"                       # optional: the file's name if left out
-    airspeed = 100.0                      # v0 [m/s]
+    ground_speed = 100.0                  # v0 [m/s], held constant: legs cost energy, in seconds of calm flight
+    # cost = "time"                       # or this with airspeed = 100.0, held constant: legs cost flight time
     size = [20000, 20000]                 # [m], or region = "area.kml": see instances.places
     no_fly = "zones.geojson"              # optional, any number of polygons
     depots = [[x, y], ...]                # [m], one UAV at each; or degrees, or a file of points
@@ -20,6 +21,7 @@ Files are relative to the TOML file.
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,16 +37,17 @@ from instances.environment.region import Region
 from instances.environment.site import Site
 from instances.environment.wind import WindField
 from instances.environment.wind_table import wind_from_toml
-from instances.errors import InputError, naming, shown, suggestion
+from instances.errors import LONGEST_SENTENCE, InputError, naming, one_line, shown, suggestion
 from instances.extent import positive
 from instances.geodesy import TangentPlane
 from instances.georeference import LOCAL, Georeference, could_be_degrees
 from instances.instance import check_name
+from instances.moving_cost import CostKind
 from instances.places import KEYS as PLACE_KEYS
 from instances.places import file_name, local_pair, read_places
 from instances.toml_text import toml_text
 
-KEYS = ("name", "airspeed", *PLACE_KEYS, "terrain", "wind", "radio", "provenance")
+KEYS = ("name", "cost", "ground_speed", "airspeed", *PLACE_KEYS, "terrain", "wind", "radio", "provenance")
 """Every key of a scenario file."""
 
 
@@ -55,7 +58,7 @@ class Scenario:
     name : short name.
     region : the area A.
     depots : (m, 2) [m], m ≥ 1, each in the region and outside the no-fly zones.
-    airspeed : v0 [m/s], positive.
+    speed : v0 [m/s], positive: the ground speed where the cost is energy, the airspeed where it is time.
     wind : None where calm.
     tasks : (n, 2) [m], or None where `n_tasks` of them are still to be placed.
     n_tasks : n ≥ 1; may be left at 0 where `tasks` is given.
@@ -64,6 +67,7 @@ class Scenario:
     radio : the table that describes the radio source, or None.
     provenance : where it comes from.
     plane : where on Earth the local plane is, or None.
+    cost : what a leg costs.
 
     Raises InputError with one sentence that names the field and the value.
     """
@@ -71,7 +75,7 @@ class Scenario:
     name: str
     region: Region
     depots: Floats
-    airspeed: float
+    speed: float
     wind: WindField | None = None
     tasks: Floats | None = None
     n_tasks: int = 0
@@ -80,10 +84,12 @@ class Scenario:
     radio: Mapping[str, Any] | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
     plane: TangentPlane | None = None
+    cost: CostKind = CostKind.ENERGY
 
     def __post_init__(self) -> None:
         check_name(self.name)
-        object.__setattr__(self, "airspeed", positive(self.airspeed, "airspeed [m/s]"))
+        object.__setattr__(self, "cost", CostKind(self.cost))
+        object.__setattr__(self, "speed", positive(self.speed, f"{self.cost.speed_key} [m/s]"))
         object.__setattr__(self, "no_fly", tuple(self.no_fly))
         object.__setattr__(self, "depots", _points(self.depots, "depots", self.region))
         free = self.free
@@ -145,7 +151,38 @@ def read_scenario(path: Path | str, more: Mapping[str, Any] | None = None) -> Sc
         for key, value in (more or {}).items():
             if table.setdefault(key, value) != value:
                 raise InputError(f"{key} is {shown(table[key])} here and {shown(value)} in the mission")
-        return scenario_of(table, path.parent, path.stem)
+        scenario = scenario_of(table, path.parent, path.stem)
+    tell_old_speed(table, path)
+    return scenario
+
+
+def tell_old_speed(table: Mapping[str, Any], path: Path) -> None:
+    """Log a notice where a file says 'airspeed' for the constant ground speed of energies, as all once did."""
+    if cost_of(table) is CostKind.ENERGY and "airspeed" in table:
+        words = f"{path}: airspeed is read as ground_speed, which energies need; write that, or add cost = 'time'"
+        logging.getLogger(__name__).warning(one_line(words, LONGEST_SENTENCE))
+
+
+def cost_of(table: Mapping[str, Any]) -> CostKind:
+    """Return what legs cost in the scenario of `table`."""
+    given = table.get("cost", CostKind.ENERGY)
+    if given not in list(CostKind):
+        raise InputError(f"cost must be {' or '.join(repr(str(kind)) for kind in CostKind)}, got {shown(given)}")
+    return CostKind(given)
+
+
+def _speed(table: Mapping[str, Any], cost: CostKind) -> Any:
+    """Return the speed that `cost` holds constant; an energy's may stand under its old key 'airspeed'."""
+    if cost is CostKind.TIME and "ground_speed" in table:
+        raise InputError("cost = 'time' is reckoned at a constant airspeed: give 'airspeed', not 'ground_speed'")
+    if "ground_speed" in table and "airspeed" in table:
+        raise InputError(
+            "cost = 'energy' is reckoned at a constant ground_speed: give 'ground_speed' alone, not 'airspeed' too"
+        )
+    key = "airspeed" if "airspeed" in table else cost.speed_key
+    if key not in table:
+        raise InputError(f"the key '{key}' is missing")
+    return positive(table[key], f"{key} [m/s]")
 
 
 def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
@@ -153,7 +190,9 @@ def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
     for key in table:
         if key not in KEYS:
             raise InputError(f"unknown key {shown(key)}{suggestion(key, KEYS)}")
-    for key in ("airspeed", "depots", "tasks"):
+    cost = cost_of(table)
+    speed = _speed(table, cost)
+    for key in ("depots", "tasks"):
         if key not in table:
             raise InputError(f"the key '{key}' is missing")
     for key in ("wind", "radio", "provenance"):
@@ -167,7 +206,7 @@ def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
         name=table.get("name", name),
         region=places.region,
         depots=places.depots,
-        airspeed=table["airspeed"],
+        speed=speed,
         wind=wind_from_toml(table["wind"], folder, site) if "wind" in table else None,
         tasks=tasks if count is None else None,
         n_tasks=count or 0,
@@ -176,6 +215,7 @@ def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
         radio=_radio(table, places.reference),
         provenance=table.get("provenance", {}),
         plane=site.plane,
+        cost=cost,
     )
 
 
@@ -190,7 +230,10 @@ def _radio(table: Mapping[str, Any], reference: Georeference) -> Mapping[str, An
 def write_scenario(scenario: Scenario, path: Path | str) -> None:
     """Write a scenario file, and beside it ``<stem>-region.geojson`` and ``<stem>-no-fly.geojson`` where needed."""
     path = Path(path)
-    table: dict[str, Any] = {"name": scenario.name, "airspeed": scenario.airspeed}
+    table: dict[str, Any] = {"name": scenario.name}
+    if scenario.cost is not CostKind.ENERGY:
+        table["cost"] = str(scenario.cost)
+    table[scenario.cost.speed_key] = scenario.speed
     x0, y0, x1, y1 = scenario.region.bounds
     if x0 == y0 == 0.0 and scenario.region.polygon.equals(Region.rectangle(x1, y1).polygon):
         table["size"] = [x1, y1]

@@ -26,9 +26,9 @@ BLOCK = 2_000_000
 """Pairs computed at a time: bounds the memory beside the matrix itself."""
 
 
-def wind_metric(airspeed: float, wind: WindField | None) -> dict[str, Any]:
-    """Return the metric as it stands in an instance file."""
-    return {"metric": "wind", "airspeed": airspeed, "wind": None if wind is None else wind.to_toml()}
+def wind_metric(v0: float, wind: WindField | None) -> dict[str, Any]:
+    """Return the metric as it stands in an instance file, where the ground speed v0 [m/s] has its old key."""
+    return {"metric": "wind", "airspeed": v0, "wind": None if wind is None else wind.to_toml()}
 
 
 def vorticity(wind: WindField | None) -> float:
@@ -45,48 +45,48 @@ def vorticity(wind: WindField | None) -> float:
     raise InputError(f"wind: there is no closed form for a {type(wind).__name__}, only for uniform, shear and rotation")
 
 
-def pair_costs(a: ArrayLike, b: ArrayLike, airspeed: float, wind: WindField | None) -> Floats:
+def pair_costs(a: ArrayLike, b: ArrayLike, v0: float, wind: WindField | None) -> Floats:
     """Return the cost [s] of the cheapest path a → b over open country, shape (k,), for `a`, `b` (k, 2) [m].
 
     InputError where a pair is too far apart for its arc: κd/2 > 1.
     """
     p, q = np.asarray(a, dtype=float).reshape(-1, 2), np.asarray(b, dtype=float).reshape(-1, 2)
     d = np.sqrt(((q - p) ** 2).sum(axis=1))
-    tau = d / airspeed
+    tau = d / v0
     curl = vorticity(wind)
     if curl:
-        s = (0.5 * abs(curl) / airspeed) * d
+        s = (0.5 * abs(curl) / v0) * d
         if s.size and not s.max() <= 1.0:
             raise InputError(
-                f"wind: its vorticity of {curl:g} 1/s is too strong for points {d.max():g} m apart at an airspeed of "
-                f"{airspeed:g} m/s: at most {2 * airspeed / abs(curl):g} m"
+                f"wind: its vorticity of {curl:g} 1/s is too strong for points {d.max():g} m apart at a ground speed "
+                f"of {v0:g} m/s: at most {2 * v0 / abs(curl):g} m"
             )
         arc_over_chord = np.divide(np.arcsin(s), s, out=np.ones_like(s), where=s > 0)
         tau *= 0.5 * (arc_over_chord + np.sqrt(1.0 - s * s))
-    return tau if wind is None else moving_cost(tau, wind.line_integral(p, q), airspeed)
+    return tau if wind is None else moving_cost(tau, wind.line_integral(p, q), v0)
 
 
-def cost_matrix(points: ArrayLike, airspeed: float, wind: WindField | None) -> Floats:
+def cost_matrix(points: ArrayLike, v0: float, wind: WindField | None) -> Floats:
     """Return ``cost[i, j]`` [s], shape (k, k), of the cheapest paths between `points` (k, 2) [m] over open country.
 
-    Raises InputError where the wind reaches the airspeed on an arc or among the points, or where an arc does not exist.
+    Raises InputError where the wind reaches the ground speed on an arc or among the points, and where there is no arc.
     """
     p = np.asarray(points, dtype=float).reshape(-1, 2)
-    check_wind(p, airspeed, wind)
+    check_wind(p, v0, wind)
     k = len(p)
     cost = np.empty((k, k))
     step = max(1, BLOCK // k)
     for i in range(0, k, step):
         rows = p[i : i + step]
-        cost[i : i + step] = pair_costs(np.repeat(rows, k, axis=0), np.tile(p, (len(rows), 1)), airspeed, wind).reshape(
+        cost[i : i + step] = pair_costs(np.repeat(rows, k, axis=0), np.tile(p, (len(rows), 1)), v0, wind).reshape(
             len(rows), k
         )
     np.fill_diagonal(cost, 0.0)
     return cost
 
 
-def check_wind(points: Floats, airspeed: float, wind: WindField | None) -> None:
-    """Raise InputError where `wind` may reach `airspeed` in the bounding box of `points`, or where an arc bulges out.
+def check_wind(points: Floats, v0: float, wind: WindField | None) -> None:
+    """Raise InputError where `wind` may reach the ground speed in the bounding box of `points`, or where an arc bulges.
 
     |w| is convex for a linear field, so its corners decide for the box.
     """
@@ -96,13 +96,13 @@ def check_wind(points: Floats, airspeed: float, wind: WindField | None) -> None:
     fastest = float(np.linalg.norm(wind([(x0, y0), (x0, y1), (x1, y0), (x1, y1)]), axis=1).max())
     curl = vorticity(wind)
     if curl:
-        radius = airspeed / abs(curl)
+        radius = v0 / abs(curl)
         half = min(float(np.hypot(x1 - x0, y1 - y0)) / 2, radius)
         bulge = radius - np.sqrt(radius**2 - half**2)
         fastest += _gradient(wind) * float(bulge)
-    if not fastest < airspeed:
+    if not fastest < v0:
         raise InputError(
-            f"wind: it reaches {fastest:g} m/s where legs may lead, but must stay below the airspeed {airspeed:g} m/s"
+            f"wind: it reaches {fastest:g} m/s where legs may lead, but must stay below the ground speed {v0:g} m/s"
         )
 
 

@@ -14,8 +14,12 @@ from formulations.moving_cost.registry import DEFAULT
 from instances import Instance
 from instances.errors import InputError, shown
 from instances.files import read_instance, write_instance
+from instances.moving_cost import CostKind
 from instances.paths import ENDING, Paths, check_paths, paths_file, paths_of, read_paths_table, write_paths
 from instances.scenario import Scenario, read_scenario
+
+CONFIRMED = "all confirmed (that they can be flown at this cost, not that none is cheaper)"
+"""What the independent check says of paths."""
 
 
 def plan(
@@ -39,9 +43,13 @@ def require_confirmed(instance: Instance, paths: Paths, scenario: Scenario) -> N
 def refute(instance: Instance, paths: Paths, scenario: Scenario) -> list[str]:
     """Return what is wrong with the moving costs of `instance` and the paths behind them, a sentence each."""
     query = query_of(scenario)
+    made = instance.provenance.get("moving_cost")
+    stated = made.get("cost", CostKind.ENERGY) if isinstance(made, dict) else scenario.cost
+    if stated != scenario.cost:
+        return [f"The instance's costs are {shown(stated)}, those of the scenario {str(scenario.cost)!r}."]
     shift = instance.provenance.get("node_potential")
     potential = None if shift is None else np.array(shift, dtype=float)
-    return check_paths(paths, instance.cost, query.terminals, query.region, query.wind, query.v0, potential)
+    return check_paths(paths, instance.cost, query.terminals, query.region, query.wind, query.v0, potential, query.kind)
 
 
 def write_plan(instance: Instance, paths: Paths, out: Path, scenario_file: Path) -> None:

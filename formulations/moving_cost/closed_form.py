@@ -11,6 +11,9 @@ d = |b − a|, φ = asin(κd/2) ≤ π/2 and R = 1/κ it costs, by Stokes' theor
 where A = R²(φ − sin φ cos φ) is the area between the two. All three are one formula, which `instances.wind_metric`
 states and computes: it is also what an instance file means by the metric `wind`, and files are read without this room.
 
+Flight time at constant airspeed has a closed form in a uniform wind: the quickest paths are straight, and cost what
+`instances.wind_triangle` says.
+
 Arcs bulge beyond the convex hull of their ends by at most R(1 − cos φ). Generator families of open country take that as
 it is (`open_country`); as a method, asked for a region, `ClosedForm` refuses where an arc leaves it.
 """
@@ -25,13 +28,14 @@ import numpy as np
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from instances import Instance
 from instances.arrays import Floats
-from instances.environment.wind import Rotation
+from instances.environment.wind import Rotation, Uniform
 from instances.errors import InputError
 from instances.metrics import distances
-from instances.moving_cost import moving_cost
+from instances.moving_cost import CostKind, moving_cost
 from instances.paths import Paths, paths_outside
 from instances.scenario import Scenario
 from instances.wind_metric import cost_matrix, vorticity, wind_metric
+from instances.wind_triangle import zermelo_times
 
 TURN = math.sqrt(24 * 2e-6)
 """Turn θ [rad] from piece to piece of an arc: a polyline costs θ²/24 more than its arc, here 2·10⁻⁶ of its time."""
@@ -43,8 +47,11 @@ class ClosedForm(MovingCostMethod):
 
     def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
         """Return costs and paths between all terminals; InputError also where an arc leaves the region."""
-        cost = cost_matrix(query.terminals, query.v0, query.wind)
-        paths = arcs(query.terminals, vorticity(query.wind) / query.v0)
+        if query.kind is CostKind.TIME:
+            cost, paths = _quickest(query), arcs(query.terminals, 0.0)
+        else:
+            cost = cost_matrix(query.terminals, query.v0, query.wind)
+            paths = arcs(query.terminals, vorticity(query.wind) / query.v0)
         outside = paths_outside(paths, query.region)
         if len(outside):
             i, j = divmod(int(outside[0]), paths.n_nodes)
@@ -54,6 +61,19 @@ class ClosedForm(MovingCostMethod):
             )
         progress(1.0, "arcs")
         return MovingCosts(cost, paths)
+
+
+def _quickest(query: Query) -> Floats:
+    """Return the flight times [s] between all terminals in a uniform wind; InputError in any other."""
+    if not isinstance(query.wind, Uniform):
+        raise InputError(
+            f"closed-form: flight time has one in a uniform wind only, not in {type(query.wind).__name__}: try refined"
+        )
+    p, n = query.terminals, len(query.terminals)
+    i, j = np.nonzero(~np.eye(n, dtype=bool))
+    cost = np.zeros((n, n))
+    cost[i, j] = zermelo_times(p[i], p[j] - p[i], query.wind, query.v0)
+    return cost
 
 
 def arcs(points: Floats, curvature: float) -> Paths:
@@ -82,8 +102,8 @@ def arcs(points: Floats, curvature: float) -> Paths:
 def open_country(scenario: Scenario) -> Instance:
     """Return the instance whose legs may leave the region of `scenario`; InputError where there is no closed form."""
     points = scenario.points
-    cost = cost_matrix(points, scenario.airspeed, scenario.wind)
-    metric = wind_metric(scenario.airspeed, scenario.wind)
+    cost = cost_matrix(points, scenario.speed, scenario.wind)
+    metric = wind_metric(scenario.speed, scenario.wind)
     provenance = {**scenario.provenance, "metric": metric}
     return Instance(scenario.name, cost, scenario.n_tasks, scenario.n_depots, points, provenance)
 
@@ -93,7 +113,7 @@ def straight_legs(scenario: Scenario) -> Instance:
 
     With Q = P − o, o the middle of the region,  C_ij = |Q_j − Q_i|/v0 − [w(o)·(Q_j − Q_i) + Ω Q_i × Q_j]/v0².
     """
-    wind, v0 = scenario.wind, scenario.airspeed
+    wind, v0 = scenario.wind, scenario.speed
     assert isinstance(wind, Rotation)
     x0, y0, x1, y1 = scenario.region.bounds
     middle = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])

@@ -16,6 +16,7 @@ from instances.environment.raster import same_projection
 from instances.environment.terrain import read_terrain
 from instances.environment.wind import Uniform, WindField
 from instances.errors import InputError
+from instances.moving_cost import CostKind
 from instances.paths import Paths
 from instances.scenario import Scenario
 
@@ -37,7 +38,7 @@ def query_of(scenario: Scenario) -> Query:
             )
     if scenario.plane is None and scenario.terrain is not None and (crs := getattr(wind, "crs", "")):
         same_projection(read_terrain(scenario.terrain).crs, crs, f"scenario {scenario.name}: terrain and wind")
-    return Query(scenario.points, region, wind, scenario.airspeed)
+    return Query(scenario.points, region, wind, scenario.speed, scenario.cost)
 
 
 def solve_query(
@@ -67,8 +68,8 @@ def instance_of(
 ) -> tuple[Instance, Paths]:
     """Return the Instance `scenario` becomes and the paths behind its costs, planned by the method of this name.
 
-    Raises InputError for tasks still to be placed, a wind that does not cover the region or is as strong as the
-    airspeed, and a node that cannot be reached.
+    Raises InputError for tasks still to be placed, a wind that does not cover the region or is as strong as the speed
+    that is held constant, and a node that cannot be reached.
     """
     return instance_with(scenario, solve_query(query_of(scenario), method, options, progress), method, options)
 
@@ -79,14 +80,18 @@ def instance_with(
     """Return the Instance `scenario` becomes with the moving costs that `method` found, and the paths behind them.
 
     Where a tail wind makes a leg's cost negative, node potentials make all costs positive: cost[i, j] = C(σ) + p_j
-    − p_i, which changes no closed tour; p [s] is then kept as ``provenance["node_potential"]``.
+    − p_i, which changes no closed tour; p [s] is then kept as ``provenance["node_potential"]``. Costs that are no
+    energies say so in ``provenance["moving_cost"]["cost"]``.
     """
     query = query_of(scenario)
     cost = found.cost.copy()
-    provenance: dict[str, Any] = {**scenario.provenance, "moving_cost": {"method": method, **(options or {})}}
+    made: dict[str, Any] = {"method": method, **(options or {})}
+    if query.kind is not CostKind.ENERGY:
+        made["cost"] = str(query.kind)
+    provenance: dict[str, Any] = {**scenario.provenance, "moving_cost": made}
     provenance["wind_effect"] = dataclasses.asdict(wind_effect(query, cost))
     if cost.min() < 0:
-        p = search_field(query.wind, query.region, query.v0).potential(query.terminals) / query.v0**2
+        p = search_field(query.measure, query.region).potential(query.terminals) / query.v0**2
         p = p - p.min()
         cost = cost + p[None, :] - p[:, None]
         provenance["node_potential"] = p.tolist()

@@ -33,10 +33,10 @@ class Dijkstra(MovingCostMethod):
 
     def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
         """Return costs and paths between all terminals."""
-        field, space = search_field(query.wind, query.region, query.v0), free_space(query.region)
+        field, space = search_field(query.measure, query.region), free_space(query.region)
         points = sample_points(query, self.samples, self.seed)
         pairs = near_pairs(points, self.radius_factor * standard_radius(query.region.area, len(points)))
-        graph = build_graph(points, pairs, query.wind, field, query.v0, space)
+        graph = build_graph(points, pairs, query.measure, field, space)
         progress(0.5, "edges")
         _, predecessor = shortest_path_trees(graph.free_matrix(), np.arange(len(query.terminals)))
         progress(1.0, "trees")

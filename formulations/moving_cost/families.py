@@ -20,7 +20,7 @@ def costed(scenario: Scenario, legs: Legs) -> tuple[Instance, Paths | None]:
     """Return the instance `scenario` becomes with such legs, and the paths behind its costs where they were planned.
 
     Costs are those of the closed form where it is exact, else of the method refined. InputError for a wind as strong as
-    the airspeed and a node that cannot be reached.
+    the ground speed and a node that cannot be reached.
     """
     if legs is Legs.OPEN:
         return open_country(scenario), None

@@ -1,5 +1,7 @@
 """The wind as the search sees it: gauge potential and vorticity on a grid, from exact line integrals.
 
+This is for energies; what the search of flight times needs besides is a `wind_surface`.
+
 On a grid over the region, the circulation along every grid edge is W_e = ∫ w·dσ, exactly. Its discrete Hodge split
 W_e = φ_j − φ_i + R_e, with the least Σ R_e², gives the potential φ: the normal equations are the grid's Laplacian with
 free ends, which the DCT-II diagonalises. Shifting costs by potentials leaves every argmin unchanged,
@@ -19,11 +21,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import dctn, idctn
 
+from formulations.moving_cost.wind_surface import NO_SURFACE, WindSurface, wind_surface
 from instances.arrays import Floats
 from instances.environment.region import Region
-from instances.environment.wind import WindField
 from instances.errors import InputError
 from instances.kernels import njit
+from instances.moving_cost import CostKind, CostMeasure
+from instances.wind_triangle import refuse_strong
 
 CELLS = 160
 """Cells along the region's longer side."""
@@ -37,6 +41,18 @@ class Vorticity(NamedTuple):
     dx: float
     dy: float
     omega: Floats
+
+
+class Bending(NamedTuple):
+    """What bends the cheapest paths, for kernels: the vorticity bends those of least energy, the wind the quickest.
+
+    timed : whether the cost is time. speed [m/s] : held constant. Without times the wind may be empty.
+    """
+
+    timed: bool
+    speed: float
+    vorticity: Vorticity
+    wind: WindSurface
 
 
 @njit(cache=True)
@@ -55,12 +71,12 @@ def vorticity_at(x: float, y: float, field: Vorticity) -> tuple[float, float, fl
 
 @dataclass(frozen=True, eq=False)
 class SearchField:
-    """Gauge potential `phi` [m²/s] at grid nodes, vorticity, and how much the wind matters."""
+    """Gauge potential `phi` [m²/s] at grid nodes, what bends paths, and how much the wind matters."""
 
     origin: tuple[float, float]
     spacing: tuple[float, float]
     phi: Floats
-    vorticity: Vorticity
+    bending: Bending
     max_speed: float
     rms_vorticity: float
 
@@ -76,12 +92,13 @@ class SearchField:
         return low * (1 - t) + high * t
 
 
-def search_field(wind: WindField, region: Region, v0: float) -> SearchField:
-    """Split `wind` over the bounding box of `region`.
+def search_field(measure: CostMeasure, region: Region) -> SearchField:
+    """Split the wind of `measure` over the bounding box of `region`.
 
-    Raises InputError where |w| ≥ v0 inside the region and the potential part does not explain it: no path cost
-    is then sure to be positive (the paper assumes v0 > w_σ).
+    Raises InputError where |w| ≥ v0 inside the region and, for energies, the potential part does not explain it: no
+    path cost is then sure to be positive (the paper assumes v0 > w_σ).
     """
+    wind, v0, timed = measure.wind, measure.speed, measure.kind is CostKind.TIME
     x0, y0, x1, y1 = region.bounds
     cells = max(x1 - x0, y1 - y0) / CELLS
     nx, ny = (max(8, math.ceil(side / cells)) + 1 for side in (x1 - x0, y1 - y0))
@@ -95,17 +112,21 @@ def search_field(wind: WindField, region: Region, v0: float) -> SearchField:
     w = wind(nodes.reshape(-1, 2)).reshape(ny, nx, 2)
     residual = w - np.stack([np.gradient(phi, dx, axis=1), np.gradient(phi, dy, axis=0)], axis=-1)
     speed, left = (np.where(inside, np.hypot(f[..., 0], f[..., 1]), 0.0) for f in (w, residual))
-    if speed.max() >= v0 and left.max() >= v0:
+    if timed:
+        refuse_strong(nodes.reshape(-1, 2), speed.ravel(), v0)
+    elif speed.max() >= v0 and left.max() >= v0:
         j, i = np.unravel_index(np.argmax(left), left.shape)
         x, y = nodes[j, i]
         raise InputError(
             f"wind: at ({x:.0f}, {y:.0f}) m it blows with {speed[j, i]:.3g} m/s ({left[j, i]:.3g} m/s of it not a "
-            f"potential wind), not less than the airspeed of {v0:.3g} m/s"
+            f"potential wind), not less than the ground speed of {v0:.3g} m/s"
         )
     cell_inside = inside[:-1, :-1] & inside[1:, 1:] & inside[:-1, 1:] & inside[1:, :-1]
     rms = math.sqrt(float((omega[cell_inside] ** 2).mean())) if cell_inside.any() else 0.0
     vorticity = Vorticity(x0 + dx / 2, y0 + dy / 2, dx, dy, omega)
-    return SearchField((x0, y0), (dx, dy), phi, vorticity, float(speed.max()), rms)
+    surface = wind_surface(wind, region.bounds, (dx, dy)) if timed else NO_SURFACE
+    bending = Bending(timed, v0, vorticity, surface)
+    return SearchField((x0, y0), (dx, dy), phi, bending, float(speed.max()), rms)
 
 
 def _potential(along_x: Floats, along_y: Floats, dx: float, dy: float) -> Floats:

@@ -4,7 +4,7 @@ Fast Marching Tree* (Janson, Schmerling, Clark & Pavone, IJRR 34, 2015): random 
 in order of cost; each new sample is connected to the best open neighbour, and only that one edge is tested for
 collision (lazy). The paper's modifications:
 
-1. the cost of an edge is its C(σ) in the wind (`instances.moving_cost`), another one each way;
+1. the cost of an edge is its energy or time in the wind (`instances.moving_cost`), another one each way;
 2. multi-query: one tree per start gives the paths to all other terminals, n problems instead of n²;
 3. the n problems share the information on edges: costs are computed once, and so is every collision test.
 
@@ -55,7 +55,7 @@ class FmtStar(MovingCostMethod):
         """Return costs and paths between all terminals."""
         began = time.process_time()
         n = len(query.terminals)
-        field, space = search_field(query.wind, query.region, query.v0), free_space(query.region)
+        field, space = search_field(query.measure, query.region), free_space(query.region)
         points = sample_points(query, self.samples, self.seed)
         pairs = near_pairs(points, self.radius_factor * standard_radius(query.region.area, len(points)))
         predecessor = np.empty((n, len(points)), dtype=np.int64)
@@ -63,7 +63,7 @@ class FmtStar(MovingCostMethod):
         tests = 0
         for i in range(n):
             if graph is None or not self.share:
-                graph = build_graph(points, pairs, query.wind, field, query.v0, None)
+                graph = build_graph(points, pairs, query.measure, field, None)
             predecessor[i], tested = grow_tree(graph, space, i)
             tests += tested
             progress((i + 1) / n, f"tree {i + 1} of {n}")

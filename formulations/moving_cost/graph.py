@@ -1,7 +1,7 @@
 """The graph that every search shares: nodes, directed edges, their reduced costs and whether they are free.
 
 Edge information is the paper's bottleneck and is computed once for all starts. Cost and collision of an edge are
-those of its pair of nodes: the wind integral flips its sign with the direction, the collision does not.
+those of its pair of nodes: an energy's wind integral flips its sign with the direction, the collision does not.
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from formulations.moving_cost.field import SearchField
 from formulations.moving_cost.free_space import FreeSpace, segments_free
 from instances.arrays import Floats, Ints
 from instances.environment.region import Region
-from instances.environment.wind import WindField
 from instances.errors import InputError
-from instances.moving_cost import moving_cost
+from instances.moving_cost import CostKind, CostMeasure, moving_cost
 
 UNKNOWN, FREE, BLOCKED = 0, 1, 2
 
@@ -28,7 +27,7 @@ UNKNOWN, FREE, BLOCKED = 0, 1, 2
 class Graph(NamedTuple):
     """A directed graph in compressed rows, for numba kernels: the edges out of node i are ``start[i]:start[i+1]``.
 
-    points (N, 2) [m]. `neighbour` (M,) is the end node of each edge, `cost` (M,) [s] its reduced cost
+    points (N, 2) [m]. `neighbour` (M,) is the end node of each edge, `cost` (M,) [s] its time or reduced energy
     c_ij + (φ_j − φ_i)/v0² > 0, `back` (M,) [s] that of the same edge flown backwards, `pair` (M,) the number of its
     pair of nodes. `state` of each pair is UNKNOWN, FREE or BLOCKED, filled in by whoever looks first.
     """
@@ -50,16 +49,16 @@ class Graph(NamedTuple):
 
 
 def build_graph(
-    points: Floats, pairs: Ints, wind: WindField, field: SearchField, v0: float, space: FreeSpace | None
+    points: Floats, pairs: Ints, measure: CostMeasure, field: SearchField, space: FreeSpace | None
 ) -> Graph:
     """Return the graph over `points` with an edge each way for each of `pairs` (p, 2).
 
     With `space` every edge is tested for collision now and blocked ones are left out; without, states stay UNKNOWN.
-    Raises InputError where an edge's cost is not positive (a wind as strong as the airspeed).
+    Raises InputError where an edge's cost is not positive (a wind as strong as the speed that is held constant).
     """
     if space is not None:
         pairs = pairs[segments_free(points[pairs[:, 0]], points[pairs[:, 1]], space)]
-    forward, backward = pair_costs(points, pairs, wind, field, v0)
+    forward, backward = pair_costs(points, pairs, measure, field)
     index = np.arange(2 * len(pairs), dtype=np.int64)
     rows, columns = np.concatenate([pairs, pairs[:, ::-1]]).T
     matrix = csr_array((index, (rows, columns)), shape=(len(points), len(points)))
@@ -75,9 +74,12 @@ def build_graph(
     )
 
 
-def pair_costs(points: Floats, pairs: Ints, wind: WindField, field: SearchField, v0: float) -> tuple[Floats, Floats]:
-    """Return the reduced costs [s] of each pair, there and back."""
+def pair_costs(points: Floats, pairs: Ints, measure: CostMeasure, field: SearchField) -> tuple[Floats, Floats]:
+    """Return the costs [s] of each pair, there and back: times, or reduced energies."""
     a, b = points[pairs[:, 0]], points[pairs[:, 1]]
+    if measure.kind is CostKind.TIME:
+        return measure.rough.segments(a, b), measure.rough.segments(b, a)
+    wind, v0 = measure.wind, measure.speed
     tau = np.hypot(*(b - a).T) / v0
     phi = field.potential(points)
     push = wind.line_integral(a, b)
@@ -89,7 +91,8 @@ def pair_costs(points: Floats, pairs: Ints, wind: WindField, field: SearchField,
     k = int(np.argmin(np.minimum(forward, backward) - tau))
     x, y = 0.5 * (a[k] + b[k])
     raise InputError(
-        f"wind: near ({x:.0f}, {y:.0f}) m it blows at the airspeed of {v0:.3g} m/s or more: a leg has no positive cost"
+        f"wind: near ({x:.0f}, {y:.0f}) m it blows at the ground speed of {v0:.3g} m/s or more: a leg's cost is "
+        "not positive"
     )
 
 

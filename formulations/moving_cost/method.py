@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.environment.wind import WindField
+from instances.moving_cost import CostKind, CostMeasure
 from instances.paths import Paths
 
 Progress = Callable[[float, str], None]
@@ -23,13 +24,20 @@ def silent(fraction: float, words: str) -> None:
 class Query:
     """Sub-problem 2 of the paper: paths and costs between every ordered pair of terminals, in a region and a wind.
 
-    terminals (N, 2) [m], tasks first, then depots; v0 [m/s]; region without its no-fly zones.
+    terminals (N, 2) [m], tasks first, then depots; region without its no-fly zones; v0 [m/s], the speed that is held
+    constant: over ground where the cost is energy, through the air where it is time.
     """
 
     terminals: Floats
     region: Region
     wind: WindField
     v0: float
+    kind: CostKind = CostKind.ENERGY
+
+    @property
+    def measure(self) -> CostMeasure:
+        """What a path costs."""
+        return CostMeasure(self.kind, self.wind, self.v0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +55,7 @@ class MovingCostMethod(Protocol):
     def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
         """Return costs and paths between all terminals.
 
-        Raises InputError for a wind at least as strong as the airspeed (where it is no potential wind) and for a
-        terminal that cannot be reached.
+        Raises InputError for a wind at least as strong as the speed that is held constant (for energies, where it is
+        no potential wind) and for a terminal that cannot be reached.
         """
         ...

@@ -1,4 +1,4 @@
-"""Newton steps of a path towards the free geodesic, without obstacles.
+"""Newton steps of a path towards the free geodesic, without obstacles; those of flight times are in `newton_time`.
 
 v0·C(σ) = length − (1/v0) ∫ w·dσ (paper, eq. moving_cost). By Stokes' theorem, moving a path sideways changes
 ∫ w·dσ by the vorticity ω of the strip between, so only ω enters. For a polyline x_0 … x_N with unit segments t_k
@@ -16,16 +16,32 @@ import math
 
 import numpy as np
 
-from formulations.moving_cost.field import Vorticity, vorticity_at
+from formulations.moving_cost.field import Bending, Vorticity, vorticity_at
+from formulations.moving_cost.newton_terms import GAUSS_1, GAUSS_2, Terms
+from formulations.moving_cost.newton_time import time_terms
 from instances.arrays import Bools, Floats
 from instances.kernels import njit
 
-GAUSS_1, GAUSS_2 = 0.5 - 0.5 / math.sqrt(3.0), 0.5 + 0.5 / math.sqrt(3.0)
+
+@njit(cache=True)
+def newton_step(p: Floats, held: Bools, bending: Bending) -> tuple[Floats, Floats, Floats]:
+    """Gradient g [1], normals and Newton offsets y [m] of the nodes of `p`; held nodes do not move."""
+    normal = _normals(p)
+    if bending.timed:
+        terms = time_terms(p, normal, bending.wind, bending.speed)
+    else:
+        terms = energy_terms(p, normal, bending.vorticity, bending.speed)
+    g, diagonal, bend, off, off_bend = terms
+    y = np.zeros(len(p))
+    if not _thomas(diagonal + bend, off + off_bend, g, held, y):
+        # Not convex here: drop what the wind's change takes away from the rest's curvature.
+        _thomas(diagonal + np.maximum(bend, 0.0), off, g, held, y)
+    return g, normal, y
 
 
 @njit(cache=True)
-def newton_step(p: Floats, held: Bools, field: Vorticity, v0: float) -> tuple[Floats, Floats, Floats]:
-    """Gradient g [1], normals and Newton offsets y [m] of the nodes of `p`; held nodes do not move."""
+def _normals(p: Floats) -> Floats:
+    """Return a unit normal, left of the path, at each node but the ends, where it is 0."""
     n = len(p)
     normal = np.zeros((n, 2))
     for k in range(1, n - 1):
@@ -33,6 +49,13 @@ def newton_step(p: Floats, held: Bools, field: Vorticity, v0: float) -> tuple[Fl
         size = math.hypot(tx, ty)
         if size > 0.0:
             normal[k, 0], normal[k, 1] = -ty / size, tx / size
+    return normal
+
+
+@njit(cache=True)
+def energy_terms(p: Floats, normal: Floats, field: Vorticity, v0: float) -> Terms:
+    """Return the derivatives of v0·C of the polyline `p` by sideways moves of its nodes."""
+    n = len(p)
     g, diagonal, bend, off, off_bend = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     for k in range(n - 1):
         dx, dy = p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1]
@@ -54,11 +77,7 @@ def newton_step(p: Floats, held: Bools, field: Vorticity, v0: float) -> tuple[Fl
             bend[k] += slope * (1 - s) * (1 - s) * a * a
             bend[k + 1] += slope * s * s * b * b
             off_bend[k] += slope * s * (1 - s) * a * b
-    y = np.zeros(n)
-    if not _thomas(diagonal + bend, off + off_bend, g, held, y):
-        # Not convex here: drop what the vorticity's slope takes away from the length's curvature.
-        _thomas(diagonal + np.maximum(bend, 0.0), off, g, held, y)
-    return g, normal, y
+    return Terms(g, diagonal, bend, off, off_bend)
 
 
 @njit(cache=True)

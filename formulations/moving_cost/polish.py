@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from formulations.moving_cost.field import Vorticity
+from formulations.moving_cost.field import Bending
 from formulations.moving_cost.free_space import FreeSpace, clearance_at, point_free, segment_free
 from formulations.moving_cost.newton import newton_step
 from instances.arrays import Bools, Floats, Ints
@@ -205,9 +205,7 @@ def _drop_crowded(p: Floats, corner: Ints, edge: Ints, space: FreeSpace) -> tupl
 
 
 @njit(cache=True)
-def relax(
-    p: Floats, corner: Ints, field: Vorticity, v0: float, space: FreeSpace, settled: float
-) -> tuple[Floats, Ints]:
+def relax(p: Floats, corner: Ints, bending: Bending, space: FreeSpace, settled: float) -> tuple[Floats, Ints]:
     """Newton steps and obstacle events: the locally best polyline, and the corners its nodes lie in.
 
     It ends after a step that moved no node by more than `settled` of its distance to the next; Newton's next step
@@ -219,9 +217,9 @@ def relax(
         held = corner >= 0
         held[0] = held[n - 1] = True
         if (edge >= 0).any():
-            g, normal, y = newton_step(p, np.ones(n, dtype=np.bool_), field, v0)
+            g, normal, y = newton_step(p, np.ones(n, dtype=np.bool_), bending)
             held = _held(p, corner, edge, g, normal, space)
-        g, normal, y = newton_step(p, held, field, v0)
+        g, normal, y = newton_step(p, held, bending)
         slope = 0.0
         for k in range(n - 1):
             slope = max(slope, abs(y[k + 1] - y[k]) / math.hypot(p[k + 1, 0] - p[k, 0], p[k + 1, 1] - p[k, 1]))
@@ -300,8 +298,7 @@ def polish_all(
     spacing: float,
     precision: float,
     space: FreeSpace,
-    field: Vorticity,
-    v0: float,
+    bending: Bending,
 ) -> tuple[Floats, Ints, Ints]:
     """Polish paths given end to end: path i is ``points[offsets[i]:offsets[i+1]]``; returns the same three arrays.
 
@@ -319,7 +316,7 @@ def polish_all(
             length += math.hypot(given[k + 1, 0] - given[k, 0], given[k + 1, 1] - given[k, 1])
         h = min(spacing, length / 4)  # a path of one piece could not turn
         p, c = subdivide(given, marks, h)
-        p, c = relax(p, c, field, v0, space, 1e-4)
+        p, c = relax(p, c, bending, space, 1e-4)
         for _ in range(6):
             if precision <= 0.0:
                 break
@@ -327,7 +324,7 @@ def polish_all(
             p, c = refine(p, c, precision)
             if len(p) == count:
                 break
-            p, c = relax(p, c, field, v0, space, 1e-3)
+            p, c = relax(p, c, bending, space, 1e-3)
         if not path_free(p, space):
             p, c = given, marks
         while used + len(p) > len(out_points):

@@ -26,7 +26,6 @@ from formulations.moving_cost.pool import Pool
 from formulations.moving_cost.tree import require_reached, shortest_path_trees
 from instances.arrays import Floats
 from instances.errors import InputError
-from instances.moving_cost import moving_costs
 from instances.paths import Paths
 
 REACH = 3.2
@@ -58,7 +57,7 @@ class Refined(MovingCostMethod):
 
     def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
         """Return costs and paths between all terminals."""
-        field, space = search_field(query.wind, query.region, query.v0), free_space(query.region)
+        field, space = search_field(query.measure, query.region), free_space(query.region)
         found, spacing, edges = _lattice_candidates(query, field, space, self)
         progress(0.3, f"{len(found)} candidates found")
         polish = _Polish(query, field, space, spacing)
@@ -76,7 +75,7 @@ class Refined(MovingCostMethod):
         full = np.zeros(n * n, dtype=np.int64)
         full[pool.start * n + pool.target] = np.diff(pool.offsets)
         paths = Paths(n, pool.points, np.concatenate([[0], np.cumsum(full)]))
-        cost = moving_costs(paths.points, paths.offsets, query.wind, query.v0).reshape(n, n)
+        cost = query.measure.polylines(paths.points, paths.offsets).reshape(n, n)
         return MovingCosts(cost, paths, {"edges": edges, "candidates": len(found)})
 
 
@@ -90,8 +89,8 @@ class _Polish:
     spacing: float
 
     def costs(self, pool: Pool) -> Floats:
-        """Return C(σ) [s] of each candidate, by exact line integrals."""
-        return moving_costs(pool.points, pool.offsets, self.query.wind, self.query.v0)
+        """Return the cost [s] of each candidate."""
+        return self.query.measure.rough.polylines(pool.points, pool.offsets)
 
     def best(self, pool: Pool) -> Pool:
         """Return the cheapest candidate of each pair."""
@@ -99,8 +98,10 @@ class _Polish:
 
     def polished(self, pool: Pool, precision: float = 0.0) -> Pool:
         """Return the candidates relaxed with pieces of the lattice's spacing, then refined to `precision` if not 0."""
-        given, wind = (pool.points, pool.corner, pool.offsets), (self.field.vorticity, self.query.v0)
-        return Pool(pool.start, pool.target, *polish_all(*given, self.spacing, precision, self.space, *wind))
+        given = (pool.points, pool.corner, pool.offsets)
+        return Pool(
+            pool.start, pool.target, *polish_all(*given, self.spacing, precision, self.space, self.field.bending)
+        )
 
     def shortcuts(self, pool: Pool) -> Pool:
         """Return paths through a third terminal where these are cheaper than the candidate of their pair."""
@@ -131,7 +132,7 @@ def _lattice_candidates(
         near = near[near[:, 1] >= seen]
         near = np.concatenate([near, np.column_stack(np.triu_indices(seen, 1))])
         near = near[(points[near[:, 0]] != points[near[:, 1]]).any(axis=1)]
-    graph = build_graph(points, near, query.wind, field, query.v0, space)
+    graph = build_graph(points, near, query.measure, field, space)
     terminals = np.arange(n)
     legs = graph.free_matrix()
     away, parent = shortest_path_trees(legs, terminals)

@@ -12,7 +12,6 @@ from formulations.moving_cost.method import MovingCosts, Query
 from instances.arrays import Bools, Floats, Ints
 from instances.errors import InputError
 from instances.kernels import njit
-from instances.moving_cost import moving_costs
 from instances.paths import Paths
 
 
@@ -53,7 +52,7 @@ def costs_of_trees(query: Query, points: Floats, predecessor: Ints, figures: dic
     n = len(predecessor)
     nodes, offsets = tree_paths(predecessor, np.arange(n), np.arange(n))
     require_reached(query, (np.diff(offsets) > 0).reshape(n, n))
-    cost = moving_costs(points[nodes], offsets, query.wind, query.v0).reshape(n, n)
+    cost = query.measure.polylines(points[nodes], offsets).reshape(n, n)
     return MovingCosts(cost, Paths(n, points[nodes], offsets), figures)
 
 

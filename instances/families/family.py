@@ -41,9 +41,14 @@ class Family:
 
     def values(self, given: Mapping[str, Any]) -> Values:
         """Return every parameter's value, `given` ones checked, others by default; InputError with the near miss."""
-        refuse_unknown(f"family {self.name}", "parameter", given, [p.name for p in self.parameters])
+        old = {p.formerly: p.name for p in self.parameters if p.formerly}
+        refuse_unknown(f"family {self.name}", "parameter", given, [*(p.name for p in self.parameters), *old])
+        for before, now in old.items():
+            if before in given and now in given:
+                raise InputError(f"family {self.name}: {before} is an old name of {now}: give {now} alone")
+        named = {old.get(name, name): value for name, value in given.items()}
         try:
-            return {p.name: p.checked(given.get(p.name, p.default)) for p in self.parameters}
+            return {p.name: p.checked(named.get(p.name, p.default)) for p in self.parameters}
         except InputError as error:
             raise InputError(f"family {self.name}: {error}") from None
 
@@ -63,7 +68,7 @@ class Family:
             name="-".join([self.name, *blows, *depots, f"n{n_tasks}", f"m{n_depots}", f"s{seed}"]),
             region=region,
             depots=place_depots(region, n_depots, for_depots, values),
-            airspeed=values["airspeed"],
+            speed=values["ground_speed"],
             wind=wind,
             tasks=self.tasks(region, n_tasks, for_tasks, values),
             provenance=provenance,

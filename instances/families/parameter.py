@@ -26,6 +26,8 @@ class Parameter:
     meaning: str
     choices: tuple[str, ...] = ()
     at_least: float = -math.inf
+    formerly: str = ""
+    """A name it once had and is still read under."""
 
     def checked(self, value: Any) -> str | int | float:
         """Return `value`, also as text from a command line, in this parameter's type; else InputError."""
@@ -40,6 +42,12 @@ class Parameter:
             unit = f" [{self.unit}]" if self.unit else ""
             raise InputError(f"{self.name}: must be {wanted}{unit}, got {shown(value)}")
         return kind(number)
+
+
+GROUND_SPEED = Parameter(
+    "ground_speed", 20.0, "m/s", "speed of the UAVs over ground", at_least=1e-9, formerly="airspeed"
+)
+"""Of every family whose costs are energies at a constant ground speed that can be chosen."""
 
 
 def _read(value: Any, kind: type[int] | type[float]) -> Any:

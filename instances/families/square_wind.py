@@ -24,7 +24,7 @@ from instances.families.square import uniform_tasks
 from instances.scenario import Scenario
 
 SIZE = 20_000.0
-AIRSPEED = 20.0
+GROUND_SPEED = 20.0
 VELOCITY = (4.0, -2.0)
 RATE = 5e-4
 
@@ -49,7 +49,7 @@ class SquareWind(Family):
             name=f"{self.name}-n{n_tasks}-m{n_depots}-s{seed}",
             region=self.region(values),
             depots=p[n_tasks:],
-            airspeed=AIRSPEED,
+            speed=GROUND_SPEED,
             wind=WIND,
             tasks=p[:n_tasks],
             provenance={"family": self.name, "parameters": values, "seed": seed},

@@ -19,14 +19,14 @@ from instances.environment.wind_vortices import Vortices
 from instances.errors import InputError
 from instances.families import depots
 from instances.families.family import Family, Legs
-from instances.families.parameter import Parameter, Values
+from instances.families.parameter import GROUND_SPEED, Parameter, Values
 from instances.families.square import SIZE, square, uniform_tasks
 from instances.families.wind_zones import PARAMETERS as ZONES
 from instances.families.wind_zones import no_fly_zones
 from instances.scenario import Scenario
 
 STEADY = (
-    Parameter("airspeed", 20.0, "m/s", "speed of the UAVs through the air", at_least=1e-9),
+    GROUND_SPEED,
     Parameter("wind_speed", 7.0, "m/s", "speed of the steady wind", at_least=0.0),
     Parameter("wind_direction", 225.0, "degree", "where the steady wind blows to, anticlockwise from east"),
 )
@@ -62,7 +62,7 @@ class WindFamily(Family):
             name=f"{self.name}-n{n_tasks}-m{n_depots}-s{seed}",
             region=region,
             depots=depots.place_depots(free, n_depots, for_depots, values),
-            airspeed=values["airspeed"],
+            speed=values["ground_speed"],
             wind=self.wind(region, for_wind, values),
             tasks=self.tasks(free, n_tasks, for_tasks, values),
             no_fly=zones,

@@ -12,13 +12,13 @@ import numpy as np
 from instances.environment.region import Region
 from instances.environment.wind import Rotation, Shear, Uniform, WindField
 from instances.errors import InputError
-from instances.families.parameter import Parameter, Values
+from instances.families.parameter import GROUND_SPEED, Parameter, Values
 
 KINDS = ("none", "uniform", "shear", "rotation")
 """Winds to choose from."""
 
 PARAMETERS = (
-    Parameter("airspeed", 20.0, "m/s", "speed of the UAVs through the air", at_least=1e-9),
+    GROUND_SPEED,
     Parameter("wind", "none", "", "kind of wind; all but none make costs asymmetric", KINDS),
     Parameter("wind_speed", 8.0, "m/s", "largest speed of the wind in the region", at_least=0.0),
     Parameter("wind_direction", 30.0, "degree", "where a uniform wind blows to, anticlockwise from east"),
@@ -28,11 +28,11 @@ PARAMETERS = (
 
 def make_wind(region: Region, values: Values) -> WindField | None:
     """Return the wind the parameters ask for, None for calm; InputError where it is as fast as the UAVs."""
-    kind, speed, airspeed = values["wind"], values["wind_speed"], values["airspeed"]
+    kind, speed, most = values["wind"], values["wind_speed"], values["ground_speed"]
     if kind == "none":
         return None
-    if speed >= airspeed:
-        raise InputError(f"wind_speed: must be below the airspeed of {airspeed:g} m/s, got {speed:g} m/s")
+    if speed >= most:
+        raise InputError(f"wind_speed: must be below the ground speed of {most:g} m/s, got {speed:g} m/s")
     x0, y0, x1, y1 = region.bounds
     centre = ((x0 + x1) / 2, (y0 + y1) / 2)
     if kind == "uniform":

@@ -39,7 +39,9 @@ def draw_paths(scenario: Scenario, paths: Paths) -> Drawn:
             axes.scatter(*(points[:n].T / KM), s=12, color=INK, zorder=4, linewidths=0)
             axes.scatter(*(points[n:].T / KM), s=34, marker="s", color=INK, edgecolors=PAPER, linewidths=0.9, zorder=5)
             axes.scatter(*(points[node] / KM), s=170, marker="*", color=COLOURS[3], edgecolors=PAPER, zorder=6)
-            axes.set_title(f"{'from' if outward else 'back to'} node {node}, airspeed {scenario.airspeed:g} m/s")
+            axes.set_title(
+                f"{'from' if outward else 'back to'} node {node}, {scenario.cost.speed_name} {scenario.speed:g} m/s"
+            )
             if not outward:
                 axes.set_ylabel("")
     caption = (

@@ -39,9 +39,9 @@ def draw_wind(wind: WindField, region: Region) -> Drawn:
     wind_arrows(left, wind, region, colour=PAPER)
     right.set_ylabel("")
     caption = (
-        "Left: the wind's direction (arrows, as long as it is fast) and speed. Right: its vorticity. The free "
-        "geodesics of the moving cost have curvature vorticity / airspeed, so a wind without vorticity bends no path "
-        "and changes no tour."
+        "Left: the wind's direction (arrows, as long as it is fast) and speed. Right: its vorticity. Paths of "
+        "least energy have curvature vorticity / ground speed, so a wind without vorticity bends none of them and "
+        "changes none of their tours; to flight times any wind matters."
     )
     return Drawn("wind", "Wind", caption, figure)
 

@@ -49,7 +49,7 @@ def _sections(case: Case, number: str) -> list[Block]:
     scenario, n = case.scenario, case.paths.n_nodes
     size = (
         f"{scenario.name}: {scenario.n_tasks} tasks and {scenario.n_depots} depots, {n * (n - 1)} ordered pairs, "
-        f"airspeed {scenario.airspeed:g} m/s."
+        f"cost: {scenario.cost.described(scenario.speed)}."
     )
     wind = [] if scenario.wind is None else [draw_wind(scenario.wind, scenario.free)]
     compared = table_of(case.methods, shown(EXCESS, case.methods), key=f"methods{number}")

@@ -59,11 +59,11 @@ def timed(method: MovingCostMethod, query: Query, repeats: int = 1) -> tuple[Mov
 
 
 def setting(v0: float, n_tasks: int = 50, seed: int = 1) -> Query:
-    """Return the notes' setting at airspeed `v0`."""
+    """Return the notes' setting at ground speed `v0`."""
     scenario = make_scenario(
-        "wind-vortices", n_tasks, 3, seed, wind_speed=8.0, vortex_speed=4.0, airspeed=max(v0, 20.0)
+        "wind-vortices", n_tasks, 3, seed, wind_speed=8.0, vortex_speed=4.0, ground_speed=max(v0, 20.0)
     )
-    return query_of(replace(scenario, airspeed=v0))
+    return query_of(replace(scenario, speed=v0))
 
 
 def excess_table(v0: float, seed: int, others: bool) -> None:

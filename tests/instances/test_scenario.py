@@ -12,6 +12,7 @@ from instances.environment.region import Region
 from instances.environment.wind import Rotation, Shear, Uniform
 from instances.environment.wind_table import Sum
 from instances.families import FAMILIES, make_scenario
+from instances.moving_cost import CostKind
 from instances.scenario import Scenario, read_scenario, write_scenario
 
 AREA = {"type": "Polygon", "coordinates": [[[0, 0], [100, 0], [0, 100], [0, 0]]]}
@@ -24,7 +25,7 @@ def read(folder, text):
 
 
 GOOD = """
-airspeed = 20
+ground_speed = 20
 size = [100, 50.5]
 depots = [[0, 0], [100, 50.5]]
 tasks = [[1, 2], [3.5, 4]]
@@ -33,10 +34,27 @@ tasks = [[1, 2], [3.5, 4]]
 
 def test_the_plainest_file(tmp_path):
     scenario = read(tmp_path, GOOD)
-    assert (scenario.name, scenario.airspeed, scenario.wind) == ("mission", 20.0, None)
+    assert (scenario.name, scenario.speed, scenario.wind) == ("mission", 20.0, None)
     assert scenario.region.bounds == (0, 0, 100, 50.5)
     assert scenario.points.tolist() == [[1, 2], [3.5, 4], [0, 0], [100, 50.5]]
     assert (scenario.n_tasks, scenario.n_depots) == (2, 2)
+
+
+def test_the_cost_says_which_speed_is_held_constant(tmp_path, caplog):
+    assert read(tmp_path, GOOD).cost is CostKind.ENERGY
+    timed = read(tmp_path, "cost = 'time'\n" + GOOD.replace("ground_speed", "airspeed"))
+    assert (timed.cost, timed.speed) == (CostKind.TIME, 20.0)
+    write_scenario(timed, tmp_path / "again.toml")
+    assert read_scenario(tmp_path / "again.toml").cost is CostKind.TIME
+    assert not caplog.messages
+
+
+def test_an_energys_speed_is_read_under_its_old_key_with_a_notice(tmp_path, caplog):
+    old = read(tmp_path, GOOD.replace("ground_speed", "airspeed"))
+    assert (old.cost, old.speed) == (CostKind.ENERGY, 20.0)
+    assert "mission.toml: airspeed is read as ground_speed" in caplog.text
+    write_scenario(old, tmp_path / "again.toml")
+    assert "\nground_speed = 20.0\n" in (tmp_path / "again.toml").read_text()
 
 
 def test_everything_a_file_can_say(tmp_path):
@@ -44,7 +62,7 @@ def test_everything_a_file_can_say(tmp_path):
     (tmp_path / "zones.geojson").write_text(json.dumps(ZONE))
     text = """
 name = "survey"
-airspeed = 100.0
+ground_speed = 100.0
 region = "area.geojson"
 no_fly = "zones.geojson"
 depots = [[1, 1]]
@@ -75,13 +93,18 @@ made_by = "hand"
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        (GOOD.replace("airspeed", "airsped"), "unknown key 'airsped'; did you mean 'airspeed'"),
-        (GOOD.replace("airspeed = 20", ""), "the key 'airspeed' is missing"),
+        (GOOD.replace("ground_speed", "airsped"), "unknown key 'airsped'; did you mean 'airspeed'"),
+        (GOOD.replace("ground_speed = 20", ""), "the key 'ground_speed' is missing"),
+        (GOOD.replace("ground_speed = 20", "cost = 'time'"), "the key 'airspeed' is missing"),
+        ("cost = 'time'\n" + GOOD, "cost = 'time' is reckoned at a constant airspeed: give 'airspeed', not 'ground"),
+        (GOOD + "airspeed = 20", "cost = 'energy' is reckoned at a constant ground_speed: give 'ground_speed' alone"),
+        (GOOD + "cost = 'tmie'", "cost must be 'energy' or 'time', got 'tmie'"),
+        (GOOD + "cost = [1]", r"cost must be 'energy' or 'time', got \[1\]"),
         (GOOD.replace("depots", "depot"), "unknown key 'depot'; did you mean 'depots'"),
-        (GOOD.replace("= 20", "= 0"), r"airspeed \[m/s\] must be a positive number, got 0"),
-        (GOOD.replace("= 20", "= nan"), "airspeed .* got nan"),
-        (GOOD.replace("= 20", '= "20"'), "airspeed .* got '20'"),
-        (GOOD.replace("= 20", f"= {10**400}"), "airspeed"),
+        (GOOD.replace("= 20", "= 0"), r"ground_speed \[m/s\] must be a positive number, got 0"),
+        (GOOD.replace("= 20", "= nan"), "ground_speed .* got nan"),
+        (GOOD.replace("= 20", '= "20"'), "ground_speed .* got '20'"),
+        (GOOD.replace("= 20", f"= {10**400}"), "ground_speed"),
         (GOOD.replace("[100, 50.5]\n", "[100]\n", 1), "size must be two positive numbers"),
         (GOOD.replace("[100, 50.5]\n", "[100, -1]\n", 1), r"size\[1\] \[m\] must be a positive number, got -1"),
         (GOOD.replace("size = [100, 50.5]", ""), "the key 'size' or 'region' is missing"),
@@ -122,9 +145,9 @@ def test_a_depot_in_a_no_fly_zone(tmp_path):
 
 
 def same(a, b):
-    assert (a.name, a.airspeed, a.wind, a.n_tasks, a.provenance) == (
+    assert (a.name, a.speed, a.wind, a.n_tasks, a.provenance) == (
         b.name,
-        b.airspeed,
+        b.speed,
         b.wind,
         b.n_tasks,
         b.provenance,
@@ -174,7 +197,7 @@ def test_any_mission_round_trips(tmp_path, name, depots, tasks, wind, notched, z
         name=name,
         region=Region(Polygon(outline)) if notched else Region.rectangle(1000, 1000),
         depots=np.array(depots),
-        airspeed=1 / 3,
+        speed=1 / 3,
         wind=wind,
         tasks=None if isinstance(tasks, int) else np.array(tasks),
         n_tasks=tasks if isinstance(tasks, int) else 0,

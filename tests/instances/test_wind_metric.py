@@ -123,7 +123,7 @@ class Gusts:
 @pytest.mark.parametrize(
     ("wind", "sentence"),
     [
-        (Uniform((20.0, 0.0)), "it reaches 20 m/s where legs may lead, but must stay below the airspeed"),
+        (Uniform((20.0, 0.0)), "it reaches 20 m/s where legs may lead, but must stay below the ground speed"),
         (Rotation(2e-3, (10_000.0, 10_000.0)), "it reaches"),
         (Shear(3e-3, (0.0, 10_000.0)), "it reaches"),
         (Gusts(), "there is no closed form for a Gusts"),

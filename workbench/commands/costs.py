@@ -41,7 +41,7 @@ def command(
     from instances.errors import naming
     from instances.files import endings
     from instances.scenario import read_scenario
-    from workbench.planning import plan, write_plan
+    from workbench.planning import CONFIRMED, plan, write_plan
     from workbench.settings import check_target, key_values
 
     chosen = key_values(options, "--option")
@@ -59,11 +59,12 @@ def command(
         from reports.figures.svg import save_figure
 
         save_figure(draw_paths(scenario, paths).figure, plot)
-    effect = WindEffect(**instance.provenance["wind_effect"]).summary()
+    effect = WindEffect(**instance.provenance["wind_effect"]).summary(scenario.cost)
     if report:
         _compare(scenario, report)
     n = paths.n_nodes
-    click.echo(f"{instance.summary()}; {n * (n - 1)} paths by {method} in {elapsed:.1f} s, all confirmed")
+    click.echo(f"{instance.summary()}; {n * (n - 1)} paths by {method} in {elapsed:.1f} s, {CONFIRMED}")
+    click.echo(f"cost: {scenario.cost.described(scenario.speed)}")
     click.echo(effect)
 
 

@@ -21,7 +21,7 @@ from instances.scenario_folder import kept_scenario
 from workbench.mission.place import kept_tasks, widened
 from workbench.mission.plugins import costs_by
 from workbench.mission.settings import Mission
-from workbench.planning import plan, require_confirmed
+from workbench.planning import CONFIRMED, plan, require_confirmed
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -37,7 +37,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     write_paths(paths, instance, paths_file(out / "instance.json"), "../1-environment/scenario.toml")
     n = instance.n_nodes
     effect = WindEffect(**instance.provenance["wind_effect"])
-    return f"{n * (n - 1)} paths by {mission.costs.method}, all confirmed; {effect.summary()}"
+    return f"{n * (n - 1)} paths by {mission.costs.method}, {CONFIRMED}; {effect.summary(scenario.cost)}"
 
 
 def moving_costs(mission: Mission, scenario: Scenario, tasks: Floats) -> tuple[Instance, Paths]:

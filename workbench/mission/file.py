@@ -1,6 +1,6 @@
 """Mission file: a scenario, what is measured, and the settings of each stage. TOML, SI units, every key checked.
 
-    scenario = "file.toml"       # or the scenario's own keys here: airspeed, region, depots, tasks, [wind], [radio] …
+    scenario = "file.toml"       # or the scenario's own keys here: ground_speed, region, depots, tasks, [wind] …
     origin = [lat, lon]          # of the point (0, 0) [degrees], for files in WGS 84; that of a region in degrees
                                  # unless given
     [field] [place] [costs] [routes] [flight] [sensing] [map] [compare] [export]    # the classes of `settings`

@@ -75,7 +75,7 @@ class RouteSettings:
 
 @dataclass(frozen=True)
 class FlightSettings:
-    """[flight]: Dubins at speed v [m/s] (the airspeed unless given), turning_radius r_min [m].
+    """[flight]: Dubins at speed v [m/s] (the scenario's unless given), turning_radius r_min [m].
 
     altitude [m] in a frame: "amsl" (above mean sea level), "above-ground" (the track follows the ground within climb
     and descent [m/s]) or "above-home" (each UAV above its depot). clearance [m]: least height above the ground.
@@ -158,7 +158,7 @@ class Mission:
     @property
     def speed(self) -> float:
         """Flying speed v [m/s]."""
-        return self.scenario.airspeed if self.flight.speed is None else self.flight.speed
+        return self.scenario.speed if self.flight.speed is None else self.flight.speed
 
     @property
     def vehicle(self) -> Vehicle:

@@ -31,6 +31,7 @@ from instances.arrays import Floats
 from instances.disk import write_aside
 from instances.errors import InputError
 from instances.families import make_scenario
+from instances.moving_cost import CostKind
 from instances.paths import Paths, check_paths
 from instances.scenario import Scenario, read_scenario
 from instances.scenario_folder import keep_scenario, kept_scenario
@@ -87,6 +88,8 @@ class MovingCostItem:
         h = hashlib.sha256(query.region.polygon.normalize().wkb)
         for array in (query.terminals, wind, np.array([query.v0])):
             h.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
+        if query.kind is not CostKind.ENERGY:
+            h.update(query.kind.encode())
         return h.hexdigest()[:12]
 
     def load(self) -> MovingCostItem:
@@ -186,7 +189,7 @@ class MovingCostStudy(Problem[MovingCostItem]):
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             return None, f"sent costs and paths that cannot be read ({error})"
         query = item.query
-        faults = check_paths(paths, cost, query.terminals, query.region, query.wind, query.v0)
+        faults = check_paths(paths, cost, query.terminals, query.region, query.wind, query.v0, kind=query.kind)
         return (None, " ".join(faults)) if faults else (mean_cost(cost), "")
 
     def refute_ending(self, item: MovingCostItem, claim: Claim, objective: float | None) -> str:
@@ -290,7 +293,9 @@ def _cases(items: list[MovingCostItem], runs: Mapping[Path, Run], frame: pd.Data
         parts = [each.name for each in items if each.scenario.name == name]
         scaling = scaling_table(frame[frame["instance"].isin(parts)])
         methods = methods_table(frame[frame["digest"] == item.digest])
-        cases.append(Case(item.scenario, paths, methods, scaling, wind_effect(item.query, cost).summary()))
+        cases.append(
+            Case(item.scenario, paths, methods, scaling, wind_effect(item.query, cost).summary(item.query.kind))
+        )
     return cases
 
 

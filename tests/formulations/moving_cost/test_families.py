@@ -76,7 +76,7 @@ def test_wind_alone_makes_costs_asymmetric(name, wind):
         # wind helps one way about as much as it hinders the other: there and back is never longer than in calm air
         there_and_back, in_calm = windy.cost + windy.cost.T, calm.cost + calm.cost.T
         assert (there_and_back <= in_calm * (1 + (1e-6 if name == "corridor" else 1e-12))).all()
-        # and the scenario's own wind stays below the airspeed
+        # and the scenario's own wind stays below the ground speed
         scenario = make_scenario(name, 15, 2, seed=3, wind=wind)
         assert np.linalg.norm(scenario.wind(scenario.region.sample(500, np.random.default_rng(0))), axis=1).max() <= 8.0
 
@@ -86,7 +86,7 @@ def test_corridor_costs_are_true_ones(wind):
     """Never above the best path through corners only, of old files; in calm and uniform wind there is no better one."""
     instance = generate("corridor", 10, 2, seed=3, wind=wind)
     scenario = make_scenario("corridor", 10, 2, seed=3, wind=wind)
-    through_corners = old_corridor_costs(scenario.points, scenario.region, scenario.airspeed, scenario.wind)
+    through_corners = old_corridor_costs(scenario.points, scenario.region, scenario.speed, scenario.wind)
     off = ~np.eye(12, dtype=bool)
     ratio = instance.cost[off] / through_corners[off]
     assert ratio.max() <= 1 + 1e-6
@@ -108,11 +108,11 @@ def test_planned_costs_come_with_their_paths(name):
     scenario = make_scenario(name, 4, 2, seed=1)
     instance, paths = costed(scenario, FAMILIES.load(name).legs)
     assert instance.provenance["moving_cost"] == {"method": "refined"}
-    assert check_paths(paths, instance.cost, scenario.points, scenario.free, scenario.wind, scenario.airspeed) == []
+    assert check_paths(paths, instance.cost, scenario.points, scenario.free, scenario.wind, scenario.speed) == []
 
 
 def test_a_wind_as_fast_as_the_uavs_where_arcs_lead_is_refused():
-    with pytest.raises(InputError, match=r"wind: it reaches .* must stay below the airspeed"):
+    with pytest.raises(InputError, match=r"wind: it reaches .* must stay below the ground speed"):
         generate("uniform", 5, 2, seed=0, wind="rotation", wind_speed=19)
 
 

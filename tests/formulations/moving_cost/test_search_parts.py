@@ -21,6 +21,7 @@ from instances.environment.wind import Rotation, Uniform, WindField
 from instances.environment.wind_grid import Grid
 from instances.environment.wind_table import Sum
 from instances.environment.wind_vortices import Vortices
+from instances.moving_cost import CostKind, CostMeasure
 from instances.scenario import Scenario
 
 SIDE = 10_000.0
@@ -49,6 +50,10 @@ def test_segments_are_free_where_shapely_says_so_corners_included(seed: int) -> 
     np.testing.assert_array_equal(found, expected)
 
 
+def split(wind: WindField, speed: float, region: Region = SQUARE) -> SearchField:
+    return search_field(CostMeasure(CostKind.ENERGY, wind, speed), region)
+
+
 def residual_speed(wind: WindField, field: SearchField, points: Floats) -> float:
     """Largest speed [m/s] that the gradient of the potential leaves of the wind at `points`."""
     step = 1e-2 * np.eye(2)
@@ -57,34 +62,34 @@ def residual_speed(wind: WindField, field: SearchField, points: Floats) -> float
 
 
 def test_the_gauge_takes_a_potential_wind_away_and_leaves_the_vorticity() -> None:
-    field = search_field(Uniform((7.0, -3.0)), SQUARE, 20.0)
+    field = split(Uniform((7.0, -3.0)), 20.0)
     points = SQUARE.sample(50, np.random.default_rng(0))
     shift = field.potential(points) - points @ np.array([7.0, -3.0])
     assert np.ptp(shift) < 1e-6
     assert residual_speed(Uniform((7.0, -3.0)), field, points) < 1e-9
-    assert np.abs(field.vorticity.omega).max() < 1e-12
+    assert np.abs(field.bending.vorticity.omega).max() < 1e-12
     both = Sum((Uniform((7.0, -3.0)), WHIRL))
-    mixed = search_field(both, SQUARE, 20.0)
+    mixed = split(both, 20.0)
     assert residual_speed(both, mixed, points) < mixed.max_speed
-    np.testing.assert_allclose(search_field(Rotation(3e-4), SQUARE, 20.0).vorticity.omega, 6e-4, rtol=1e-9)
+    np.testing.assert_allclose(split(Rotation(3e-4), 20.0).bending.vorticity.omega, 6e-4, rtol=1e-9)
 
 
-def test_wind_as_strong_as_the_airspeed_is_refused_with_its_place() -> None:
+def test_wind_as_strong_as_the_ground_speed_is_refused_with_its_place() -> None:
     with pytest.raises(
-        InputError, match=r"wind: at \(\d+, \d+\) m it blows with .* not less than the airspeed of 2 m/s"
+        InputError, match=r"wind: at \(\d+, \d+\) m it blows with .* not less than the ground speed of 2 m/s"
     ):
-        search_field(WHIRL, SQUARE, 2.0)
-    assert search_field(Uniform((30.0, 0.0)), SQUARE, 20.0).max_speed == pytest.approx(30.0)
+        split(WHIRL, 2.0)
+    assert split(Uniform((30.0, 0.0)), 20.0).max_speed == pytest.approx(30.0)
 
 
 def test_the_newton_step_uses_the_derivative_of_the_cost() -> None:
     v0 = 20.0
-    field = search_field(WHIRL, SQUARE, v0)
+    field = split(WHIRL, v0)
     rng = np.random.default_rng(1)
     p = np.column_stack([np.linspace(1000, 8000, 12), 5500 + rng.normal(0, 60, 12)])
     held = np.zeros(12, dtype=bool)
     held[[0, -1]] = True
-    g, normal, _ = newton_step(p, held, field.vorticity, v0)
+    g, normal, _ = newton_step(p, held, field.bending)
 
     def cost(q: np.ndarray) -> float:
         return float(np.hypot(*np.diff(q, axis=0).T).sum() - WHIRL.line_integral(q[:-1], q[1:]).sum() / v0)
@@ -97,16 +102,16 @@ def test_the_newton_step_uses_the_derivative_of_the_cost() -> None:
 
 def test_relaxing_wraps_a_path_around_a_corner_and_lets_another_go() -> None:
     region = SQUARE.minus([shapely.box(4000, 4000, 6000, 6000)])
-    space, field = free_space(region), search_field(Uniform((0.0, 0.0)), region, 20.0)
+    space, field = free_space(region), split(Uniform((0.0, 0.0)), 20.0, region)
     top = int(np.argmax(space.corners @ np.array([-1.0, 1.0])))  # the corner (4000, 6000)
     far = np.array([[1000.0, 5000.0], [2000.0, 9000.0], [8000.0, 9000.0], [9000.0, 7500.0]])
-    p, corner = relax(*subdivide(far, np.full(4, -1), 500.0), field.vorticity, 20.0, space, 1e-6)
+    p, corner = relax(*subdivide(far, np.full(4, -1), 500.0), field.bending, space, 1e-6)
     length = math.dist((1000, 5000), (4000, 6000)) + math.dist((4000, 6000), (9000, 7500))
     assert np.hypot(*np.diff(p, axis=0).T).sum() == pytest.approx(length, rel=1e-12)
     assert (corner >= 0).sum() == 1
     assert corner.max() == top
     loose = np.array([[1000.0, 7000.0], space.corners[top], [9000.0, 8500.0]])
-    p, corner = relax(*subdivide(loose, np.array([-1, top, -1]), 500.0), field.vorticity, 20.0, space, 1e-6)
+    p, corner = relax(*subdivide(loose, np.array([-1, top, -1]), 500.0), field.bending, space, 1e-6)
     assert np.hypot(*np.diff(p, axis=0).T).sum() == pytest.approx(math.dist((1000, 7000), (9000, 8500)), rel=1e-12)
     assert corner.max() == -1
 

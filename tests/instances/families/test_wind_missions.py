@@ -24,7 +24,7 @@ def test_scenarios_are_seeded_and_stay_outside_their_zones(name: str) -> None:
     assert one.wind is not None
     assert same.wind is not None
     np.testing.assert_array_equal(one.wind(points), same.wind(points))
-    assert np.hypot(*one.wind(points).T).max() < one.airspeed
+    assert np.hypot(*one.wind(points).T).max() < one.speed
 
 
 @pytest.mark.parametrize("name", MISSIONS)

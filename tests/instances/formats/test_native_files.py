@@ -130,7 +130,7 @@ def metric(**entries):
         ({**metric(metric="euclidean"), "coordinates": None}, "the metric 'euclidean' needs coordinates"),
         (metric(metric="wind"), "airspeed must be a positive number, got None"),
         (metric(metric="wind", airspeed=20, wind={"kind": "unifrom"}), "did you mean 'uniform'"),
-        (metric(metric="wind", airspeed=20, wind={"kind": "uniform", "velocity": [20, 0]}), "below the airspeed"),
+        (metric(metric="wind", airspeed=20, wind={"kind": "uniform", "velocity": [20, 0]}), "below the ground speed"),
         (metric(metric="wind", airspeed=20, region=[[[0, 0], [1, 0], [1, 1]]]), r"cost\[0\]\[2\] is infinite"),
     ],
 )

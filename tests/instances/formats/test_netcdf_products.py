@@ -59,7 +59,7 @@ def test_the_environment_folder_reads_back(tmp_path: Path) -> None:
     scenario = Scenario("s", Region.rectangle(500.0, 800.0), [[1.0, 2.0]], 20.0, wind, n_tasks=3)
     keep_scenario(scenario, tmp_path)
     again = kept_scenario(tmp_path)
-    assert (again.name, again.n_tasks, again.airspeed) == ("s", 3, 20.0)
+    assert (again.name, again.n_tasks, again.speed) == ("s", 3, 20.0)
     points = RNG.uniform(0, 800, (20, 2))
     np.testing.assert_allclose(again.wind(points), wind(points), rtol=1e-12)
     assert kept_terrain(tmp_path) is None

@@ -107,7 +107,7 @@ def test_a_scenario_of_its_own_may_be_named(tmp_path: Path) -> None:
         "airspeed = 50\nsize = [4000, 4000]\ndepots = [[1, 1]]\ntasks = 3\n[radio]\nposition = [2000, 2000]\n"
     )
     (tmp_path / "m.toml").write_text('scenario = "s.toml"\n[sensing]\nperiod = 2\n')
-    assert read_mission(tmp_path / "m.toml").scenario.airspeed == 50
+    assert read_mission(tmp_path / "m.toml").scenario.speed == 50
 
 
 @pytest.mark.parametrize("text", ["airspeed = ", "\0", "a = 1\na = 2"])

@@ -30,6 +30,8 @@ LAYER = "|layername="
 """Between the name of a file and that of one of its layers, as QGIS writes it."""
 BESIDE = (".shx", ".dbf", ".prj", ".cpg")
 """Files that belong to a Shapefile."""
+NOWHERE = ("ENGCRS", "LOCAL_CS")
+"""How WKT of a reference system begins that is not tied to the Earth."""
 MOST_PARTS = 100_000
 """Places of a file: many times what a mission has."""
 
@@ -140,7 +142,8 @@ def _gdal_layers(source: Path | bytes, path: Path) -> list[Layer]:
                     continue
                 about, _, geometries, _ = raw.read(source, layer=name, columns=[], force_2d=True)
                 parts = [part for each in shapely.from_wkb(geometries) for part in single_parts(each)]
-                layers.append(Layer(str(name), tuple(parts), about["crs"] or ""))
+                crs = about["crs"] or ""
+                layers.append(Layer(str(name), tuple(parts), "" if crs.startswith(NOWHERE) else crs))
     except Exception as error:  # damaged files meet the library anywhere, and it raises anything
         raise InputError(f"cannot be read ({str(error).splitlines()[0] if str(error) else error!r})") from None
     return layers

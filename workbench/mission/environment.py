@@ -111,6 +111,8 @@ def differing_heights(mission: Mission) -> list[str]:
 def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
     """Return the field that is measured; InputError where a file does not cover the region."""
     wanted, scenario = mission.field, mission.scenario
+    if wanted.file is None and wanted.unit is not None:
+        raise InputError("field.unit is that of a file's values: give field.file, or leave it out")
     if wanted.file is None:
         assert scenario.radio is not None
         source = RadioSource.from_table(scenario.radio)

@@ -71,6 +71,14 @@ class TangentPlane:
         return f"+proj=aeqd +lat_0={self.latitude!r} +lon_0={self.longitude!r} +datum=WGS84 +units=m +no_defs"
 
 
+def on_earth(plane: TangentPlane | None, point: ArrayLike) -> str:
+    """Return ", longitude …, latitude …" of a `point` (2,) [m] for a sentence; "" where nobody knows where that is."""
+    if plane is None:
+        return ""
+    latitude, longitude = plane.geographic(point)[0]
+    return f", longitude {longitude:.5f}, latitude {latitude:.5f}"
+
+
 @cache
 def _to_geographic(plane: TangentPlane) -> Transformer:
     from pyproj import Transformer  # here: it takes a tenth of a second, and few commands need it

@@ -39,7 +39,7 @@ from instances.environment.wind import WindField
 from instances.environment.wind_table import wind_from_toml
 from instances.errors import LONGEST_SENTENCE, InputError, naming, one_line, shown, suggestion
 from instances.extent import positive
-from instances.geodesy import TangentPlane
+from instances.geodesy import TangentPlane, on_earth
 from instances.georeference import LOCAL, Georeference, could_be_degrees
 from instances.instance import check_name
 from instances.moving_cost import CostKind
@@ -91,14 +91,14 @@ class Scenario:
         object.__setattr__(self, "cost", CostKind(self.cost))
         object.__setattr__(self, "speed", positive(self.speed, f"{self.cost.speed_key} [m/s]"))
         object.__setattr__(self, "no_fly", tuple(self.no_fly))
-        object.__setattr__(self, "depots", _points(self.depots, "depots", self.region))
+        object.__setattr__(self, "depots", _points(self.depots, "depots", self.region, self.plane))
         free = self.free
         self._check_reached("depots", self.depots, free)
-        object.__setattr__(self, "depots", _points(self.depots, "depots", free))
+        object.__setattr__(self, "depots", _points(self.depots, "depots", free, self.plane))
         if self.tasks is not None:
-            object.__setattr__(self, "tasks", _points(self.tasks, "tasks", self.region))
+            object.__setattr__(self, "tasks", _points(self.tasks, "tasks", self.region, self.plane))
             self._check_reached("tasks", self.tasks, free)
-            object.__setattr__(self, "tasks", _points(self.tasks, "tasks", free))
+            object.__setattr__(self, "tasks", _points(self.tasks, "tasks", free, self.plane))
             if self.n_tasks not in (0, len(self.tasks)):
                 raise InputError(f"n_tasks is {self.n_tasks} but there are {len(self.tasks)} tasks")
             object.__setattr__(self, "n_tasks", len(self.tasks))
@@ -260,7 +260,7 @@ def write_scenario(scenario: Scenario, path: Path | str) -> None:
     write_aside(path, toml_text(table))
 
 
-def _points(value: ArrayLike, label: str, region: Region) -> Floats:
+def _points(value: ArrayLike, label: str, region: Region, plane: TangentPlane | None) -> Floats:
     """Return points (k, 2) [m] in `region`, k ≥ 1."""
     if isinstance(value, Sequence):
         for i, point in enumerate(value):
@@ -277,6 +277,7 @@ def _points(value: ArrayLike, label: str, region: Region) -> Floats:
     for i in np.flatnonzero(~np.isfinite(p).all(axis=1)).tolist():
         raise InputError(f"{label}[{i}] = {p[i].tolist()} is not finite")
     for i in np.flatnonzero(~region.contains(p)).tolist():
-        raise InputError(f"{label}[{i}] = {p[i].tolist()} lies outside the region or in a no-fly zone")
+        where = f"{p[i].tolist()}{on_earth(plane, p[i])}"
+        raise InputError(f"{label}[{i}] = {where} lies outside the region or in a no-fly zone")
     p.setflags(write=False)
     return p

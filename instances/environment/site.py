@@ -1,8 +1,8 @@
 """Site: the region of a scenario and where on Earth it is, and how rasters of any projection are brought there.
 
 A raster with a reference system is sampled, bilinear, at the nodes of a grid of the local plane over the region and a
-margin, twice as fine as its own: no peak is cut by more than a kink between two nodes can be. Others are in metres of
-the plane already and stay whole. Only then are they judged: a hole that touches the region is an error; what is missing
+margin, finer than its own: a peak is cut by what the ground falls within a part of a cell. Others are in metres of the
+plane already and stay whole. Only then are they judged: a hole that touches the region is an error; what is missing
 elsewhere, where nobody flies, is taken from the nearest node that is known. Beyond its border a raster goes on as it
 ends, but the region must lie within it.
 """
@@ -21,14 +21,16 @@ from instances.environment.raster import METRES, Raster, bilinear, node_axes
 from instances.environment.region import Region
 from instances.errors import InputError, naming
 from instances.extent import LARGEST
-from instances.geodesy import TangentPlane, from_degrees, in_degrees, reference_system, to_degrees
+from instances.geodesy import TangentPlane, from_degrees, in_degrees, on_earth, reference_system, to_degrees
 
 MARGIN = 0.25
 """Of the region's longer side: what of a raster is kept around the region."""
 FINER = 2
-"""Nodes of the plane's grid for each of the raster."""
+"""Nodes of the plane's grid along each cell of the raster, unless that are too many."""
+MANY_NODES = 2_000_000
+"""Of a grid in the plane that is finer than its raster."""
 MOST_NODES = 30_000_000
-"""Of a grid in the plane."""
+"""Of any grid in the plane."""
 SLACK = 0.51
 """Cells by which a region may reach beyond the outermost nodes: they may be the centres of cells."""
 EDGE = 50
@@ -42,11 +44,14 @@ class Site:
     region: Region
     plane: TangentPlane | None = None
 
-    def local(self, raster: Raster, path: Path) -> Raster:
-        """Return `raster` on a grid of the local plane [m], no value missing; InputError names `path`."""
+    def local(self, raster: Raster, path: Path, finer: int = FINER) -> Raster:
+        """Return `raster` on a grid of the local plane [m], no value missing; InputError names `path`.
+
+        finer : nodes along each of its cells; less where they would be more than MANY_NODES.
+        """
         with naming(path):
             if raster.crs and self.plane is not None:
-                raster = _sampled(raster, self.region, self.plane)
+                raster = _sampled(raster, self.region, self.plane, finer)
             else:
                 check_metres(raster.crs)
             return _filled(raster, self)
@@ -82,7 +87,7 @@ def check_metres(crs: str) -> None:
         raise InputError(f"the raster's coordinates are in {unit}, not in metres")
 
 
-def _sampled(raster: Raster, region: Region, plane: TangentPlane) -> Raster:
+def _sampled(raster: Raster, region: Region, plane: TangentPlane, finer: int) -> Raster:
     """Return `raster` on a grid of the plane over the region and a margin; InputError where it does not cover it."""
 
     def cells(points: Floats) -> Floats:
@@ -105,7 +110,9 @@ def _sampled(raster: Raster, region: Region, plane: TangentPlane) -> Raster:
     upper = np.minimum(np.array([x1, y1]) + reach, edge.max(axis=0))
     centre = cells(np.array([[(x0 + x1) / 2, (y0 + y1) / 2]]))
     steps = points(np.add(centre, [[0, 0], [1, 0], [0, 1]]))
-    dx, dy = (np.hypot(*(steps[1:] - steps[0]).T) / FINER).tolist()
+    cell = np.hypot(*(steps[1:] - steps[0]).T)
+    fitting = int(np.sqrt(MANY_NODES / np.prod((upper - lower) / cell)))
+    dx, dy = (cell / max(1, min(finer, fitting))).tolist()
     nx, ny = (np.ceil((upper - lower) / (dx, dy)) + 1).astype(int).tolist()
     if nx * ny > MOST_NODES:
         raise InputError(f"{nx} × {ny} nodes over the region are more than can be used; resample it")
@@ -152,10 +159,7 @@ def _filled(raster: Raster, site: Site) -> Raster:
     touching = shapely.dwithin(site.region.polygon, shapely.points(holes), float(np.hypot(*raster.spacing)))
     if touching.any():
         first = holes[np.argmax(touching)]
-        where = f"({first[0]:g}, {first[1]:g}) m"
-        if site.plane is not None:
-            latitude, longitude = site.plane.geographic(first)[0]
-            where += f", longitude {longitude:.5f}, latitude {latitude:.5f}"
+        where = f"({first[0]:g}, {first[1]:g}) m{on_earth(site.plane, first)}"
         raise InputError(
             f"{int(touching.sum())} values in the region are missing (NaN or no data), first at {where}; fill "
             "the holes first"

@@ -40,6 +40,8 @@ ELEVATIONS = (
     "topo",
 )
 """CF standard names and usual variable names of elevations."""
+FINER = 4
+"""Nodes along each cell of a model in another projection: heights above the ground are told from them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +118,7 @@ def read_terrain(path: Path | str, site: Site | None = None) -> Terrain:
     if raster.unit and raster.unit.lower() not in METRES:
         raise InputError(f"{path}: elevations must be in metres, their unit is {shown(raster.unit)}")
     if site is not None:
-        raster = site.local(raster, path)
+        raster = site.local(raster, path, FINER)
     else:
         with naming(path):
             check_metres(raster.crs)

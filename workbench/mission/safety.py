@@ -17,6 +17,7 @@ from instances import Instance, Routes
 from instances.environment.region import Region
 from instances.errors import InputError
 from instances.extent import LEAST
+from instances.geodesy import on_earth
 from instances.scenario import Scenario
 from workbench.mission.place import zones_of
 from workbench.mission.settings import Mission
@@ -51,7 +52,7 @@ def refuse_beyond_borders(
         asked = f" (flight.border_clearance = {wanted:g} m)" if wanted > 0 else ""
         stops = {f"tasks[{task}]": task for task in route} | {f"depots[{uav}]": instance.n_tasks + uav}
         why = _too_near(mission, scenario, instance, stops, found)
-        raise InputError(f"UAV {uav} {how} at [{x:.1f}, {y:.1f}]{asked}{why}")
+        raise InputError(f"UAV {uav} {how} at [{x:.1f}, {y:.1f}]{on_earth(scenario.plane, (x, y))}{asked}{why}")
 
 
 def _too_near(mission: Mission, scenario: Scenario, instance: Instance, stops: dict[str, int], found: Margin) -> str:
@@ -93,7 +94,8 @@ def refuse_near_ground(mission: Mission, flights: Sequence[Flight], heights: Map
             "" if mission.altitude.frame is Frame.ABOVE_GROUND else ' or follow it by flight.frame = "above-ground"'
         )
         raise InputError(
-            f"UAV {uav} {how} at [{x:.1f}, {y:.1f}], where the ground is {found.ground[k]:.1f} m and the track "
+            f"UAV {uav} {how} at [{x:.1f}, {y:.1f}]{on_earth(mission.origin, (x, y))}, where the ground is "
+            f"{found.ground[k]:.1f} m and the track "
             f"{found.track[k]:.1f} m above mean sea level (flight.clearance = {wanted:g} m): raise flight.altitude"
             f"{follow}"
         )

@@ -31,7 +31,7 @@ UNCERTAINTY_POWER = 0.5
 def draw_field(field: RadioMap, region: Region, terrain: Terrain | None, source: tuple[float, float] | None) -> Drawn:
     """Return the field over `region`, and beside it the ground it comes from where there is one."""
     figure = new_figure(7.2 if terrain else 4.6, 3.5)
-    plots = figure.subplots(1, 2 if terrain else 1, sharey=True, squeeze=False)[0]
+    plots = figure.subplots(1, 2 if terrain else 1, squeeze=False)[0]
     cells = np.stack(np.meshgrid(field.x, field.y), axis=-1).reshape(-1, 2)
     inside = region.contains(cells).reshape(field.values.shape)
     image = show(plots[0], np.where(inside, field.values, np.nan), extent_of(field.x, field.y))
@@ -45,8 +45,9 @@ def draw_field(field: RadioMap, region: Region, terrain: Terrain | None, source:
         map_axes(axes, region)
         if source is not None:
             axes.scatter(*(np.array(source) / KM), marker="^", s=70, color=INK, edgecolors=PAPER, zorder=5)
-    if terrain is not None:
-        plots[1].set_ylabel("")
+    if terrain is not None:  # it may reach beyond the region
+        plots[1].set(ylabel="", xlim=plots[0].get_xlim(), ylim=plots[0].get_ylim())
+        plots[1].tick_params(labelleft=False)
     where = " The triangle is the transmitter." if source is not None else ""
     ground = " Right: the ground; ridges cast the shadows." if terrain is not None else ""
     return Drawn("field", "The field", f"The field the UAVs measure, at flight altitude.{where}{ground}", figure)

@@ -23,19 +23,20 @@ FILES = (
     ("place", "tasks.geojson", "GeoJSON, tasks: QGIS"),
     ("map", "*.tif", "GeoTIFF, the last map and the field: QGIS"),
     ("map", "maps.nc", "NetCDF, the maps over time: QGIS, xarray"),
+    ("environment", "*.nc", "NetCDF, the field, the ground and the wind: QGIS, xarray"),
 )
 """Stage, pattern of its files, what they are."""
 
 
 def exported(folders: Mapping[str, Path]) -> list[Block]:
     """Return the linked list of exported files; links start where the folders of the stages are."""
+    if not any(folders["flight"].glob("uav-*.plan")):
+        return ["Without an origin = [latitude, longitude] in the mission file there are no files for other software."]
     rows = []
     for stage, pattern, what in FILES:
         found = sorted(path.name for path in folders[stage].glob(pattern))
         if found:
             rows.append((what, [(name, quote(f"{folders[stage].name}/{name}")) for name in found]))
-    if not rows:
-        return ["Without an origin = [latitude, longitude] in the mission file there are no files for other software."]
     links: Markup = fragment("exported.html.j2", rows=rows)
     return [links, *_heights(folders["flight"] / "exports.json")]
 

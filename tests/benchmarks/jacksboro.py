@@ -52,6 +52,9 @@ cells = 100
 position = [-84.246, 36.590]
 height = 30.0
 
+[field]
+decorrelation = 4000.0
+
 [flight]
 altitude = 120.0
 frame = "above-ground"

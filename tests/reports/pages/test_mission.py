@@ -81,7 +81,7 @@ def test_profiles_say_the_least_height_above_the_ground(known: bool) -> None:
 
 
 def test_files_of_a_mission_are_linked_and_their_names_escaped(tmp_path: Path) -> None:
-    folders = {stage: tmp_path / f"{stage}" for stage in ("place", "flight", "map")}
+    folders = {stage: tmp_path / f"{stage}" for stage in ("environment", "place", "flight", "map")}
     for folder in folders.values():
         folder.mkdir()
     assert "Without an origin" in str(exported(folders)[0])

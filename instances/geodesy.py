@@ -144,5 +144,10 @@ def from_degrees(positions: ArrayLike, crs: str) -> Floats:
 @cache
 def _between(one: str, other: str) -> Transformer:
     from pyproj import Transformer
+    from pyproj.exceptions import ProjError
 
-    return Transformer.from_crs(reference_system(one), reference_system(other), always_xy=True)
+    systems = reference_system(one), reference_system(other)
+    try:
+        return Transformer.from_crs(*systems, always_xy=True)
+    except ProjError:  # of another planet
+        raise InputError(f"crs: nothing leads from {shown(systems[0].name)} to {shown(systems[1].name)}") from None

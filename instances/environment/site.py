@@ -20,7 +20,7 @@ from instances.arrays import Floats
 from instances.environment.raster import METRES, Raster, bilinear, node_axes
 from instances.environment.region import Region
 from instances.errors import InputError, naming
-from instances.extent import LARGEST
+from instances.extent import FINEST, LARGEST
 from instances.geodesy import TangentPlane, from_degrees, in_degrees, on_earth, reference_system, to_degrees
 
 MARGIN = 0.25
@@ -49,7 +49,7 @@ class Site:
 
         finer : nodes along each of its cells; less where they would be more than MANY_NODES.
         """
-        with naming(path):
+        with naming(path), np.errstate(all="ignore"):  # what is nowhere is infinite, and refused
             if raster.crs and self.plane is not None:
                 raster = _sampled(raster, self.region, self.plane, finer)
             else:
@@ -102,15 +102,20 @@ def _sampled(raster: Raster, region: Region, plane: TangentPlane, finer: int) ->
         return plane.local(to_degrees(raster.origin + cells * raster.spacing, raster.crs))
 
     rows, columns = raster.values.shape
+    if min(rows, columns) < 2 or not min(raster.spacing) >= FINEST:
+        raise InputError(f"must hold a grid of at least 2 × 2 nodes, it holds {columns} × {rows}")
     _check_covered(raster, region, plane, cells)
     x0, y0, x1, y1 = region.bounds
     reach = MARGIN * max(x1 - x0, y1 - y0)
     edge = points(_sides(-0.5, -0.5, columns - 0.5, rows - 0.5))
-    lower = np.maximum(np.array([x0, y0]) - reach, edge.min(axis=0))
-    upper = np.minimum(np.array([x1, y1]) + reach, edge.max(axis=0))
+    edge = edge[np.isfinite(edge).all(axis=1)]  # parts of a raster of the Earth are nowhere in the plane
+    lower = np.fmax(np.array([x0, y0]) - reach, edge.min(axis=0, initial=np.inf))
+    upper = np.fmin(np.array([x1, y1]) + reach, edge.max(axis=0, initial=-np.inf))
     centre = cells(np.array([[(x0 + x1) / 2, (y0 + y1) / 2]]))
     steps = points(np.add(centre, [[0, 0], [1, 0], [0, 1]]))
     cell = np.hypot(*(steps[1:] - steps[0]).T)
+    if not (np.isfinite([*cell, *lower, *upper]).all() and (upper > lower).all() and (cell >= FINEST).all()):
+        raise InputError("its grid cannot be brought to the region")
     fitting = int(np.sqrt(MANY_NODES / np.prod((upper - lower) / cell)))
     dx, dy = (cell / max(1, min(finer, fitting))).tolist()
     nx, ny = (np.ceil((upper - lower) / (dx, dy)) + 1).astype(int).tolist()

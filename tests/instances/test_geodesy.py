@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from instances.errors import InputError
-from instances.geodesy import FLATTENING, A, TangentPlane
+from instances.geodesy import FLATTENING, A, TangentPlane, from_degrees, to_degrees
 
 E2 = FLATTENING * (2 - FLATTENING)
 
@@ -75,3 +75,30 @@ def test_degrees_are_those_of_bowrings_formula_to_a_millimetre() -> None:
 def test_origins_that_are_none(origin: tuple[float, float]) -> None:
     with pytest.raises(InputError, match="latitude, longitude"):
         TangentPlane(*origin)
+
+
+@pytest.mark.parametrize("origin", [(36.0, 128.0), (-33.0, -70.0), (89.0, -180.0), (0.0, 0.0)])
+def test_the_plane_and_back(origin):
+    plane = TangentPlane(*origin)
+    points = np.random.default_rng(0).uniform(-5e4, 5e4, (100, 2))
+    np.testing.assert_allclose(plane.local(plane.geographic(points)), points, atol=1e-6)
+
+
+def test_map_projections_and_back():
+    # the central meridian of zone 32 at the equator: false easting 500 km
+    np.testing.assert_allclose(from_degrees([[0.0, 9.0]], "EPSG:32632"), [[500e3, 0.0]], atol=1e-6)
+    np.testing.assert_allclose(to_degrees([[500e3, 0.0]], "EPSG:32632"), [[0.0, 9.0]], atol=1e-9)
+    assert not np.isfinite(to_degrees([[1e9, 1e9]], "EPSG:32632")).any()
+
+
+@pytest.mark.parametrize(
+    ("crs", "words"),
+    [
+        ("IAU_2015:49900", r"crs: nothing leads from 'Mars .*' to 'WGS 84'"),
+        ("EPSG:5773", "'EGM96 height' is no map"),
+        ("EPSG:4978", "'WGS 84' is no map"),
+    ],
+)
+def test_reference_systems_that_are_no_maps_of_the_earth(crs, words):
+    with pytest.raises(InputError, match=words):
+        to_degrees([[0.0, 0.0]], crs)

@@ -110,6 +110,18 @@ def test_ground_smaller_than_the_region_is_refused(tmp_path: Path) -> None:
         read_terrain(geotiff(tmp_path / "feet.tif", np.ones((4, 4)), 7, 48, 1.0, "EPSG:4326", "ft"), SITE)
 
 
+@pytest.mark.parametrize(
+    ("shape", "crs", "words"),
+    [
+        ((1, 200), "EPSG:4326", r"a\.tif: must hold a grid of at least 2 × 2 nodes, it holds 200 × 1"),
+        ((200, 200), "+proj=ortho +lat_0=-47 +lon_0=188", r"a\.tif: covers longitude -171"),
+    ],
+)
+def test_rasters_that_lead_nowhere(tmp_path: Path, shape: tuple[int, int], crs: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        read_terrain(geotiff(tmp_path / "a.tif", np.ones(shape), 7.9, 47.1, 0.001, crs), SITE)
+
+
 def test_longitudes_from_0_to_360(tmp_path: Path) -> None:
     west = Site(SITE.region, TangentPlane(47.0, -8.0))
     at = (np.arange(120) + 0.5 - 60) / 1200

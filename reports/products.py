@@ -182,6 +182,16 @@ class Products:
                 raise InputError("holds no routes")
             return run
 
+    @cached_property
+    def bound(self) -> dict[str, Any]:
+        """What bounds the routes: numbers `objective`, `bound` [s] and `gap`, and `by` whom."""
+        path = self.folders["routes"] / "bound.json"
+        with reading(path, "a bound"):
+            said: dict[str, Any] = read_json(path)
+            if not all(is_number(said[name]) for name in ("objective", "bound", "gap")):
+                raise InputError("must hold finite numbers")
+            return said | {"by": str(said["by"])}
+
     def table(self, stage: str, file: str) -> pd.DataFrame:
         """Return a CSV product as a frame, its `NUMBERS` being numbers."""
         path = self.folders[stage] / file

@@ -190,7 +190,7 @@ def _placed(products: Products) -> str:
 
 def _routed(products: Products) -> str:
     run, effect = products.routes, products.instance.provenance.get("wind_effect", {})
-    gap = f", gap {run.gap:.1%} by its own bound" if run.gap is not None else ""
+    bound = products.bound
     left, asymmetry = (_share(effect, name) for name in ("rotational_asymmetry", "asymmetry"))
     matters = (
         f"the wind's vorticity leaves an asymmetry of {left:.2%} that tours feel"
@@ -198,7 +198,8 @@ def _routed(products: Products) -> str:
         else "the wind is as good as a potential and changes no closed tour"
     )
     return (
-        f"Routes by {run.label} ({run.status}{gap}): longest tour {run.objective:.2f} s. Costs differ by "
+        f"Routes by {run.label} ({run.status}): longest tour {run.objective:.2f} s; none can be below "
+        f"{bound['bound']:.2f} s (by {bound['by']}), so that is at most {bound['gap']:.1%} too long. Costs differ by "
         f"direction by {asymmetry:.1%}; {matters}."
     )
 

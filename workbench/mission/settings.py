@@ -64,11 +64,12 @@ class CostSettings:
 
 @dataclass(frozen=True)
 class RouteSettings:
-    """[routes]: sub-problem 3, by any registered solver. time_limit [s]."""
+    """[routes]: sub-problem 3, by any registered solver. time_limit [s]; bound_time_limit [s] of its bound."""
 
     solver: str = keys.text("memetic")
     options: dict[str, Any] = keys.options()
     time_limit: float = keys.positive(10.0, "s", LONGEST)
+    bound_time_limit: float = keys.not_negative(5.0, "s")
     threads: int = keys.count(1, 1, MOST_THREADS)
     seed: int = keys.seed()
 

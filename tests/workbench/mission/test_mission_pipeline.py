@@ -62,6 +62,7 @@ method = "dijkstra"
 [routes]
 solver = "greedy"
 time_limit = 1.0
+bound_time_limit = 0.0
 
 [sensing]
 period = 6.0
@@ -129,6 +130,9 @@ def test_every_stage_leaves_its_products(made: Path) -> None:
     assert list(draws["draw"]) == [0] * 4 + [1] * 4
     np.testing.assert_allclose(compared["rmse"], draws.groupby("name", sort=False)["rmse"].mean())
     assert draws["information"][0] == pytest.approx(pd.read_csv(made / "6-map/ticks.csv")["information"].iloc[-1])
+    bound = json.loads((made / "4-routes/bound.json").read_text())
+    assert 0 < bound["bound"] <= bound["objective"]
+    assert bound["gap"] == pytest.approx(1 - bound["bound"] / bound["objective"])
     assert not list(made.glob(".*"))
 
 

@@ -42,8 +42,8 @@ def command(kind: str, path: Path | None) -> None:
 def template(kind: str, name: str) -> str:
     """Return the template of a kind for a file of this name."""
     if kind == "mission":
-        from workbench.mission.file import shipped_mission
+        from workbench.mission.template import template as every_key
 
-        return shipped_mission().read_text(encoding="utf-8")
+        return every_key()
     text = (files("workbench") / "templates" / f"{kind}{KINDS[kind]}").read_text(encoding="utf-8")
     return text.replace("{name}", name)

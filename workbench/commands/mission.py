@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from itertools import groupby
 from pathlib import Path
 
 import click
@@ -10,7 +11,27 @@ import click
 from workbench.completing import STAGE
 
 
-@click.command("mission")
+class MissionCommand(click.Command):
+    """A command whose help ends with every key of a mission file."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write each key with an example, what it takes and what it means."""
+        from workbench.mission.template import described
+
+        for table, keys in groupby(described(), key=lambda key: key.table):
+            with formatter.section(f"Keys of [{table}]" if table else "Keys of MISSION.toml"):
+                formatter.write_dl([("; ".join(key.lines), f"{key.meaning} ({key.wanted})") for key in keys], 44)
+
+
+def _print_template(context: click.Context, parameter: click.Parameter, wanted: bool) -> None:
+    if wanted and not context.resilient_parsing:
+        from workbench.mission.template import template
+
+        click.echo(template(), nl=False)
+        context.exit()
+
+
+@click.command("mission", cls=MissionCommand)
 @click.argument("mission_file", metavar="[MISSION.toml]", required=False, type=click.Path(path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the products.")
 @click.option(
@@ -21,6 +42,14 @@ from workbench.completing import STAGE
 )
 @click.option(
     "--from", "force_from", metavar="STAGE", shell_complete=STAGE, help="Make this stage and all after it again."
+)
+@click.option(
+    "--template",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_template,
+    help="Print a MISSION.toml with every key, commented, and exit.",
 )
 @click.option("--no-plugins", is_flag=True, help="Refuse a mission that names code which is not built in.")
 def command(mission_file: Path | None, out: Path, stage: str | None, force_from: str | None, no_plugins: bool) -> None:

@@ -20,122 +20,142 @@ from workbench.mission import keys
 
 @dataclass(frozen=True)
 class FieldSettings:
-    """[field]: what is measured: a `file` (CSV, NetCDF or GeoTIFF), or the signal of [radio] under `model`.
+    """[field]: what is measured; the altitude is [flight]'s."""
 
-    unit of a file's values, what the file says unless given. shadowing_sd [dB]; decorrelation [m] of the shadowing;
-    cells along the longer side; the altitude is [flight]'s.
-    """
-
-    file: str | None = keys.text(None)
-    unit: str | None = keys.text(None)
-    model: str = keys.text("diffraction")
-    shadowing_sd: float = keys.not_negative(4.0, "dB")
-    decorrelation: float = keys.positive(2000.0, "m")
-    cells: int = keys.count(200, 2, 2000)
-    seed: int = keys.seed()
+    file: str | None = keys.text(
+        None,
+        meaning="what is measured, from a file: CSV, NetCDF or GeoTIFF; made from [radio] where none is given",
+        example="field.nc",
+    )
+    unit: str | None = keys.text(None, meaning="unit of a file's values, what the file says unless given", example="K")
+    model: str = keys.text("diffraction", meaning="propagation of [radio]: diffraction, free-space or itm")
+    shadowing_sd: float = keys.not_negative(4.0, "dB", meaning="standard deviation of the shadowing, drawn at random")
+    decorrelation: float = keys.positive(
+        2000.0, "m", meaning="distance at which the shadowing's correlation falls to 1/e"
+    )
+    cells: int = keys.count(200, 2, 2000, meaning="nodes of the field along the longer side")
+    seed: int = keys.seed(meaning="seed of the shadowing")
 
 
 @dataclass(frozen=True)
 class PlaceSettings:
-    """[place]: sub-problem 1. tests = [columns, rows] of test points; kernel and noise of the planning."""
+    """[place]: sub-problem 1, task locations."""
 
-    method: str = keys.text("nlp")
-    options: dict[str, Any] = keys.options()
-    criterion: str = keys.text("b")
-    tests: list[int] = keys.counts([20, 20])
-    signal_sd: float = keys.positive(30.0)
-    length_scale: float | list[float] = keys.one_or_two(4000.0, "m")
-    noise_sd: float = keys.positive(1.0)
-    seed: int = keys.seed()
-    certificate: bool = keys.switch(True)
+    method: str = keys.text(
+        "nlp",
+        meaning="how tasks are placed: nlp, l-bfgs-b, greedy-swap, greedy … (workbench place --help), or module:Class",
+    )
+    options: dict[str, Any] = keys.options(meaning="options of the method", example={"starts": 8})
+    criterion: str = keys.text(
+        "b", meaning="information that is maximised: b both noisy, a latent tests, ig information gain"
+    )
+    tests: list[int] = keys.counts(
+        [20, 20], meaning="columns and rows of the test points, at which the field is to be known"
+    )
+    signal_sd: float = keys.positive(
+        30.0, meaning="σ_f of the planning kernel, in the field's unit; information is stated under this kernel"
+    )
+    length_scale: float | list[float] = keys.one_or_two(
+        4000.0, "m", meaning="length scale of the planning kernel, or two along x and y"
+    )
+    noise_sd: float = keys.positive(1.0, meaning="σ_n of a reading at a task, for planning, in the field's unit")
+    seed: int = keys.seed(meaning="seed of the method")
+    certificate: bool = keys.switch(True, meaning="whether an upper bound on the information is computed, too")
 
 
 @dataclass(frozen=True)
 class CostSettings:
-    """[costs]: sub-problem 2. clearance [m]: room for turns, twice the turning radius unless given.
+    """[costs]: sub-problem 2, moving costs. Zones are widened by the clearance, tasks placed as far from the border."""
 
-    No-fly zones are widened by it for planning, and tasks placed as far from the region's border.
-    """
-
-    method: str = keys.text("refined")
-    options: dict[str, Any] = keys.options()
-    clearance: float | None = keys.not_negative(None, "m")
+    method: str = keys.text(
+        "refined", meaning="how paths are planned: refined, fmt-star, dijkstra, closed-form, or module:Class"
+    )
+    options: dict[str, Any] = keys.options(meaning="options of the method", example={"samples": 2000})
+    clearance: float | None = keys.not_negative(
+        None,
+        "m",
+        meaning="room for turns at zones, inlets and border; twice the turning radius unless given",
+        example=100.0,
+    )
 
 
 @dataclass(frozen=True)
 class RouteSettings:
-    """[routes]: sub-problem 3, by any registered solver. time_limit [s]; bound_time_limit [s] of its bound."""
+    """[routes]: sub-problem 3, routes."""
 
-    solver: str = keys.text("memetic")
-    options: dict[str, Any] = keys.options()
-    time_limit: float = keys.positive(10.0, "s", LONGEST)
-    bound_time_limit: float = keys.not_negative(5.0, "s")
-    threads: int = keys.count(1, 1, MOST_THREADS)
-    seed: int = keys.seed()
+    solver: str = keys.text("memetic", meaning="who routes: any of workbench solvers, or module:Class")
+    options: dict[str, Any] = keys.options(meaning="options of the solver", example={"removals": 10})
+    time_limit: float = keys.positive(10.0, "s", LONGEST, meaning="wall clock of the solver")
+    bound_time_limit: float = keys.not_negative(
+        5.0, "s", meaning="wall clock for a bound beside the routes; 0 for the quick bounds alone"
+    )
+    threads: int = keys.count(1, 1, MOST_THREADS, meaning="threads of the solver")
+    seed: int = keys.seed(meaning="seed of the solver")
 
 
 @dataclass(frozen=True)
 class FlightSettings:
-    """[flight]: Dubins at speed v [m/s] (the scenario's unless given), turning_radius r_min [m].
+    """[flight]: Dubins tours of turning radius r_min at speed v, and how high."""
 
-    altitude [m] in a frame: "amsl" (above mean sea level), "above-ground" (the track follows the ground within climb
-    and descent [m/s]) or "above-home" (each UAV above its depot). clearance [m]: least height above the ground.
-    border_clearance [m]: flown tracks keep at least so far from the region's border and from no-fly zones.
-    """
-
-    speed: float | None = keys.positive(None, "m/s")
-    turning_radius: float = keys.positive(50.0, "m")
-    altitude: float = keys.not_negative(3000.0, "m")
-    frame: str = keys.text("amsl")
-    clearance: float = keys.not_negative(50.0, "m")
-    climb: float = keys.positive(5.0, "m/s")
-    descent: float = keys.positive(3.0, "m/s")
-    border_clearance: float = keys.not_negative(0.0, "m")
+    speed: float | None = keys.positive(None, "m/s", meaning="flying speed; the scenario's unless given", example=100.0)
+    turning_radius: float = keys.positive(50.0, "m", meaning="least radius of any turn")
+    altitude: float = keys.not_negative(3000.0, "m", meaning="flying altitude, in the frame")
+    frame: str = keys.text(
+        "amsl", meaning="what the altitude is above: amsl, above-ground (the track follows the ground) or above-home"
+    )
+    clearance: float = keys.not_negative(
+        50.0, "m", meaning="least height of a track above the ground; lower ones are refused"
+    )
+    climb: float = keys.positive(5.0, "m/s", meaning="greatest rate of climb, where a track follows the ground")
+    descent: float = keys.positive(3.0, "m/s", meaning="greatest rate of descent, where a track follows the ground")
+    border_clearance: float = keys.not_negative(
+        0.0, "m", meaning="what flown tracks keep from the region's border and from no-fly zones"
+    )
 
 
 @dataclass(frozen=True)
 class SensingSettings:
-    """[sensing]: a measurement every `period` seconds, with noise σ_n = noise_sd in the field's unit."""
+    """[sensing]: what the UAVs measure on their way."""
 
-    period: float = keys.positive(10.0, "s")
-    noise_sd: float = keys.positive(1.0)
-    seed: int = keys.seed()
+    period: float = keys.positive(10.0, "s", meaning="time between two measurements of a UAV")
+    noise_sd: float = keys.positive(1.0, meaning="σ_n of a measurement, in the field's unit")
+    seed: int = keys.seed(meaning="seed of the noise")
 
 
 @dataclass(frozen=True)
 class MapSettings:
-    """[map]: sub-problem 4. Kernel at the start, ticks between maximum-likelihood fits (0 for none), map cells a side.
+    """[map]: sub-problem 4, the Gaussian process."""
 
-    frames : maps that are kept for the report.
-    """
-
-    signal_sd: float = keys.positive(30.0)
-    length_scale: float | list[float] = keys.one_or_two(4000.0, "m")
-    refit_every: int = keys.count(10, 0)
-    cells: int = keys.count(100, 4, 1000)
-    frames: int = keys.count(30, 2)
+    signal_sd: float = keys.positive(30.0, meaning="σ_f believed at take-off, in the field's unit")
+    length_scale: float | list[float] = keys.one_or_two(
+        4000.0, "m", meaning="length scale believed at take-off, or two along x and y"
+    )
+    refit_every: int = keys.count(10, 0, meaning="measuring rounds between maximum-likelihood fits; 0 for none")
+    cells: int = keys.count(100, 4, 1000, meaning="cells of the map along the longer side")
+    frames: int = keys.count(30, 2, meaning="maps that are kept for the report")
 
 
 @dataclass(frozen=True)
 class CompareSettings:
-    """[compare]: what else is flown, over so many `seeds` of field and noise; time_limit [s] of each solve.
+    """[compare]: what else is flown over the same fields."""
 
-    draws : different random tours, taken in turn over the seeds.
-    """
-
-    baselines: list[str] = keys.texts(["lawnmower", "random", "greedy"])
-    seeds: int = keys.count(8, 1, 1000)
-    draws: int = keys.count(8, 1, 1000)
-    time_limit: float = keys.positive(1.0, "s", LONGEST)
-    seed: int = keys.seed()
+    baselines: list[str] = keys.texts(
+        ["lawnmower", "random", "greedy"], meaning="what else is flown: lawnmower, random, greedy"
+    )
+    seeds: int = keys.count(
+        8, 1, 1000, meaning="noise seeds, each with shadowing of its own, over which verdicts are formed"
+    )
+    draws: int = keys.count(8, 1, 1000, meaning="different random tours, taken in turn over the seeds")
+    time_limit: float = keys.positive(1.0, "s", LONGEST, meaning="wall clock of the solver for each baseline")
+    seed: int = keys.seed(meaning="seed of what is drawn for the comparison")
 
 
 @dataclass(frozen=True)
 class ExportSettings:
-    """[export]: who flies the plans: firmware "px4" or "ardupilot", vehicle "fixed-wing" or "multirotor"."""
+    """[export]: who flies the plans."""
 
-    firmware: str = keys.one_of("px4", FIRMWARE)
-    vehicle: str = keys.one_of("fixed-wing", KINDS)
+    firmware: str = keys.one_of("px4", FIRMWARE, meaning="autopilot of the .plan and .waypoints files")
+    vehicle: str = keys.one_of("fixed-wing", KINDS, meaning="vehicle of the .plan and .waypoints files")
 
 
 @dataclass(frozen=True, eq=False)

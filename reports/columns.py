@@ -181,9 +181,20 @@ SCALING = [
 ]
 """Of the paper's scaling claim, a row a number of starts: CPU times."""
 
+TOURS = [
+    Column("uav", "UAV"),
+    Column("tasks", "Tasks"),
+    Column("length", "Reference path", "km", numbers.fixed(2, 1e-3)),
+    Column("flight_time", "Flight time", "s", numbers.cost, "at constant airspeed, by the wind triangle"),
+    Column("energy", "Energy cost", "s", numbers.cost, "drag energy at the same ground speed, as calm-air seconds"),
+    Column("calm", "In calm air", "s", numbers.cost, "time and energy cost without wind"),
+]
+"""Chosen tours of a mission, time and energy beside each other."""
+
 FLIGHT = [
     Column("uav", "UAV"),
     Column("length", "Flown", "km", numbers.fixed(2, 1e-3)),
+    Column("duration", "In", "s", numbers.cost, "at constant airspeed where planned by time, else over ground"),
     Column("reference_length", "Reference path", "km", numbers.fixed(2, 1e-3), "path of the moving costs"),
     Column("task_distance", "Nearest to its tasks within", "m", numbers.fixed(3)),
     Column("least_radius", "Least radius", "m", numbers.fixed(2), "of any turn"),

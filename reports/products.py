@@ -41,8 +41,9 @@ NUMBERS: dict[str, tuple[str, ...]] = {
     "flown.csv": ("uav", "time", "x", "y", "z"),
     "flight-check.csv": (
         "uav", "length", "reference_length", "task_distance", "least_radius", "deviation", "closure", "in_no_fly",
-        "outside", "margin", "clearance", "home", "lowest", "highest",
+        "outside", "margin", "clearance", "home", "lowest", "highest", "duration",
     ),
+    "tours.csv": ("uav", "tasks", "length", "flight_time", "energy", "calm"),
     "samples.csv": ("time", "x", "y"),
     "ticks.csv": ("time", "samples", "information", *_SCORES),
     "compare.csv": ("draws", "count", "length", "longest", "outside", "samples", "information", *_SCORES),
@@ -55,8 +56,8 @@ NAMED = ("compare.csv", "compare-draws.csv", "compare-ticks.csv", "tracks.csv")
 """Tables of several plans, whose `name` says which."""
 WHOLE = ("uav", "draw", "draws")
 """Columns of whole numbers from 0."""
-ENDLESS = ("least_radius",)
-"""Columns that may be infinite: a UAV that stays home makes no turn."""
+ENDLESS = ("least_radius", "flight_time")
+"""Columns that may be infinite: a UAV that stays home makes no turn; against a wind as strong there is no flight."""
 LARGEST = 1e12
 """No product has a greater number; pictures of greater ones cannot be drawn."""
 

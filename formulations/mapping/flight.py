@@ -35,13 +35,14 @@ STRAY_RADII = 0.2
 
 @dataclass(frozen=True)
 class Flight:
-    """A closed Dubins tour at constant speed.
+    """A closed Dubins tour at constant speed over ground or, with a clock, through the air.
 
     starts : pose (x [m], y [m], heading [rad]) at the start of each leg, shape (w, 3).
     words : Dubins word of each leg (row of dubins.TURNS), shape (w,).
     segments : lengths of its three segments [m], shape (w, 3).
     radius : minimum turning radius r_min [m].
-    speed : v [m/s].
+    speed : v [m/s], over ground; with a clock the airspeed.
+    clock : times [s] at equal steps of the tour, from 0 at take-off to landing, linear between (`clock.clocked`).
     """
 
     starts: Floats
@@ -49,6 +50,7 @@ class Flight:
     segments: Floats
     radius: float
     speed: float
+    clock: Floats | None = None
 
     @property
     def length(self) -> float:
@@ -58,7 +60,21 @@ class Flight:
     @property
     def duration(self) -> float:
         """Time of flight [s]."""
-        return self.length / self.speed
+        return self.length / self.speed if self.clock is None else float(self.clock[-1])
+
+    @property
+    def fastest(self) -> float:
+        """Greatest ground speed [m/s]."""
+        if self.clock is None or self.length == 0.0:
+            return self.speed
+        return self.length / (len(self.clock) - 1) / float(np.diff(self.clock).min())
+
+    def travelled(self, times: ArrayLike) -> Floats:
+        """Return how far [m] the UAV is along the tour at `times` [s], shape (k,)."""
+        t = np.asarray(times, dtype=float)
+        if self.clock is None:
+            return t * self.speed
+        return np.interp(t, self.clock, np.linspace(0.0, self.length, len(self.clock)))
 
     def poses(self, travelled: ArrayLike) -> Floats:
         """Return the poses (x, y, heading) after `travelled` metres of the tour, shape (k, 3).
@@ -81,7 +97,7 @@ class Flight:
         Headings are in [−π, π).
         """
         times = np.append(np.arange(0.0, self.duration, step), self.duration)
-        poses = self.poses(times * self.speed)
+        poses = self.poses(self.travelled(times))
         poses[:, 2] = (poses[:, 2] + np.pi) % (2 * np.pi) - np.pi
         return times, poses
 
@@ -91,17 +107,18 @@ class Flight:
         The first is one period after take-off; a tour shorter than the period has none.
         """
         times = period * np.arange(1, int(self.duration / period + 1e-9) + 1, dtype=np.float64)
-        return times, self.poses(times * self.speed)[:, :2]
+        return times, self.poses(self.travelled(times))[:, :2]
 
     def to_json(self) -> dict[str, Any]:
         """Return the flight as JSON values."""
-        return {
+        table = {
             "starts": self.starts.tolist(),
             "words": self.words.tolist(),
             "segments": self.segments.tolist(),
             "radius": self.radius,
             "speed": self.speed,
         }
+        return table if self.clock is None else {**table, "clock": self.clock.tolist()}
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Flight:
@@ -112,15 +129,24 @@ class Flight:
             np.array(data["segments"], dtype=float).reshape(-1, 3),
             positive(data["radius"], "radius [m]"),
             positive(data["speed"], "speed [m/s]"),
+            np.array(data["clock"], dtype=float) if "clock" in data else None,
         )
         if not len(flight.starts) == len(flight.words) == len(flight.segments):
             raise InputError("starts, words and segments of a flight must be equally many")
         if not np.isin(flight.words, np.arange(len(dubins.TURNS))).all() or not (flight.segments >= 0).all():
             raise InputError("words of a flight must be numbers of Dubins words, and its segments not negative")
         check_positions(flight.starts, "starts")
+        if flight.clock is not None:
+            flight.check_clock()
         if not flight.duration <= LONGEST:
             raise InputError(f"a flight must take at most {LONGEST:g} s, got {flight.duration:g} s")
         return flight
+
+    def check_clock(self) -> None:
+        """Raise InputError where the clock does not run from 0."""
+        times = self.clock
+        if times is None or times.ndim != 1 or len(times) < 2 or times[0] != 0.0 or not (np.diff(times) >= 0).all():
+            raise InputError("the clock of a flight must be times from 0 that do not fall")
 
 
 def plan_flight(

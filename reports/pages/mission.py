@@ -15,8 +15,9 @@ from matplotlib import colormaps
 from matplotlib.image import imsave
 
 from instances.arrays import Floats
+from instances.moving_cost import CostKind
 from reports import numbers
-from reports.columns import FLIGHT, survey
+from reports.columns import FLIGHT, TOURS, survey
 from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, draw_field
 from reports.figures.flight import colour_of, draw_flight, draw_plans
 from reports.figures.heights import draw_heights
@@ -56,7 +57,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
         draw_plans(scenario.region, scenario.depots, products.of_plans("tracks.csv"), table, unit),
     ]
     data = film(products, flown, samples, ticks)
-    planned: list[Block] = [_placed(products), _routed(products), flight, heights]
+    planned: list[Block] = [_placed(products), _routed(products), *_tours(products), flight, heights]
     planned += [_checks(products), exported(folders)]
     plans = _plans(table, judged_plans, unit)
     blocks: list[Block] = [
@@ -94,6 +95,10 @@ def _made(said: dict[str, Any]) -> Section:
         ("What the words mean", Facts(WORDS)),
     )
     return Section("How it was made", [Section(title, [block]) for title, block in parts], "made")
+
+
+COST_NAMES = {CostKind.ENERGY: "energy cost", CostKind.TIME: "flight time"}
+"""What a tour's cost is called."""
 
 
 def scenario_tasks(products: Products) -> Floats:
@@ -171,7 +176,7 @@ def _headline(products: Products, ticks: pd.DataFrame) -> list[tuple[str, str]]:
         ("NLPD", f"{end['nlpd']:.2f} nats"),
         ("covered by the 95 % interval", f"{end['coverage']:.1%}"),
         ("information gathered", f"{end['information']:.0f} nats"),
-        ("longest tour, cost", f"{products.routes.objective:.1f} s"),
+        (f"longest tour, {COST_NAMES[products.scenario.cost]}", f"{products.routes.objective:.1f} s"),
     ]
 
 
@@ -193,7 +198,9 @@ def _routed(products: Products) -> str:
     bound = products.bound
     left, asymmetry = (_share(effect, name) for name in ("rotational_asymmetry", "asymmetry"))
     matters = (
-        f"the wind's vorticity leaves an asymmetry of {left:.2%} that tours feel"
+        "to flight times any wind matters"
+        if products.scenario.cost is CostKind.TIME
+        else f"the wind's vorticity leaves an asymmetry of {left:.2%} that tours feel"
         if left > 1e-4
         else "the wind is as good as a potential and changes no closed tour"
     )
@@ -202,6 +209,13 @@ def _routed(products: Products) -> str:
         f"{bound['bound']:.2f} s (by {bound['by']}), so that is at most {bound['gap']:.1%} too long. Costs differ by "
         f"direction by {asymmetry:.1%}; {matters}."
     )
+
+
+def _tours(products: Products) -> list[Block]:
+    """Return what the chosen tours take and cost, and what the wind is worth to them."""
+    tours, scenario = products.table("routes", "tours.csv"), products.scenario
+    words = f"Tours are chosen by {scenario.cost.described(scenario.speed)}. Along their reference paths at this speed:"
+    return [words, table_of(tours.assign(uav="UAV " + tours["uav"].astype(str)), TOURS, key="tours")]
 
 
 def _share(effect: object, name: str) -> float:

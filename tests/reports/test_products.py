@@ -42,7 +42,7 @@ def products(tmp_path):
 
 
 def stage_of(file):
-    stages = {"tasks.csv": "place", "samples.csv": "map", "ticks.csv": "map"}
+    stages = {"tasks.csv": "place", "tours.csv": "routes", "samples.csv": "map", "ticks.csv": "map"}
     flown = ("reference.csv", "flown.csv", "flight-check.csv")
     return stages.get(file, "flight" if file in flown else "compare")
 

@@ -28,7 +28,7 @@ from instances.extent import LEAST
 from instances.scenario import Scenario
 from workbench.jobs.machine import available_cores
 from workbench.mission.costs import moving_costs
-from workbench.mission.flight import fly
+from workbench.mission.flight import fly, in_wind
 from workbench.mission.place import kept_off, place_tasks, scales_of, widened, zones_of
 from workbench.mission.routes import solve
 from workbench.mission.safety import room_to_fly
@@ -89,8 +89,11 @@ class Baselines:
             period=mission.sensing.period,
         )
 
+        def flown(flights: list[Flight]) -> list[Flight]:
+            return [in_wind(flight, scenario) for flight in flights]
+
         def worth(flights: list[Flight]) -> tuple[bool, float]:
-            return bool(unflyable(mission, scenario, self.ground, flights)), promised(flights)
+            return bool(unflyable(mission, scenario, self.ground, flights)), promised(flown(flights))
 
         lanes, flights = best_lawnmower(
             scenario.free,
@@ -100,7 +103,7 @@ class Baselines:
             speed=mission.speed,
             radius=mission.flight.turning_radius,
         )
-        return [self._plan("lawnmower", lanes, flights)]
+        return [self._plan("lawnmower", lanes, flown(flights))]
 
     def greedy(self) -> list[Plan]:
         """Return tasks placed greedily, with room for turns as the mission's have."""

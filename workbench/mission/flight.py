@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 from shapely.geometry import Polygon
 
+from formulations.mapping.clock import clocked
 from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.flight_check import FlightCheck, check_flight
 from formulations.mapping.heights import Heights, heights_of
@@ -26,6 +27,7 @@ from instances.disk import read_json, write_aside
 from instances.environment.terrain import Terrain
 from instances.errors import InputError
 from instances.files import read_routes
+from instances.moving_cost import CostKind
 from instances.paths import Paths
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
@@ -72,7 +74,9 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     fleet = fly(mission, scenario, instance, paths, routes, room_to_fly(mission, scenario))
     refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
     ground = kept_terrain(folders["environment"])
-    heights = {k: heights_of(f, mission.altitude, ground) for k, f in enumerate(fleet.flights) if f.length > 0}
+    heights = {
+        k: heights_of(f, mission.altitude_at(f.fastest), ground) for k, f in enumerate(fleet.flights) if f.length > 0
+    }
     refuse_near_ground(mission, fleet.flights, heights)
     longest = max(flight.duration for flight in fleet.flights)
     if mission.sensing.period > longest:
@@ -88,11 +92,17 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         )
     write_aside(out / "flights.json", json.dumps([flight.to_json() for flight in fleet.flights]))
     flown = track_frame(fleet.flights)
-    z = [heights[int(str(k))].at(track["time"] * mission.speed) for k, track in flown.groupby("uav")]
+    z = [
+        heights[int(str(k))].at(fleet.flights[int(str(k))].travelled(track["time"]))
+        for k, track in flown.groupby("uav")
+    ]
     write_aside(out / "flown.csv", flown.assign(z=np.concatenate(z).round(2)).to_csv(index=False))
     write_aside(out / "reference.csv", _reference_frame(fleet.legs).to_csv(index=False))
     checks = pd.DataFrame(
-        [{"uav": k, **asdict(check), **_height_columns(heights.get(k))} for k, check in enumerate(fleet.checks)]
+        [
+            {"uav": k, **asdict(check), **_height_columns(heights.get(k)), "duration": flight.duration}
+            for k, (check, flight) in enumerate(zip(fleet.checks, fleet.flights, strict=True))
+        ]
     )
     write_aside(out / "flight-check.csv", checks.to_csv(index=False))
     if mission.origin is not None:
@@ -118,6 +128,7 @@ def fly(
         stops = (depot, *route, depot) if route else ()
         reference = [paths.between(i, j) for i, j in pairwise(stops)]
         flight = plan_flight(reference, speed=mission.speed, radius=mission.flight.turning_radius, within=within)
+        flight = in_wind(flight, scenario)
         if flight.duration > LONGEST_TOUR:
             raise InputError(f"flight.speed = {mission.speed:g} m/s: a tour would last {flight.duration:.3g} s")
         flights.append(flight)
@@ -125,6 +136,11 @@ def fly(
         tasks = instance.coordinates[list(route)]
         checks.append(check_flight(flight, reference, tasks, scenario.region, zones_of(scenario)))
     return Fleet(flights, legs, checks)
+
+
+def in_wind(flight: Flight, scenario: Scenario) -> Flight:
+    """Return `flight` as it is flown: at constant airspeed where the scenario plans by time, else over ground."""
+    return flight if scenario.cost is CostKind.ENERGY or scenario.wind is None else clocked(flight, scenario.wind)
 
 
 def track_frame(flights: Sequence[Flight]) -> pd.DataFrame:

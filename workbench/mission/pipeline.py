@@ -45,7 +45,7 @@ STAGES = (
     Stage("environment", ()),
     Stage("place", ("environment",)),
     Stage("costs", ("environment", "place")),
-    Stage("routes", ("costs",)),
+    Stage("routes", ("environment", "costs")),
     Stage("flight", ("environment", "costs", "routes")),
     Stage("map", ("environment", "flight")),
     Stage("compare", ("environment", "place", "costs", "routes", "flight", "map")),

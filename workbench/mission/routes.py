@@ -2,7 +2,8 @@
 
 Then a lower bound is sought, so that the routes carry a gap: no tours can be better by more.
 
-Products: routes.sol, run.json, bound.json (the bounds found, the best of them and the gap to it).
+Products: routes.sol, run.json, tours.csv (what each tour takes and costs along its reference path), bound.json (the
+bounds found, the best of them and the gap to it).
 """
 
 from __future__ import annotations
@@ -13,11 +14,15 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from formulations.routing.short_bounds import short_bounds
 from instances import Instance
 from instances.disk import write_aside
 from instances.errors import InputError
-from instances.files import write_routes
+from instances.files import read_routes, write_routes
+from instances.scenario_folder import kept_scenario
+from instances.tour_costs import tour_costs
 from reports.record import Run
 from reports.tolerances import RELATIVE_ROUNDING
 from workbench.jobs.job import Job
@@ -34,7 +39,8 @@ def settings(mission: Mission) -> dict[str, Any]:
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
     """Write the routes."""
-    instance, _ = kept_costs(folders["costs"])
+    instance, paths = kept_costs(folders["costs"])
+    scenario = kept_scenario(folders["environment"])
     tell(f"{mission.routes.solver} for {mission.routes.time_limit:g} s")
     found = solve(mission, instance, mission.routes.time_limit, mission.routes.seed)
     assert found.objective is not None
@@ -43,10 +49,16 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     write_aside(out / "run.json", found.to_json())
     certified = certificate(found, bounds)
     write_aside(out / "bound.json", json.dumps(certified))
+    routes = read_routes(out / "routes.sol", instance)
+    rows = tour_costs(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
+    write_aside(out / "tours.csv", pd.DataFrame([asdict(row) for row in rows]).to_csv(index=False))
     tours = ", ".join(f"{c:.1f}" for c in found.own["tour_costs"])
+    longest = {name: max(getattr(row, name) for row in rows) for name in ("flight_time", "energy", "calm")}
     return (
-        f"{found.status} by {found.label}, longest tour {found.objective:.2f} s (tours {tours} s), at most "
-        f"{certified['gap']:.1%} above any possible (bound {certified['bound']:.2f} s by {certified['by']})"
+        f"{found.status} by {found.label}, longest tour {found.objective:.2f} s (tours {tours} s, {scenario.cost}), at "
+        f"most {certified['gap']:.1%} above any possible (bound {certified['bound']:.2f} s by {certified['by']}); at "
+        f"most {longest['flight_time']:.1f} s of flight at airspeed {scenario.speed:g} m/s, an energy cost of "
+        f"{longest['energy']:.1f} s at that ground speed, {longest['calm']:.1f} s in calm air"
     )
 
 

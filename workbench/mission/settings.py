@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -196,6 +196,12 @@ class Mission:
                 f"(known: {', '.join(Frame)})"
             )
         return Altitude(wanted.altitude, Frame(wanted.frame), wanted.climb / self.speed, wanted.descent / self.speed)
+
+    def altitude_at(self, ground_speed: float) -> Altitude:
+        """Return how high is flown where the UAV is never faster over ground than `ground_speed` [m/s]."""
+        slower = self.speed / ground_speed
+        flown = self.altitude
+        return replace(flown, climb=flown.climb * slower, descent=flown.descent * slower)
 
     @property
     def clearance(self) -> float:

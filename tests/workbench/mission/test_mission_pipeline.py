@@ -136,6 +136,17 @@ def test_every_stage_leaves_its_products(made: Path) -> None:
     assert not list(made.glob(".*"))
 
 
+def test_chosen_tours_show_time_energy_and_calm_air_beside_each_other(made: Path) -> None:
+    tours = pd.read_csv(made / "4-routes/tours.csv")
+    run = json.loads((made / "4-routes/run.json").read_text())
+    np.testing.assert_allclose(tours["energy"], run["tour_costs"], rtol=1e-6)
+    assert (tours["flight_time"] > 0).all()
+    np.testing.assert_allclose(tours["calm"], tours["length"] / 50.0)
+    page = (made / "8-report/report.html").read_text()
+    for words in ("Flight time", "Energy cost", "In calm air", "drag energy at a constant ground speed of 50 m/s"):
+        assert words in page
+
+
 def test_flights_keep_the_radius_pass_the_tasks_and_stay_out_of_the_zone(made: Path) -> None:
     checks = pd.read_csv(made / "5-flight/flight-check.csv")
     assert (checks["least_radius"] >= 50.0 - 1e-6).all()

@@ -1,0 +1,49 @@
+"""What chosen tours take and cost along their reference paths: time, energy, and both in calm air."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from instances.environment.wind import WindField
+from instances.errors import InputError
+from instances.moving_cost import CostKind, CostMeasure
+from instances.paths import Paths
+from instances.routes import Routes
+
+
+@dataclass(frozen=True)
+class TourCost:
+    """One UAV's tour at one speed v [m/s]; all 0 for a UAV that stays home.
+
+    uav; tasks on it; length [m] of its reference path; flight_time [s] at the airspeed v (inf where the wind is as
+    strong); energy [s] at the ground speed v, as seconds of flight in calm air; calm [s], which both are without wind.
+    """
+
+    uav: int
+    tasks: int
+    length: float
+    flight_time: float
+    energy: float
+    calm: float
+
+
+def tour_costs(paths: Paths, routes: Routes, n_tasks: int, wind: WindField | None, speed: float) -> list[TourCost]:
+    """Return what the tours of all UAVs take and cost; `paths` between n_tasks tasks and then the depots."""
+    rows = []
+    for uav, route in enumerate(routes):
+        depot = n_tasks + uav
+        line = paths.along((depot, *route, depot)) if route else np.zeros((1, 2))
+        offsets = np.array([0, len(line)])
+        length = float(np.hypot(*np.diff(line, axis=0).T).sum())
+        calm = length / speed
+        of_kind = dict.fromkeys(CostKind, calm if wind is None else 0.0)
+        if wind is not None and len(line) > 1:
+            for kind in CostKind:
+                try:
+                    of_kind[kind] = float(CostMeasure(kind, wind, speed).polylines(line, offsets)[0])
+                except InputError:
+                    of_kind[kind] = np.inf
+        rows.append(TourCost(uav, len(route), length, of_kind[CostKind.TIME], of_kind[CostKind.ENERGY], calm))
+    return rows

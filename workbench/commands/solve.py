@@ -60,6 +60,7 @@ def command(
     from workbench.jobs.study import checked_entry
     from workbench.problems.routing import ROUTING
     from workbench.settings import check_target, key_values
+    from workbench.tours import said_of, tours_beside
 
     if fewest == (limit is None) or (fewest and (start or plot)):
         raise InputError("--fewest needs --limit, --limit goes with --fewest alone, and --start and --plot do not")
@@ -90,6 +91,9 @@ def command(
 
         save_figure(draw_routes(instance, routes, paths), plot)
     click.echo(json.dumps(_object(result)) if as_json else _text(result))
+    if routes is not None and not as_json:
+        for tour in filter(lambda tour: tour.tasks, tours_beside(instance_file, instance, routes)):
+            click.echo(said_of(tour))
     context.exit(0 if routes is not None and result.status in ("OPTIMAL", "FEASIBLE") else 1)
 
 

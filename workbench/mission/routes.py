@@ -22,7 +22,7 @@ from instances.disk import write_aside
 from instances.errors import InputError
 from instances.files import read_routes, write_routes
 from instances.scenario_folder import kept_scenario
-from instances.tour_costs import tour_costs
+from instances.tour_figures import tour_figures
 from reports.record import Run
 from reports.tolerances import RELATIVE_ROUNDING
 from workbench.jobs.job import Job
@@ -50,7 +50,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     certified = certificate(found, bounds)
     write_aside(out / "bound.json", json.dumps(certified))
     routes = read_routes(out / "routes.sol", instance)
-    rows = tour_costs(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
+    rows = tour_figures(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
     write_aside(out / "tours.csv", pd.DataFrame([asdict(row) for row in rows]).to_csv(index=False))
     tours = ", ".join(f"{c:.1f}" for c in found.own["tour_costs"])
     longest = {name: max(getattr(row, name) for row in rows) for name in ("flight_time", "energy", "calm")}

@@ -14,7 +14,7 @@ from instances.paths import paths_file, read_paths
 from workbench.cli import commands
 
 SCENARIO = """
-airspeed = 20.0
+ground_speed = 20.0
 size = [10000, 10000]
 no_fly = "zones.geojson"
 depots = [[500, 500], [9500, 9000], [500, 500]]
@@ -160,3 +160,24 @@ def test_a_strong_potential_wind_is_gauged_away(folder: Path) -> None:
     run("costs", calm, "--out", folder / "calm.json")
     legs = ([0, 1, 2, 3], [1, 2, 3, 0])
     assert instance.cost[legs].sum() == pytest.approx(read_instance(folder / "calm.json").cost[legs].sum(), rel=1e-12)
+
+
+def test_times_are_costs_of_their_own(folder: Path) -> None:
+    timed = SCENARIO.replace("ground_speed = 20.0", 'cost = "time"\nairspeed = 20.0')
+    (folder / "t.toml").write_text(timed)
+    result = run("costs", folder / "t.toml", "--out", folder / "t.json", "--option", "samples=300")
+    assert result.exit_code == 0, result.output
+    for words in ("cost: flight time at a constant airspeed of 20 m/s", "not that none is cheaper"):
+        assert words in result.stdout
+    assert read_instance(folder / "t.json").provenance["moving_cost"]["cost"] == "time"
+    assert run("check", folder / "t.paths.json.gz").exit_code == 0
+    (folder / "t.toml").write_text(SCENARIO)
+    result = run("check", folder / "t.paths.json.gz")
+    assert (result.exit_code, "The instance's costs are 'time', those of the scenario 'energy'" in result.output) == (
+        1,
+        True,
+    )
+    (folder / "t.toml").write_text(timed)
+    result = run("solve", folder / "t.json", "--solver", "greedy", "--time-limit", "5")
+    for words in ("s of flight at constant airspeed", "energy cost", "in calm air"):
+        assert words in result.stdout

@@ -14,7 +14,7 @@ from instances.routes import Routes
 
 
 @dataclass(frozen=True)
-class TourCost:
+class TourFigures:
     """One UAV's tour at one speed v [m/s]; all 0 for a UAV that stays home.
 
     uav; tasks on it; length [m] of its reference path; flight_time [s] at the airspeed v (inf where the wind is as
@@ -29,7 +29,7 @@ class TourCost:
     calm: float
 
 
-def tour_costs(paths: Paths, routes: Routes, n_tasks: int, wind: WindField | None, speed: float) -> list[TourCost]:
+def tour_figures(paths: Paths, routes: Routes, n_tasks: int, wind: WindField | None, speed: float) -> list[TourFigures]:
     """Return what the tours of all UAVs take and cost; `paths` between n_tasks tasks and then the depots."""
     rows = []
     for uav, route in enumerate(routes):
@@ -45,5 +45,5 @@ def tour_costs(paths: Paths, routes: Routes, n_tasks: int, wind: WindField | Non
                     of_kind[kind] = float(CostMeasure(kind, wind, speed).polylines(line, offsets)[0])
                 except InputError:
                     of_kind[kind] = np.inf
-        rows.append(TourCost(uav, len(route), length, of_kind[CostKind.TIME], of_kind[CostKind.ENERGY], calm))
+        rows.append(TourFigures(uav, len(route), length, of_kind[CostKind.TIME], of_kind[CostKind.ENERGY], calm))
     return rows

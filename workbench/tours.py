@@ -1,0 +1,33 @@
+"""What chosen tours take and cost, where the paths behind an instance's costs lie beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from instances import Instance, Routes
+from instances.errors import InputError
+from instances.paths import paths_file, paths_of, read_paths_table
+from instances.scenario import read_scenario
+from instances.tour_figures import TourFigures, tour_figures
+
+
+def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> list[TourFigures]:
+    """Return time, energy and calm-air cost of the tours; none without paths, or where their scenario is not found."""
+    kept = paths_file(instance_file)
+    if not kept.exists():
+        return []
+    table = read_paths_table(kept)
+    paths, named = paths_of(table, instance, kept), table.get("scenario")
+    try:
+        scenario = read_scenario(kept.parent / str(named))
+    except InputError:
+        return []
+    return tour_figures(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
+
+
+def said_of(tour: TourFigures) -> str:
+    """Return the figures of a tour that is flown, in words."""
+    return (
+        f"UAV {tour.uav}: {tour.length / 1e3:.2f} km, {tour.flight_time:.6g} s of flight at constant airspeed, energy "
+        f"cost {tour.energy:.6g} s at constant ground speed, {tour.calm:.6g} s in calm air"
+    )

@@ -25,6 +25,31 @@ from formulations.task_location.placement import OutOfTime, PlacementMethod, Pla
 from formulations.task_location.starts import starts
 from instances.arrays import Floats
 
+Settings = dict[str, Any]
+"""What `scipy.optimize.minimize` is told besides objective, start and box."""
+
+
+def quasi_newton(iterations: int, **more: float) -> Settings:
+    """Return the settings of L-BFGS-B with at most so many iterations; more : scipy's, such as ftol."""
+    return {"method": "L-BFGS-B", "options": {"maxiter": iterations, "maxcor": 20, **more}}
+
+
+def ascend(problem: PlacementProblem, begin: Floats, progress: Progress, settings: Settings) -> tuple[Floats, bool]:
+    """Return where the ascent from `begin` ends, (n, 2) [m], in the bounding box; and whether it converged.
+
+    Raises OutOfTime.
+    """
+    criterion, scales = problem.criterion, problem.criterion.scales
+
+    def negative(z: Floats) -> tuple[float, Floats]:
+        progress.check()
+        here = Expansion(criterion, z.reshape(-1, 2) * scales)
+        return -here.value, -(here.gradient * scales).ravel()
+
+    bounds = box(problem.region, scales, problem.n_tasks)
+    done = minimize(negative, (begin / scales).ravel(), jac=True, bounds=bounds, **settings)
+    return done.x.reshape(-1, 2) * scales, bool(done.success)
+
 
 @dataclass(frozen=True)
 class LBfgsB(PlacementMethod):
@@ -39,31 +64,23 @@ class LBfgsB(PlacementMethod):
 
     def search(self, problem: PlacementProblem, progress: Progress, seed: int) -> PlacementStatus:
         """Offer the snapped end of every start."""
-        criterion, scales = problem.criterion, problem.criterion.scales
-        bounds, settings = box(problem.region, scales, problem.n_tasks), self.settings(problem)
+        criterion, settings = problem.criterion, self.settings(problem)
         status = PlacementStatus.HEURISTIC
-
-        def negative(z: Floats) -> tuple[float, Floats]:
-            progress.check()
-            here = Expansion(criterion, z.reshape(-1, 2) * scales)
-            return -here.value, -(here.gradient * scales).ravel()
-
         for begin in starts(problem, self.starts, seed, progress.remaining):
             try:
-                done = minimize(negative, (begin / scales).ravel(), jac=True, bounds=bounds, **settings)
+                points, success = ascend(problem, begin, progress, settings)
             except OutOfTime:
                 progress.offer(begin, criterion.value(begin))  # the first one may be all there is
                 raise
-            points = done.x.reshape(-1, 2) * scales
             snapped = problem.region.snap(points)
             if progress.offer(snapped, criterion.value(snapped)):
-                solved = done.success and ("constraints" in settings or np.array_equal(points, snapped))
+                solved = success and ("constraints" in settings or np.array_equal(points, snapped))
                 status = PlacementStatus.LOCALLY_SOLVED if solved else PlacementStatus.HEURISTIC
         return status
 
-    def settings(self, problem: PlacementProblem) -> dict[str, Any]:
+    def settings(self, problem: PlacementProblem) -> Settings:
         """Return what `scipy.optimize.minimize` is told besides objective, start and box."""
-        return {"method": "L-BFGS-B", "options": {"maxiter": self.iterations, "maxcor": 20}}
+        return quasi_newton(self.iterations)
 
 
 @dataclass(frozen=True)
@@ -73,7 +90,7 @@ class Slsqp(LBfgsB):
     starts: int = 4
     iterations: int = 200
 
-    def settings(self, problem: PlacementProblem) -> dict[str, Any]:
+    def settings(self, problem: PlacementProblem) -> Settings:
         """Return what `scipy.optimize.minimize` is told, with the border as a constraint where the box is not all."""
         region, scales = problem.region, problem.criterion.scales
         inside: dict[str, Any] = {

@@ -9,6 +9,8 @@ in direction d:
                        + δ_ij Σ_k M_ik c_xx^{de}(i, k)
 
 where c_xy^{de} = ∂_{x^d} ∂_{y^e} c and c_xx^{de} = ∂_{x^d} ∂_{x^e} c. (Derivation: d½ log det C = ½ tr M dC, twice.)
+With the weights b(y) = Wᵀφ(y) that the test readings have in the prediction at y, φ = W k_o, a derivative of c in x
+alone is ∂c(x, y) = ∂k(x, y) − ∂k_o(x)ᵀ b(y): products with the large W are needed for φ, b and ∂φ only.
 Points are in units of the length scales here, so that both directions are alike: z = x / l.
 """
 
@@ -45,12 +47,16 @@ class Expansion:
         return np.asarray(self._criterion.whitening @ self._to_tests)
 
     @cached_property
+    def _weights(self) -> Floats:
+        """b(p_i), shape (m, n)."""
+        return np.asarray(self._criterion.whitening.T @ self._basis)
+
+    @cached_property
     def _slopes(self) -> tuple[list[Floats], list[Floats], list[Floats]]:
-        """∂k, ∂φ and ∂c with respect to z_i of the first argument, for d = x, y."""
+        """∂k, ∂k_o and ∂c with respect to z_i of the first argument, for d = x, y."""
         prior = [-gap * self._prior for gap in self._gaps]
-        stacked = self._criterion.whitening @ np.hstack([-gap * self._to_tests for gap in self._test_gaps])
-        basis = np.split(stacked, 2, axis=1)
-        return prior, basis, [self._posterior(p, b, self._basis) for p, b in zip(prior, basis, strict=True)]
+        tests = [-gap * self._to_tests for gap in self._test_gaps]
+        return prior, tests, [self._posterior(p, t, self._weights) for p, t in zip(prior, tests, strict=True)]
 
     @cached_property
     def _inverses(self) -> tuple[Floats, Floats, float]:
@@ -82,18 +88,14 @@ class Expansion:
         n = len(self._prior)
         gaps, far = self._gaps, self._test_gaps
         prior_inverse, posterior_inverse, _ = self._inverses
-        slopes, basis_slopes, posterior_slopes = self._slopes
-        pairs = ((0, 0), (0, 1), (1, 1))
-        curvatures = np.split(
-            self._criterion.whitening @ np.hstack([(far[d] * far[e] - (d == e)) * self._to_tests for d, e in pairs]),
-            3,
-            axis=1,
-        )
+        slopes, test_slopes, posterior_slopes = self._slopes
+        basis_slopes = np.split(self._criterion.whitening @ np.hstack(test_slopes), 2, axis=1)
         result = np.zeros((n, 2, n, 2))
-        for (d, e), curvature in zip(pairs, curvatures, strict=True):
+        for d, e in ((0, 0), (0, 1), (1, 1)):
+            curvature = (far[d] * far[e] - (d == e)) * self._to_tests
             twice = self._prior * (gaps[d] * gaps[e] - (d == e))  # k_xx; k_xy = −k_xx: k depends on x − y alone
             mixed = self._posterior(-twice, basis_slopes[d], basis_slopes[e])
-            own = self._posterior(twice, curvature, self._basis)
+            own = self._posterior(twice, curvature, self._weights)
             block = _block(prior_inverse, slopes[d], slopes[e], -twice, twice)
             block -= _block(posterior_inverse, posterior_slopes[d], posterior_slopes[e], mixed, own)
             result[:, d, :, e] = block

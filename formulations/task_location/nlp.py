@@ -11,8 +11,9 @@ corners and loses narrow parts of A: up to 0.6 % of I on spiky regions.)
 Objective, gradient and Hessian enter as casadi Callbacks with the closed forms of derivatives.py, the Hessian of the
 Lagrangian as λ_f ∇²I. Unknowns are in length scales, z = x / l.
 
-In a rectangle most starts are hops: the best end so far, shaken (basin hopping, Wales & Doye 1997). They reach the best
-end known more often than random starts do, in fewer iterations. In ragged regions they stay in the wrong arms.
+A start from nothing seldom ends highest; the best end so far with two tasks put elsewhere does more often (basin
+hopping, Wales & Doye 1997, by relocations). In a rectangle such hops are many and cheap: each ascends by L-BFGS-B,
+which knows the box, and IPOPT only ends the best. Elsewhere every ascent is IPOPT's, from random starts first.
 
 Wächter & Biegler (2006), IPOPT; Andersson et al. (2019), CasADi.
 """
@@ -20,24 +21,31 @@ Wächter & Biegler (2006), IPOPT; Andersson et al. (2019), CasADi.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from formulations.task_location.ascent import ascend, quasi_newton
 from formulations.task_location.boundary import box, distance_gradient, is_rectangle
 from formulations.task_location.criterion import Criterion
 from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
-from formulations.task_location.starts import greedy_start
+from formulations.task_location.starts import greedy_start, relocated
 from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
 
-HOP = 0.65
-"""Standard deviation of a hop in mean distances between tasks, √(area / n)."""
+MOST, FEWEST = 80, 20
+"""Ascents in a rectangle: 80 − 2 n, at least 20. With few tasks many ends are nearly as good as the best."""
+QUASI_NEWTON = quasi_newton(500, ftol=1e-7)
+"""How each is made; what it leaves to gain is IPOPT's."""
+RANDOM_STARTS = 12
+"""From nothing, the greedy one included, where the region is no rectangle: only these find the right arms."""
+HOPS = 6
+"""After them."""
 SNAPPED = 1.0
 """A point moved farther [m] into the region at the end is not where IPOPT solved."""
 
@@ -46,8 +54,8 @@ SNAPPED = 1.0
 class Nlp(PlacementMethod):
     """casadi and IPOPT with closed-form gradient and Hessian.
 
-    starts : number of starts: the greedy choice after exchanges, then random ones, in a rectangle three of four hops
-        from the best end so far instead; 0 for n / 4, from 2 to 10, in a rectangle and 12 elsewhere.
+    starts : number of ascents, the first from the greedy choice after exchanges; 0 for 80 − 2 n, at least 20, in a
+        rectangle and 18 elsewhere, of which the last 6 are hops.
     iterations : at most so many a start.
     tolerance : IPOPT's scaled optimality error.
     """
@@ -65,29 +73,45 @@ class Nlp(PlacementMethod):
         ca.has_nlpsol("ipopt")
 
     def search(self, problem: PlacementProblem, progress: Progress, seed: int) -> PlacementStatus:
-        """Offer the snapped end of every start; locally solved where IPOPT says so of the best."""
-        criterion, region = problem.criterion, problem.region
+        """Offer the end of every ascent; locally solved where IPOPT says so of the best."""
         model = Model(problem, self.iterations, self.tolerance)
-        status = PlacementStatus.HEURISTIC
-        hopping = is_rectangle(region)
-        enough = min(max(2, problem.n_tasks // 4), 10) if hopping else 12
         rng = np.random.default_rng(seed)
-        hop = HOP * math.sqrt(region.area / problem.n_tasks)
-        for start in range(self.starts or enough):
-            if start > 0:  # the first one may be all there is
-                progress.check()
-            if progress.best is None:
-                begin = greedy_start(problem, progress.remaining)
-            elif hopping and start % 4:
-                begin = region.snap(progress.best + rng.normal(0.0, hop, progress.best.shape))
-            else:
-                begin = region.sample(problem.n_tasks, rng)
+        status = PlacementStatus.HEURISTIC
+        begins: Iterable[Floats] = self._starts(problem, progress, rng)
+        if is_rectangle(problem.region):
+            begins = [self._hop(problem, progress, rng)]
+        for begin in begins:
             points, converged = model.solve(begin, progress.remaining)
-            snapped = region.snap(points)
-            if progress.offer(snapped, criterion.value(snapped)):
-                stationary = converged and float(np.abs(snapped - points).max()) < SNAPPED
-                status = PlacementStatus.LOCALLY_SOLVED if stationary else PlacementStatus.HEURISTIC
+            snapped = problem.region.snap(points)
+            better = progress.offer(snapped, problem.criterion.value(snapped))
+            assert progress.best is not None
+            if converged and float(np.abs(progress.best - points).max()) < SNAPPED:
+                status = PlacementStatus.LOCALLY_SOLVED
+            elif better:
+                status = PlacementStatus.HEURISTIC
         return status
+
+    def _hop(self, problem: PlacementProblem, progress: Progress, rng: np.random.Generator) -> Floats:
+        """Return the best end of all ascents by L-BFGS-B; offer each."""
+        begin = best = greedy_start(problem, progress.remaining)
+        progress.offer(best, problem.criterion.value(best))  # it may be all there is
+        for _ in range(self.starts or max(FEWEST, MOST - 2 * problem.n_tasks)):
+            end = problem.region.snap(ascend(problem, begin, progress, QUASI_NEWTON)[0])
+            if progress.offer(end, problem.criterion.value(end)):
+                best = end
+            begin = relocated(problem.region, best, rng)
+        return best
+
+    def _starts(self, problem: PlacementProblem, progress: Progress, rng: np.random.Generator) -> Iterator[Floats]:
+        """Yield the greedy start, random ones, and hops from the best so far."""
+        yield greedy_start(problem, progress.remaining)
+        for start in range(1, self.starts or RANDOM_STARTS + HOPS):
+            progress.check()
+            if start < RANDOM_STARTS:
+                yield problem.region.sample(problem.n_tasks, rng)
+            else:
+                assert progress.best is not None
+                yield relocated(problem.region, progress.best, rng)
 
 
 class Model:

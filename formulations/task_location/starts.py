@@ -13,6 +13,7 @@ from formulations.limits import Limits
 from formulations.task_location.greedy_swap import GreedySwap
 from formulations.task_location.placement import OutOfTime, PlacementProblem, Progress, lattice
 from instances.arrays import Floats
+from instances.environment.region import Region
 
 COARSE = 21
 """Points a side of the lattice for the greedy start."""
@@ -30,6 +31,14 @@ def greedy_start(problem: PlacementProblem, seconds: float = math.inf) -> Floats
         GreedySwap().search(problem, inner, 0)
     assert inner.best is not None
     return inner.best
+
+
+def relocated(region: Region, points: Floats, rng: np.random.Generator) -> Floats:
+    """Return `points` (n, 2) [m] with two of them, drawn, put to places drawn from the whole of `region`."""
+    moved = np.array(points)
+    which = rng.choice(len(points), min(2, len(points)), replace=False)
+    moved[which] = region.sample(len(which), rng)
+    return moved
 
 
 def starts(problem: PlacementProblem, count: int, seed: int, seconds: float) -> Iterator[Floats]:

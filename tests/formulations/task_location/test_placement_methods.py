@@ -25,6 +25,7 @@ from formulations.task_location.placement import (
     place,
 )
 from formulations.task_location.registry import METHODS, make_method
+from formulations.task_location.starts import relocated
 from instances.environment.region import Region
 from instances.errors import InputError
 
@@ -119,6 +120,27 @@ def test_nlp_leaves_a_poor_first_end_by_hops(monkeypatch):
     given = problem(SQUARE, 40, cells=20)
     alone = place(given, make_method("nlp", {"starts": 1}), "nlp").mutual_information
     assert alone < 105.0 < place(given, make_method("nlp"), "nlp").mutual_information
+
+
+PAPER = {10: 33.0618, 20: 63.0262, 40: 105.0301}
+"""Tasks in the paper's square → the most mutual information known [nats]."""
+
+
+@pytest.mark.parametrize("seed", [5, pytest.param(9, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [10, pytest.param(20, marks=pytest.mark.slow), pytest.param(40, marks=pytest.mark.slow)])
+def test_nlp_finds_the_best_known_placement_of_the_papers_square(n, seed):
+    found = place(problem(SQUARE, n, cells=20), make_method("nlp"), "nlp", seed=seed)
+    assert found.mutual_information == pytest.approx(PAPER[n], abs=1e-4)
+    assert found.status is PlacementStatus.LOCALLY_SOLVED
+
+
+@pytest.mark.parametrize("region", [SQUARE, ANGLE_WITH_HOLE], ids=["square", "angle with hole"])
+def test_a_hop_puts_two_tasks_elsewhere_in_the_region(region):
+    points, rng = region.sample(5, np.random.default_rng(0)), np.random.default_rng(1)
+    hopped = relocated(region, points, rng)
+    assert (hopped != points).any(axis=1).sum() == 2
+    assert region.contains(hopped).all()
+    assert (relocated(region, points[:1], rng) != points[:1]).any(axis=1).sum() == 1
 
 
 def test_methods_run_with_one_blas_thread():

@@ -38,8 +38,8 @@ from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
 
-MOST, FEWEST = 80, 20
-"""Ascents in a rectangle: 80 − 2 n, at least 20. With few tasks many ends are nearly as good as the best."""
+MOST, FEWEST = 80, 16
+"""Ascents in a rectangle: 80 − 2 n, at least 16. With few tasks many ends are nearly as good as the best."""
 QUASI_NEWTON = quasi_newton(500, ftol=1e-7)
 """How each is made; what it leaves to gain is IPOPT's."""
 RANDOM_STARTS = 12
@@ -54,7 +54,7 @@ SNAPPED = 1.0
 class Nlp(PlacementMethod):
     """casadi and IPOPT with closed-form gradient and Hessian.
 
-    starts : number of ascents, the first from the greedy choice after exchanges; 0 for 80 − 2 n, at least 20, in a
+    starts : number of ascents, the first from the greedy choice after exchanges; 0 for 80 − 2 n, at least 16, in a
         rectangle and 18 elsewhere, of which the last 6 are hops.
     iterations : at most so many a start.
     tolerance : IPOPT's scaled optimality error.

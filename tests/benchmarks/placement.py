@@ -47,24 +47,33 @@ def say(what: str, measured: str, bar: str, kept: bool) -> bool:
     return kept
 
 
+BEST_KNOWN = {10: 33.0618, 20: 63.0262, 40: 105.0301}
+"""Tasks → most mutual information (b) that any method has found [nats]."""
+
+
 def nlp_bars() -> list[bool]:
-    """n = 40: at least 105.0 nats in at most 1 s, over ten seeds."""
+    """Each of ten seeds finds the best known; n = 40 in at most 1 s."""
+    bars = []
     fresh(40, "nlp")
-    results = [timed(lambda seed=seed: fresh(40, "nlp", seed)) for seed in range(10)]
-    least = min(placement.mutual_information for placement, _ in results)
-    most, middle = max(cpu for _, cpu in results), float(np.median([cpu for _, cpu in results]))
-    return [
-        say("nlp, n = 40, (b), worst of 10 seeds", f"{least:.4f} nats", ">= 105.0 nats", least >= 105.0),
-        say("nlp, n = 40, CPU, median (largest) of 10 seeds", f"{middle:.2f} ({most:.2f}) s", "<= 1 s", most <= 1.0),
-    ]
+    for n, best in BEST_KNOWN.items():
+        results = [timed(lambda n=n, seed=seed: fresh(n, "nlp", seed)) for seed in range(10)]
+        least = min(placement.mutual_information for placement, _ in results)
+        most, middle = max(cpu for _, cpu in results), float(np.median([cpu for _, cpu in results]))
+        bars += [
+            say(f"nlp, n = {n}, (b), worst of 10 seeds", f"{least:.4f} nats", f">= {best} nats", least >= best - 1e-4),
+            say(
+                f"nlp, n = {n}, CPU, median (largest) of 10 seeds", f"{middle:.2f} ({most:.2f}) s", "<= 1 s", most <= 1
+            ),
+        ]
+    return bars
 
 
 def nelder_mead_bars() -> list[bool]:
-    """n = 10: 200 times faster than the literal Nelder–Mead and never worse."""
+    """n = 10: 8 ascents are 200 times faster than the literal Nelder–Mead and never worse."""
     fresh(10, "nlp")
     pairs = []
     for seed in range(5):
-        nlp, quick = timed(lambda seed=seed: fresh(10, "nlp", seed))
+        nlp, quick = timed(lambda seed=seed: fresh(10, "nlp", seed, starts=8))
         literal, slow = timed(lambda seed=seed: fresh(10, "nelder-mead", seed, form="literal"))
         reduced, between = timed(lambda seed=seed: fresh(10, "nelder-mead", seed))
         pairs.append(
@@ -75,7 +84,7 @@ def nelder_mead_bars() -> list[bool]:
     worst = float((values[:, 0] - np.maximum(values[:, 2], values[:, 4])).min())
     return [
         say(
-            "literal Nelder-Mead / nlp, CPU, n = 10, median of 5 seeds",
+            "literal Nelder-Mead / nlp of 8 ascents, CPU, n = 10, median of 5 seeds",
             f"{np.median(values[:, 3]):.1f} s / {np.median(values[:, 1]):.3f} s = {ratio:.0f}x",
             ">= 200x",
             ratio >= 200,

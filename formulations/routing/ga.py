@@ -15,7 +15,9 @@ The operators are in ``ga_operators.py``.
 What differs, because the problem does: fitness is C_max (the paper's eq. c_max), each depot has one UAV and no
 capacity, so a group is one route and the paper's scheduler, which cuts groups into routes, has nothing to do; and the
 "distance" of a task from a depot is the way there and back, c_ki + c_ik. Tasks as near to several depots (UAVs at one
-place) are dealt among them at random.
+place) are dealt among them at random. The crossover puts tasks back at their best places over all depots, not among the
+routes of the depot it drew, as implementations that follow the original do (its text was not at hand): with one route
+a depot, that would join both parents' tasks of the depot in one tour, when the longest tour is what counts.
 """
 
 from __future__ import annotations

@@ -44,8 +44,10 @@ QUASI_NEWTON = quasi_newton(500, ftol=1e-7)
 """How each is made; what it leaves to gain is IPOPT's."""
 RANDOM_STARTS = 12
 """From nothing, the greedy one included, where the region is no rectangle: only these find the right arms."""
-HOPS = 6
-"""After them."""
+MOST_HOPS, FEWEST_HOPS = 36, 6
+"""After them 36 − 2 n hops, at least 6."""
+ALIKE = 1e-6
+"""IPOPT ends a little inside the border [nats], where a task on it is worth more: that is the same end."""
 SNAPPED = 1.0
 """A point moved farther [m] into the region at the end is not where IPOPT solved."""
 
@@ -55,7 +57,7 @@ class Nlp(PlacementMethod):
     """casadi and IPOPT with closed-form gradient and Hessian.
 
     starts : number of ascents, the first from the greedy choice after exchanges; 0 for 80 − 2 n, at least 16, in a
-        rectangle and 18 elsewhere, of which the last 6 are hops.
+        rectangle; elsewhere 12 and then 36 − 2 n hops, at least 6.
     iterations : at most so many a start.
     tolerance : IPOPT's scaled optimality error.
     """
@@ -83,12 +85,10 @@ class Nlp(PlacementMethod):
         for begin in begins:
             points, converged = model.solve(begin, progress.remaining)
             snapped = problem.region.snap(points)
-            better = progress.offer(snapped, problem.criterion.value(snapped))
-            assert progress.best is not None
-            if converged and float(np.abs(progress.best - points).max()) < SNAPPED:
-                status = PlacementStatus.LOCALLY_SOLVED
-            elif better:
-                status = PlacementStatus.HEURISTIC
+            value = problem.criterion.value(snapped)
+            if progress.offer(snapped, value) or value >= progress.value - ALIKE:
+                stationary = converged and float(np.abs(snapped - points).max()) < SNAPPED
+                status = PlacementStatus.LOCALLY_SOLVED if stationary else PlacementStatus.HEURISTIC
         return status
 
     def _hop(self, problem: PlacementProblem, progress: Progress, rng: np.random.Generator) -> Floats:
@@ -105,7 +105,8 @@ class Nlp(PlacementMethod):
     def _starts(self, problem: PlacementProblem, progress: Progress, rng: np.random.Generator) -> Iterator[Floats]:
         """Yield the greedy start, random ones, and hops from the best so far."""
         yield greedy_start(problem, progress.remaining)
-        for start in range(1, self.starts or RANDOM_STARTS + HOPS):
+        hops = max(FEWEST_HOPS, MOST_HOPS - 2 * problem.n_tasks)
+        for start in range(1, self.starts or RANDOM_STARTS + hops):
             progress.check()
             if start < RANDOM_STARTS:
                 yield problem.region.sample(problem.n_tasks, rng)

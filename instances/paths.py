@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import gzip
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -49,11 +49,14 @@ class Paths:
 
     The path from i to j is ``points[offsets[k]:offsets[k + 1]]`` [m] with k = i·N + j; that from i to itself is
     empty.
+
+    others : the paths of further classes of UAV, where they are planned for each; these are those of class 0.
     """
 
     n_nodes: int
     points: Floats
     offsets: Ints
+    others: tuple[Paths, ...] = ()
 
     def __post_init__(self) -> None:
         if (
@@ -69,6 +72,10 @@ class Paths:
         """Return n_nodes² polylines as Paths, in the order (0, 0), (0, 1), …"""
         offsets = np.concatenate([[0], np.cumsum([len(p) for p in paths])]).astype(np.int64)
         return cls(n_nodes, np.concatenate([np.asarray(p, dtype=float).reshape(-1, 2) for p in paths]), offsets)
+
+    def of_class(self, g: int) -> Paths:
+        """Return the paths of class `g` of UAV."""
+        return (self, *self.others)[g]
 
     def between(self, i: int, j: int) -> Floats:
         """Return the polyline from node i to node j, shape (k, 2) [m]."""
@@ -103,12 +110,13 @@ def check_paths(
     v0: float,
     potential: Floats | None = None,
     kind: CostKind = CostKind.ENERGY,
+    legs: Callable[[Floats], Floats] | None = None,
 ) -> list[str]:
     """Return what is wrong with `paths`, a sentence each; an empty list means that all of it is confirmed.
 
     cost : claimed costs [s], shape (N, N). coordinates : of the nodes (N, 2) [m]. region : without its no-fly
     zones. potential : node potentials p [s], shape (N,), where ``cost[i, j]`` is C(σ) + p_j − p_i. kind : what costs
-    are, at the speed v0 [m/s].
+    are, at the speed v0 [m/s]. legs : what legs cost where paths cost so much, (N, N) [s], if that is more (service).
     """
     n = paths.n_nodes
     if cost.shape != (n, n) or coordinates.shape != (n, 2):
@@ -143,6 +151,10 @@ def check_paths(
     if np.isnan(actual).any():
         q = int(np.argmax(np.isnan(actual)))
         return [*faults, f"The path from {i[q]} to {j[q]} meets a wind in which the airspeed cannot keep it."]
+    if legs is not None:
+        all_paths = np.zeros((n, n))
+        all_paths[i, j] = actual
+        actual = legs(all_paths)[i, j]
     if potential is not None:
         actual = actual + potential[j] - potential[i]
     wrong = np.abs(cost[i, j] - actual) > TOLERANCE * np.maximum(tau, 1e-3)
@@ -218,6 +230,10 @@ def write_paths(paths: Paths, instance: Instance, path: Path | str, scenario: st
         "offsets": paths.offsets.tolist(),
         "points": np.round(paths.points, 3).tolist(),
     }
+    if paths.others:
+        table["others"] = [
+            {"offsets": each.offsets.tolist(), "points": np.round(each.points, 3).tolist()} for each in paths.others
+        ]
     write_aside(path, gzip.compress(json.dumps(table, separators=(",", ":")).encode(), mtime=0))
 
 
@@ -246,8 +262,12 @@ def paths_of(table: dict[str, Any], instance: Instance, path: Path | str) -> Pat
             raise InputError(f"{path}: the key '{key}' is missing")
     if table["n_nodes"] != instance.n_nodes:
         raise InputError(f"{path}: n_nodes must be {instance.n_nodes}, got {shown(table['n_nodes'])}")
+    others = table.get("others", [])
+    if not isinstance(others, list) or not all(isinstance(t, dict) and {"points", "offsets"} <= set(t) for t in others):
+        raise InputError(f"{path}: others must be tables of points and offsets, got {shown(others)}")
     with naming(path):
-        return Paths(instance.n_nodes, _points(table["points"]), _offsets(table["offsets"]))
+        first, *rest = (Paths(instance.n_nodes, _points(t["points"]), _offsets(t["offsets"])) for t in (table, *others))
+        return replace(first, others=tuple(rest))
 
 
 def _points(value: object) -> Floats:

@@ -10,6 +10,7 @@
     crs = "EPSG:4326"                     # optional: what lists, and files that state nothing, are in
     origin = [lat, lon]                   # optional: of the point (0, 0)
     terrain = "dem.tif"                   # optional
+    service, return, [[uav]]              # optional; see instances.fleet
     [wind]                                # optional; see instances.environment.wind
     kind = "uniform"
     velocity = [u, v]                     # [m/s]
@@ -39,6 +40,8 @@ from instances.environment.wind import WindField
 from instances.environment.wind_table import wind_from_toml
 from instances.errors import LONGEST_SENTENCE, InputError, naming, one_line, shown, suggestion
 from instances.extent import positive
+from instances.fleet import KEYS as FLEET_KEYS
+from instances.fleet import Fleet, fleet_of
 from instances.geodesy import TangentPlane, on_earth
 from instances.georeference import LOCAL, Georeference, could_be_degrees
 from instances.instance import check_name
@@ -47,7 +50,9 @@ from instances.places import KEYS as PLACE_KEYS
 from instances.places import file_name, local_pair, read_places
 from instances.toml_text import toml_text
 
-KEYS = ("name", "cost", "ground_speed", "airspeed", *PLACE_KEYS, "terrain", "wind", "radio", "provenance")
+KEYS = (
+    "name", "cost", "ground_speed", "airspeed", *PLACE_KEYS, "terrain", "wind", "radio", "provenance", *FLEET_KEYS,
+)  # fmt: skip
 """Every key of a scenario file."""
 
 
@@ -68,6 +73,7 @@ class Scenario:
     provenance : where it comes from.
     plane : where on Earth the local plane is, or None.
     cost : what a leg costs.
+    fleet : how UAVs differ, how long tasks take, where tours end.
 
     Raises InputError with one sentence that names the field and the value.
     """
@@ -85,6 +91,7 @@ class Scenario:
     provenance: Mapping[str, Any] = field(default_factory=dict)
     plane: TangentPlane | None = None
     cost: CostKind = CostKind.ENERGY
+    fleet: Fleet = field(default_factory=Fleet)
 
     def __post_init__(self) -> None:
         check_name(self.name)
@@ -104,6 +111,7 @@ class Scenario:
             object.__setattr__(self, "n_tasks", len(self.tasks))
         elif isinstance(self.n_tasks, bool) or not isinstance(self.n_tasks, int) or self.n_tasks < 1:
             raise InputError(f"tasks must be points or a whole number of at least 1, got {shown(self.n_tasks)}")
+        object.__setattr__(self, "fleet", self.fleet.checked(self.n_tasks, self.n_depots))
 
     @property
     def n_depots(self) -> int:
@@ -202,10 +210,14 @@ def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
     tasks = places.tasks
     count = tasks if isinstance(tasks, int) and not isinstance(tasks, bool) else None
     site = Site(places.region, places.reference.plane)
+    depots, fleet = places.depots, Fleet()
+    if isinstance(depots, (list, np.ndarray)) and set(FLEET_KEYS) & set(table):
+        fleet, at = fleet_of(table, len(depots), speed)
+        depots = [depots[k] for k in at]
     return Scenario(
         name=table.get("name", name),
         region=places.region,
-        depots=places.depots,
+        depots=depots,
         speed=speed,
         wind=wind_from_toml(table["wind"], folder, site) if "wind" in table else None,
         tasks=tasks if count is None else None,
@@ -216,6 +228,7 @@ def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
         provenance=table.get("provenance", {}),
         plane=site.plane,
         cost=cost,
+        fleet=fleet,
     )
 
 
@@ -250,6 +263,7 @@ def write_scenario(scenario: Scenario, path: Path | str) -> None:
         table["crs"] = LOCAL
     table["depots"] = scenario.depots.tolist()
     table["tasks"] = scenario.n_tasks if scenario.tasks is None else scenario.tasks.tolist()
+    table |= scenario.fleet.to_toml(scenario.n_depots)
     if scenario.terrain is not None:
         table["terrain"] = str(scenario.terrain)
     if scenario.wind is not None:

@@ -40,6 +40,14 @@ SCENARIO_KEYS: dict[str, ScenarioKey] = {
         "a reference system, or local", "of lists and of files that state none: docs/coordinates.md", "EPSG:4326", False
     ),
     "terrain": ScenarioKey("a file", "elevation model, GeoTIFF or NetCDF", "dem.tif", False),
+    "uav": ScenarioKey(
+        "[[uav]] tables: depot, speed [m/s], endurance [s], count",
+        "UAVs that differ: depot counts from 0, speed instead of the scenario's, endurance in seconds of cost",
+        [{"depot": 0, "speed": 25.0, "endurance": 3600.0, "count": 1}],
+        False,
+    ),
+    "service": ScenarioKey("a number [s], or one a task", "time spent at each task", 30.0, False),
+    "return": ScenarioKey("own, any or none", "where tours end: at their own depot, at any, at their last task", "own"),
     "provenance": ScenarioKey("a table", "where the scenario comes from; kept, not read", {"made": "by hand"}, False),
 }
 """Every key of a scenario that is no table with keys of its own."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from formulations.moving_cost.costing import instance_of, query_of
+from formulations.moving_cost.fleet import classes_of, leg_costs
 from formulations.moving_cost.registry import DEFAULT
 from instances import Instance
 from instances.errors import InputError, shown
@@ -49,7 +51,23 @@ def refute(instance: Instance, paths: Paths, scenario: Scenario) -> list[str]:
         return [f"The instance's costs are {shown(stated)}, those of the scenario {str(scenario.cost)!r}."]
     shift = instance.provenance.get("node_potential")
     potential = None if shift is None else np.array(shift, dtype=float)
-    return check_paths(paths, instance.cost, query.terminals, query.region, query.wind, query.v0, potential, query.kind)
+    speeds, classes = classes_of(scenario)
+    if len(paths.others) != len(speeds) - 1:
+        return [f"There are paths for {len(paths.others) + 1} speeds of UAVs, and {len(speeds)} speeds."]
+    faults = []
+    for g, speed in enumerate(speeds):
+        faults += check_paths(
+            paths.of_class(g),
+            instance.uav_cost(classes.tolist().index(g)),
+            query.terminals,
+            query.region,
+            query.wind,
+            speed,
+            potential if potential is None or len(speeds) == 1 else potential[g],
+            query.kind,
+            None if scenario.fleet.alike else partial(leg_costs, scenario),
+        )
+    return faults
 
 
 def write_plan(instance: Instance, paths: Paths, out: Path, scenario_file: Path) -> None:
@@ -72,5 +90,5 @@ def check_plan(target: Path, scenario_file: Path | None) -> tuple[str, list[str]
     if scenario_file is None and not isinstance(kept, str):
         raise InputError(f"{target}: scenario must be the name of a file, got {shown(kept)}")
     scenario = read_scenario(scenario_file or target.parent / str(kept))
-    count = paths.n_nodes * (paths.n_nodes - 1)
+    count = paths.n_nodes * (paths.n_nodes - 1) * (1 + len(paths.others))
     return f"{count} paths of {instance.name}", [f"{target}: {fault}" for fault in refute(instance, paths, scenario)]

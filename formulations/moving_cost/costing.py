@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from formulations.moving_cost.effect import wind_effect
 from formulations.moving_cost.field import search_field
+from formulations.moving_cost.fleet import classes_of, fleet_instance, leg_costs
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from formulations.moving_cost.registry import DEFAULT, make_method
 from instances import Instance
+from instances.arrays import Floats
 from instances.environment.raster import same_projection
 from instances.environment.terrain import read_terrain
 from instances.environment.wind import Uniform, WindField
 from instances.errors import InputError
+from instances.fleet import Return
 from instances.moving_cost import CostKind
 from instances.paths import Paths
 from instances.scenario import Scenario
@@ -71,32 +75,57 @@ def instance_of(
     Raises InputError for tasks still to be placed, a wind that does not cover the region or is as strong as the speed
     that is held constant, and a node that cannot be reached.
     """
-    return instance_with(scenario, solve_query(query_of(scenario), method, options, progress), method, options)
+    query, (speeds, _) = query_of(scenario), classes_of(scenario)
+    found = []
+    for done, speed in enumerate(speeds):
+
+        def share(fraction: float, words: str, done: int = done) -> None:
+            progress((done + fraction) / len(speeds), words)
+
+        found.append(solve_query(dataclasses.replace(query, v0=speed), method, options, share))
+    return instance_with(scenario, found, method, options)
 
 
 def instance_with(
-    scenario: Scenario, found: MovingCosts, method: str, options: dict[str, Any] | None = None
+    scenario: Scenario, found: Sequence[MovingCosts], method: str, options: dict[str, Any] | None = None
 ) -> tuple[Instance, Paths]:
     """Return the Instance `scenario` becomes with the moving costs that `method` found, and the paths behind them.
 
+    found : for each speed of `fleet.classes_of`.
+
     Where a tail wind makes a leg's cost negative, node potentials make all costs positive: cost[i, j] = C(σ) + p_j
-    − p_i, which changes no closed tour; p [s] is then kept as ``provenance["node_potential"]``. Costs that are no
+    − p_i, which changes no closed tour; p [s] is then kept as ``provenance["node_potential"]``, where UAVs fly at
+    several speeds for each of them. InputError where costs are negative and tours need not be closed. Costs that are no
     energies say so in ``provenance["moving_cost"]["cost"]``.
     """
-    query = query_of(scenario)
-    cost = found.cost.copy()
+    query, (speeds, _) = query_of(scenario), classes_of(scenario)
     made: dict[str, Any] = {"method": method, **(options or {})}
     if query.kind is not CostKind.ENERGY:
         made["cost"] = str(query.kind)
     provenance: dict[str, Any] = {**scenario.provenance, "moving_cost": made}
-    provenance["wind_effect"] = dataclasses.asdict(wind_effect(query, cost))
-    if cost.min() < 0:
-        p = search_field(query.measure, query.region).potential(query.terminals) / query.v0**2
-        p = p - p.min()
-        cost = cost + p[None, :] - p[:, None]
-        provenance["node_potential"] = p.tolist()
-    np.fill_diagonal(cost, 0.0)
-    instance = Instance(
-        scenario.name, cost, len(query.terminals) - scenario.n_depots, scenario.n_depots, query.terminals, provenance
-    )
-    return instance, found.paths
+    first = dataclasses.replace(query, v0=speeds[0])
+    provenance["wind_effect"] = dataclasses.asdict(wind_effect(first, found[0].cost))
+    costs, potentials = [], np.zeros((len(speeds), len(query.terminals)))
+    for p, speed, of_class in zip(potentials, speeds, found, strict=True):
+        cost = leg_costs(scenario, of_class.cost)
+        if cost.min() < 0:
+            p[:] = _potential(scenario, dataclasses.replace(query, v0=speed))
+            cost = cost + p[None, :] - p[:, None]
+        np.fill_diagonal(cost, 0.0)
+        costs.append(cost)
+    if potentials.any():
+        provenance["node_potential"] = (potentials if len(speeds) > 1 else potentials[0]).tolist()
+    paths = dataclasses.replace(found[0].paths, others=tuple(each.paths for each in found[1:]))
+    return fleet_instance(scenario, costs, provenance), paths
+
+
+def _potential(scenario: Scenario, query: Query) -> Floats:
+    """Return node potentials [s], at least 0, that make the costs of closed tours positive."""
+    if scenario.fleet.returns is not Return.OWN:
+        raise InputError(
+            f"scenario {scenario.name}: a tail wind makes the cost of a leg negative, which node potentials make up "
+            f"for on closed tours only, not with return = '{scenario.fleet.returns}'"
+        )
+    p = search_field(query.measure, query.region).potential(query.terminals) / query.v0**2
+    least: Floats = p - p.min()
+    return least

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from formulations.moving_cost.closed_form import open_country, straight_legs
+from formulations.moving_cost.fleet import at_speed, classes_of, fleet_instance, leg_costs
 from instances import Instance
 from instances.families import FAMILIES, Legs, make_scenario
 from instances.paths import Paths
@@ -22,10 +23,12 @@ def costed(scenario: Scenario, legs: Legs) -> tuple[Instance, Paths | None]:
     Costs are those of the closed form where it is exact, else of the method refined. InputError for a wind as strong as
     the ground speed and a node that cannot be reached.
     """
-    if legs is Legs.OPEN:
-        return open_country(scenario), None
-    if legs is Legs.STRAIGHT:
-        return straight_legs(scenario), None
+    if legs is not Legs.INSIDE:
+        formula = open_country if legs is Legs.OPEN else straight_legs
+        made = [formula(at_speed(scenario, speed)) for speed in classes_of(scenario)[0]]
+        if scenario.fleet.alike and scenario.fleet.endurance is None:
+            return made[0], None
+        return fleet_instance(scenario, [leg_costs(scenario, each.cost) for each in made], scenario.provenance), None
     from formulations.moving_cost.costing import instance_of  # here: numba takes its time
 
     return instance_of(scenario)

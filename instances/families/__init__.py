@@ -29,6 +29,10 @@ BUILT_IN = {
         "instances.families.square_wind:SQUARE_WIND",
         "uniform in a 20 km square, straight legs in one wind with rotation: instances with published optima",
     ),
+    "mixed-fleet": (
+        "instances.families.mixed_fleet:MIXED_FLEET",
+        "square-wind with UAVs of different speeds, if asked for with limited endurance",
+    ),
     "wind-uniform": (
         "instances.families.wind_missions:WIND_UNIFORM",
         "a steady wind with turbulence (stream function), no-fly zones; "

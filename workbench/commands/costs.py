@@ -37,6 +37,7 @@ def command(
     Writes the instance, and the paths beside it (NAME.paths.json.gz); prints how much the wind matters.
     """
     from formulations.moving_cost.effect import WindEffect
+    from formulations.moving_cost.fleet import classes_of
     from formulations.moving_cost.registry import make_method
     from instances.errors import naming
     from instances.files import endings
@@ -62,9 +63,11 @@ def command(
     effect = WindEffect(**instance.provenance["wind_effect"]).summary(scenario.cost)
     if report:
         _compare(scenario, report)
-    n = paths.n_nodes
-    click.echo(f"{instance.summary()}; {n * (n - 1)} paths by {method} in {elapsed:.1f} s, {CONFIRMED}")
-    click.echo(f"cost: {scenario.cost.described(scenario.speed)}")
+    speeds, _ = classes_of(scenario)
+    count = paths.n_nodes * (paths.n_nodes - 1) * len(speeds)
+    click.echo(f"{instance.summary()}; {count} paths by {method} in {elapsed:.1f} s, {CONFIRMED}")
+    for speed in speeds:
+        click.echo(f"cost: {scenario.cost.described(speed)}")
     click.echo(effect)
 
 

@@ -72,7 +72,7 @@ def _text(told: dict[str, Any]) -> str:
     elif m is None:
         first = f"no routes found; {proved} for {limit}"
     else:
-        first = f"{m} UAVs can fly all tasks within {limit}; {proved}"
+        first = f"{m} UAV{'s' if m > 1 else ''} can fly all tasks within {limit}; {proved}"
     lines = [f"{told['status']}: {first}, {told['elapsed']:.2f} s"]
     routes, costs = told["routes"] or (), told["tour_costs"] or ()
     lines += [f"UAV {k}: {costs[k]:.6g} s, tasks {' '.join(map(str, routes[k]))}" for k in told["uavs"]]

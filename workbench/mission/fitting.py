@@ -31,6 +31,11 @@ def check_mission(mission: Mission) -> None:
     scenario = mission.scenario
     if scenario.n_tasks < scenario.n_depots:
         raise InputError(f"there are more UAVs ({scenario.n_depots} depots) than tasks ({scenario.n_tasks})")
+    if not scenario.fleet.alike:
+        raise InputError(
+            "[[uav]] speed, service and return: a mission flies all UAVs at one speed, past its tasks without a stop "
+            "and home to their own depots; workbench costs and workbench solve take a scenario with them"
+        )
     check_size(scenario.n_tasks, scenario.n_depots)
     convention(mission.place.criterion)
     for key, methods, name, options in methods_of(mission):

@@ -64,7 +64,7 @@ def costs_by(scenario: Scenario, method: str, options: dict[str, Any]) -> tuple[
     if found.own["cost"] is None:
         raise InputError(f"costs.method: {method} found no paths ({found.status}: {found.message})")
     cost, paths = costs_of({"cost": found.own["cost"], **found.own["paths"]})
-    return instance_with(scenario, MovingCosts(cost, paths, {}), method, options)
+    return instance_with(scenario, [MovingCosts(cost, paths, {})], method, options)
 
 
 def _run(problem: Problem[Any], item: Any, method: str, options: Mapping[str, Any], seed: int) -> Run:

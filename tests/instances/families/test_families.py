@@ -11,7 +11,7 @@ WINDY = ["uniform", "clustered", "ring", "corridor"]
 
 def test_the_families_we_promise_are_there_and_say_what_they_take():
     plain = {"uniform", "clustered", "ring", "corridor", "square-wind"}
-    assert set(FAMILIES.built_in) == plain | {"wind-uniform", "wind-vortices", "wind-mountains"}
+    assert set(FAMILIES.built_in) == plain | {"mixed-fleet", "wind-uniform", "wind-vortices", "wind-mountains"}
     for name, (_, about) in FAMILIES.targets().items():
         assert about
         for parameter in FAMILIES.load(name).parameters:

@@ -57,6 +57,7 @@ def test_plans_are_for_px4_and_a_fixed_wing_unless_said() -> None:
         ({"sensing": {"period": float("nan")}}, r"sensing\.period must be a positive number"),
         ({"sensing": {"period": 1e6}}, r"sensing\.period = 1e\+06 s is longer than any tour"),
         ({"sensing": 10}, r"\[sensing\] must be a table"),
+        ({"service": 30}, r"a mission flies all UAVs at one speed, past its tasks without a stop"),
         ({"map": {"length_scale": 4}}, r"map\.length_scale = 4 m is at most a .*: lengths are in metres"),
         ({"place": {"length_scale": [4000, 0]}}, r"place\.length_scale must be a positive number \[m\] or two of them"),
         ({"place": {"tests": [0, 10]}}, r"place\.tests must be two whole numbers from 1 to 1000"),

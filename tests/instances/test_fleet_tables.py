@@ -1,0 +1,92 @@
+"""Fleets in scenario files: who flies from where, what is written back, and what is refused."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from instances.errors import InputError
+from instances.fleet import Fleet, Return
+from instances.scenario import Scenario, read_scenario, scenario_of, write_scenario
+
+BASE = """
+ground_speed = 20.0
+size = [100, 100]
+depots = [[1, 1], [9, 9]]
+tasks = [[3, 3], [4, 5], [6, 2]]
+"""
+UAVS = """
+service = [1, 2.5, 0]
+return = "any"
+[[uav]]
+depot = 1
+count = 2
+speed = 30.0
+[[uav]]
+depot = 0
+endurance = 50
+"""
+
+
+def scenario(text: str) -> Scenario:
+    return scenario_of(tomllib.loads(BASE + text), Path(), "s")
+
+
+def test_each_uav_has_a_depot_of_its_own() -> None:
+    read = scenario(UAVS)
+    assert read.depots.tolist() == [[9, 9], [9, 9], [1, 1]]
+    assert read.fleet.speeds is not None
+    assert read.fleet.endurance is not None
+    assert read.fleet.speeds.tolist() == [30, 30, 20]
+    assert read.fleet.endurance.tolist() == [np.inf, np.inf, 50]
+    assert (np.asarray(read.fleet.service).tolist(), read.fleet.returns) == ([1, 2.5, 0], Return.ANY)
+
+
+def test_a_scenario_without_a_fleet_has_none() -> None:
+    fleet = scenario("").fleet
+    assert fleet.alike
+    assert fleet.endurance is None
+    assert scenario('service = 0\nreturn = "own"\n[[uav]]\ndepot = 0\nspeed = 20\n[[uav]]\ndepot = 1').fleet.alike
+
+
+@pytest.mark.parametrize("text", ["", UAVS, "service = 30.0", 'return = "none"', UAVS.replace("speed = 30.0", "")])
+def test_written_and_read_again(tmp_path: Path, text: str) -> None:
+    first = scenario(text)
+    write_scenario(first, tmp_path / "s.toml")
+    again = read_scenario(tmp_path / "s.toml")
+    assert again.depots.tolist() == first.depots.tolist()
+    for name in ("speeds", "endurance", "service", "returns"):
+        np.testing.assert_array_equal(getattr(again.fleet, name), getattr(first.fleet, name))
+
+
+REFUSED = {
+    "service = -1": "service [s] must be 1 numbers for the 1 tasks, each at least 0",
+    "service = [1, 2]": "service [s] must be 3 numbers for the 3 tasks",
+    "service = 'long'": "service must be a number [s] or a list of them, got 'long'",
+    "service = 1e30": "service [s] must be at most 1e+12",
+    "return = 'home'": "return must be one of 'own', 'any', 'none', got 'home'",
+    "uav = 3": "[[uav]] must be tables, got 3",
+    "[[uav]]\ndepot = 0": "depots[1] has no [[uav]]",
+    "[[uav]]\nspeed = 3": "uav[0].depot must be the number of a depot, 0 to 1, got None",
+    "[[uav]]\ndepot = 2": "uav[0].depot must be the number of a depot, 0 to 1, got 2",
+    "[[uav]]\ndepot = true": "uav[0].depot must be the number of a depot, 0 to 1, got True",
+    "[[uav]]\ndepot = 0\ncount = 0": "uav[0].count must be a whole number from 1 to 10000, got 0",
+    "[[uav]]\ndepot = 0\nspeed = -3": "uav[0].speed must be a positive number, got -3",
+    "[[uav]]\ndepot = 0\nendurance = 'x'": "uav[0].endurance must be a positive number, got 'x'",
+    "[[uav]]\ndepot = 0\nspede = 3": "[[uav]] 0 has no key 'spede'; did you mean 'speed'?",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_what_cannot_be_used_is_named(text: str) -> None:
+    with pytest.raises(InputError) as error:
+        scenario(text)
+    assert REFUSED[text] in str(error.value)
+
+
+def test_a_fleet_fits_its_scenario() -> None:
+    with pytest.raises(InputError, match=r"speed .* must be 2 numbers for the 2 UAVs, each positive"):
+        Fleet(speeds=np.array([20.0])).checked(3, 2)

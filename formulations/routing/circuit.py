@@ -12,12 +12,12 @@ D_1, tour of UAV 1, D_2, tour of UAV 2, …, back to D_1: the arc into the next 
 
 D_k → D_k+1 (UAV k stays home) is free: no cost between depots is ever used.
 
-Where UAVs differ, t_j ≥ t_i + c_ij holds for each class g with c_ijg and if u_ig, which is 1 where a UAV of class g
-visits i (Σ y_ik over these UAVs); c_ij in the average is the least over the classes. Where endurance is limited,
-x_{i D_k+1} ⇒ t_i + c_ik ≤ L_k. Tours too long by less than integers tell are cut off and the search begun again.
+Where endurance is limited, x_{i D_k+1} ⇒ t_i + c_ik ≤ L_k. Tours too long by less than integers tell are cut off and
+the search begun again.
 
 **One circuit per UAV** (``per_uav``): θ_ijk as in the paper, add_circuit(θ_··k) with a loop at every node UAV k leaves
-out, Σ_k y_ik = 1, C_k ≤ z, C_k ≤ L_k.
+out, Σ_k y_ik = 1, C_k ≤ z, C_k ≤ L_k. Always so where UAVs differ: x does not say who flies an arc and so what it
+costs; rows of t under x and y together prove in minutes what these do in a second (8 tasks, 3 speeds).
 
 Each pair of nodes has one literal, because parallel arcs with time rows make add_multiple_circuit crash.
 """
@@ -51,7 +51,7 @@ MOST_LITERALS = 150_000
 class Circuit(ModelSolver):
     """CP-SAT with circuit constraints; ``limits.iterations`` counts CP-SAT's conflicts.
 
-    per_uav : one circuit per UAV instead of one giant circuit.
+    per_uav : one circuit per UAV instead of one giant circuit, also where UAVs are alike.
     symmetry : order UAVs that share a depot by their smallest task; with symmetric costs, fly each tour one way only.
     average : the longest tour is at least the mean of all (giant circuit only; one circuit per UAV implies it).
     """
@@ -72,7 +72,8 @@ class Circuit(ModelSolver):
         """Solve in one search, or in several where a tour is too long by less than CP-SAT's integers can tell."""
         instance, limits = recorder.instance, recorder.limits
         scaled = scale_costs(instance, cutoff(recorder))
-        form = CircuitPerUav(instance, scaled) if self.per_uav else GiantCircuit(instance, scaled, self.average)
+        apart = self.per_uav or len(scaled.costs) > 1
+        form = CircuitPerUav(instance, scaled) if apart else GiantCircuit(instance, scaled, self.average)
         if self.symmetry:
             form.break_symmetry()
         beyond: set[tuple[int, tuple[int, ...]]] = set()
@@ -127,7 +128,7 @@ class Form(ABC):
 
 
 class GiantCircuit(Form):
-    """The giant circuit of one instance: x, y, t and z as at the top of this file."""
+    """The giant circuit of one instance with one class of UAV: x, y, t and z as at the top of this file."""
 
     def __init__(self, instance: Instance, scaled: ScaledCosts, average: bool) -> None:
         super().__init__(instance, scaled)
@@ -159,38 +160,24 @@ class GiantCircuit(Form):
                         self.model.add_bool_or(~self.x[i, j], self.y[i, k], ~self.y[j, k])
 
     def _times(self) -> None:
-        T, D, scaled = self.instance.tasks, self.instance.depots, self.scaled
+        T, D, cost = self.instance.tasks, self.instance.depots, self.scaled.costs[0]
         for i in T:
-            for flown_by, cost in zip(self._of_class(i), scaled.costs, strict=True):
-                for j in T:
-                    if i != j:
-                        after = self.model.add(self.t[j] >= self.t[i] + int(cost[i, j]))
-                        after.only_enforce_if(self.x[i, j], *flown_by)
-            for uav, k in enumerate(D):
-                cost, limit = scaled.uav_cost(uav), int(scaled.limits[uav])
+            for j in T:
+                if i != j:
+                    self.model.add(self.t[j] >= self.t[i] + int(cost[i, j])).only_enforce_if(self.x[i, j])
+            for k, limit in zip(D, self.scaled.limits.tolist(), strict=True):
                 self.model.add(self.t[i] >= int(cost[k, i])).only_enforce_if(self.x[k, i])
                 home = self.x[i, self.following[k]]
                 self.model.add(self.z >= self.t[i] + int(cost[i, k])).only_enforce_if(home)
-                if limit < scaled.upper:
+                if limit < self.scaled.upper:
                     self.model.add(self.t[i] + int(cost[i, k]) <= limit).only_enforce_if(home)
 
-    def _of_class(self, i: int) -> list[list[cp_model.IntVar]]:
-        """Return for each class of UAV the literals that hold where one of it visits task i: none for one class."""
-        n_classes, D = len(self.scaled.costs), self.instance.depots
-        if n_classes == 1:
-            return [[]]
-        literals = [[self.model.new_bool_var(f"u[{i},{g}]")] for g in range(n_classes)]
-        for g, (u,) in enumerate(literals):
-            self.model.add(sum(self.y[i, k] for k, of in zip(D, self.scaled.classes, strict=True) if of == g) == u)
-        return literals
-
     def _average(self) -> None:
-        T, D, cost = self.instance.tasks, self.instance.depots, self.scaled.cost
+        T, D, cost = self.instance.tasks, self.instance.depots, self.scaled.costs[0]
         costs = {(i, j): int(cost[i, j]) for i in T for j in T if i != j}
         for i in T:
-            for uav, k in enumerate(D):
-                own = self.scaled.uav_cost(uav)
-                costs[k, i], costs[i, self.following[k]] = int(own[k, i]), int(own[i, k])
+            for k in D:
+                costs[k, i], costs[i, self.following[k]] = int(cost[k, i]), int(cost[i, k])
         total = cp_model.LinearExpr.weighted_sum([self.x[arc] for arc in costs], list(costs.values()))
         self.model.add(total <= len(D) * self.z)
 
@@ -204,12 +191,11 @@ class GiantCircuit(Form):
 
     def hint(self, routes: Routes) -> None:
         """Tell CP-SAT to try `routes` first."""
-        instance = self.instance
+        instance, cost = self.instance, self.scaled.costs[0]
         self.model.clear_hints()
         used = set()
         longest = 0
-        for uav, (k, route) in enumerate(zip(instance.depots, routes, strict=True)):
-            cost = self.scaled.uav_cost(uav)
+        for k, route in zip(instance.depots, routes, strict=True):
             used |= set(pairwise([k, *route, self.following[k]]))
             time, at = 0, k
             for i in route:

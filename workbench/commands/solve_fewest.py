@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,28 +16,27 @@ from formulations.routing.registry import make_solver
 from instances import Instance, tour_costs
 from instances.errors import InputError, shown
 from instances.files import write_routes
+from workbench.jobs.job import Job
 
 
 def run_fewest(
     instance: Instance,
     limit: float,
-    solver: tuple[str, Mapping[str, Any]],
-    limits: Limits,
-    seed: int,
+    job: Job,
     *,
     as_json: bool,
     out: Path | None,
 ) -> bool:
     """Ask, tell every step on stderr, write what was asked for, and return whether routes were found."""
-    name, options = solver
-    method = make_solver(name, options)
+    method = make_solver(job.method, job.options)
     if not isinstance(method, RecordedSolver):
-        raise InputError(f"--solver: {shown(name)} cannot be ended at its first routes, which --fewest needs")
+        raise InputError(f"--solver: {shown(job.method)} cannot be ended at its first routes, which --fewest needs")
     began = time.perf_counter()
-    found = fewest_uavs(instance, limit, method, limits=limits, seed=seed, observe=_tell)
+    limits = Limits(job.time_limit, job.threads, job.iterations)
+    found = fewest_uavs(instance, limit, method, limits=limits, seed=job.seed, observe=_tell)
     if out is not None and found.routes is not None:
         write_routes(found.routes, instance, out)
-    told = _told(instance, found) | {"solver": name, "elapsed": time.perf_counter() - began}
+    told = _told(instance, found) | {"solver": job.method, "elapsed": time.perf_counter() - began}
     click.echo(json.dumps(told) if as_json else _text(told))
     return found.routes is not None
 

@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,10 +67,42 @@ def test_solve_counts_the_uavs_that_a_makespan_takes(cli, instance, instance_fil
     assert len(found["uavs"]) == 1
     assert "suffice" in err
     assert cli("check", instance_file, "few.sol")[0] == 0
-    assert "UAVs can fly all tasks within" in cli(*args, max(alone))[1]
+    assert "1 UAV can fly all tasks within" in cli(*args, max(alone))[1]
     code, out, _ = cli(*args, 1e-3)
     assert (code, out.startswith("INFEASIBLE: not even all UAVs")) == (1, True)
     assert "--fewest needs --limit" in cli("solve", instance_file, "--fewest")[2]
+
+
+def test_solve_says_what_each_uav_uses(cli, instance, instance_file, tmp_path):
+    limited = replace(instance, endurance=[1e6, np.inf])
+    write_instance(limited, tmp_path / "limited.json")
+    args = ["solve", "limited.json", "--solver", "subset-dp"]
+    found = json.loads(cli(*args, "--json")[1])
+    assert max(found["utilisation"]) == 1
+    assert found["endurance_margins"] == [pytest.approx(1 - found["tour_costs"][0] / 1e6), 1]
+    assert "% of its endurance left), tasks" in cli(*args)[1]
+    assert json.loads(cli("solve", instance_file, "--solver", "greedy", "--json")[1])["endurance_margins"] is None
+
+
+def test_solve_tells_what_another_uav_or_battery_is_worth(cli, instance, tmp_path):
+    alone = makespan(instance, ((0, 1, 2, 3), ()))
+    limited = replace(instance, endurance=[0.3 * alone, np.inf])
+    write_instance(limited, tmp_path / "limited.json")
+    args = ["solve", "limited.json", "--what-if", "--solver", "subset-dp"]
+    code, out, err = cli(*args, "--json")
+    told = json.loads(out)
+    assert code == 0
+    assert [(row["change"], row["uav"]) for row in told["changes"]] == [
+        ("one more UAV like UAV 0", 0),
+        ("one more UAV like UAV 1", 1),
+        ("one more battery for UAV 0", 0),
+    ]
+    for row in told["changes"]:
+        gain = told["objective"] - row["objective"]
+        assert row["gain_least"] <= gain <= row["gain_most"]
+        assert row["gain_least"] == pytest.approx(gain, abs=1e-6 * alone)
+    assert "one more battery for UAV 0: longest tour" in err
+    assert "--what-if goes without" in cli(*args, "--out", "r.sol")[2]
 
 
 def test_a_failed_solve_is_a_problem(cli, instance_file, tmp_path):

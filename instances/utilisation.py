@@ -1,0 +1,19 @@
+"""How much of a fleet routes use: of its time, and of its batteries."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from instances.arrays import Floats
+from instances.instance import Instance
+
+
+def utilisation(costs: Floats) -> Floats:
+    """Return C_k / C_max of each UAV for tours of C_k = `costs` [s], shape (m,); 0 for all where none flies."""
+    longest = costs.max(initial=0.0)
+    return costs / longest if longest > 0 else np.zeros(len(costs))
+
+
+def endurance_margins(instance: Instance, costs: Floats) -> Floats:
+    """Return 1 − C_k / L_k of each UAV, shape (m,): what is left of its endurance, 1 where it is unlimited."""
+    return 1.0 - costs / instance.limits

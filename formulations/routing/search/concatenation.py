@@ -24,7 +24,7 @@ class Segments(NamedTuple):
     """A tour from which the cost of any segment is known.
 
     nodes (n+2,): the tour's nodes by position; forward, backward (n+2,): prefix sums [s]; given_forward,
-    given_backward: those of the UAV to which segments may be given, the same arrays where UAVs are alike;
+    given_backward: those over the tasks by another UAV, which may take segments; the same arrays where UAVs are alike;
     shape (2,): tour number k and its number of tasks L.
     """
 
@@ -67,21 +67,16 @@ def read_tour(costs: Costs, tours: Tours, k: int, h: int, segments: Segments, po
         u = w
     segments.shape[0] = k
     segments.shape[1] = i - 1
-    if uavs_differ(costs):
+    if uavs_differ(costs) and h != k:
         _price_given(costs, segments, h)
 
 
 @njit(cache=True, nogil=True)
 def _price_given(costs: Costs, segments: Segments, h: int) -> None:
-    """Write the prefix sums of UAV h, over the tasks alone, or all of them where the tour is its own."""
+    """Write the prefix sums of UAV h over the tasks."""
     nodes, forward, backward = segments.nodes, segments.given_forward, segments.given_backward
-    n = segments.shape[1]
-    if h == segments.shape[0]:
-        forward[: n + 2] = segments.forward[: n + 2]
-        backward[: n + 2] = segments.backward[: n + 2]
-        return
     forward[1] = backward[1] = 0.0
-    for i in range(2, n + 1):
+    for i in range(2, segments.shape[1] + 1):
         forward[i] = forward[i - 1] + leg(costs, h, nodes[i - 1], nodes[i])
         backward[i] = backward[i - 1] + leg_into(costs, h, nodes[i - 1], nodes[i])
 
@@ -137,10 +132,12 @@ def or_opt_changes(costs: Costs, a: Segments, i: int, j: int, b: Segments, q: in
     """
     u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
     left = leg(costs, a.shape[0], u, w) - (a.forward[j + 1] - a.forward[i - 1])
-    inner = a.given_forward[j] - a.given_forward[i]
+    given = uavs_differ(costs) and a.shape[0] != b.shape[0]
+    forward, backward = (a.given_forward, a.given_backward) if given else (a.forward, a.backward)
+    inner = forward[j] - forward[i]
     if turned:
         first, last = last, first
-        inner = a.given_backward[j] - a.given_backward[i]
+        inner = backward[j] - backward[i]
     k, gap = b.shape[0], b.forward[q + 1] - b.forward[q]
     return left, leg_into(costs, k, first, b.nodes[q]) + inner + leg(costs, k, last, b.nodes[q + 1]) - gap
 

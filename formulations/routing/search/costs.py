@@ -118,15 +118,16 @@ def search_costs(instance: Instance) -> Costs:
 
 
 def forbidden(instance: Instance) -> float:
-    """Return a time [s] that no tour of legs which can be flown exceeds."""
+    """Return a time [s] twice as long as any tour of legs that can be flown."""
     cost = instance.class_costs
-    return float(instance.n_tasks + 1) * float(cost[np.isfinite(cost)].max()) or 1.0
+    return 2.0 * (instance.n_tasks + 1) * float(cost[np.isfinite(cost)].max()) or 1.0
 
 
 def warm_up(like: Instance, n_tasks: int, n_depots: int) -> Instance:
-    """Return a small instance for which the same kernels are compiled as for `like`."""
+    """Return a small instance for which the same kernels are compiled as for `like`; its UAVs can fly all."""
     cost = 1.0 - np.eye(n_tasks + n_depots)
-    return Instance("warm-up", cost, n_tasks, n_depots, endurance=np.full(n_depots, 1e9) if like.axes else None)
+    limits = np.full(n_depots, 1.5 * (n_tasks + 1)) if like.axes else None
+    return Instance("warm-up", cost, n_tasks, n_depots, endurance=limits)
 
 
 def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer]) -> Costs:

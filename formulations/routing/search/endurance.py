@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.routing.search.costs import Costs, FleetCosts, forbidden
+from formulations.routing.search.energy import TINY
 from formulations.routing.search.tours import Tours
 from instances import Instance
 from instances.routes import ENDURANCE_ROUNDING
@@ -40,17 +41,17 @@ class Endurance:
         self._limits = instance.limits * (1 + ENDURANCE_ROUNDING)
 
     def refer(self, reference: float) -> None:
-        """Scale costs by R = `reference` [s], > 0; tours priced before are then to be priced anew (`reprice`)."""
+        """Scale costs by R = `reference` [s]; tours priced before are then to be priced anew (`reprice`)."""
         if self.limited and isinstance(self.costs, FleetCosts):
-            self.reference = reference
-            self.costs.scale[:] = np.minimum(reference / np.minimum(reference, self._limits), _LARGEST)
+            self.reference = max(reference, TINY)
+            self.costs.scale[:] = np.minimum(self.reference / np.minimum(self.reference, self._limits), _LARGEST)
 
     def follow(self, tours: Tours) -> bool:
-        """Let R fall to the C_max of `tours` where they can be flown; return whether scales changed by that."""
+        """Let R fall to the C_max of `tours` where they can be flown; return whether scales may have changed."""
         if not isinstance(self.costs, FleetCosts) or (self.costs.scale == 1.0).all():
             return False
         longest = float((tours.cost / self.costs.scale).max())
-        if not 0.0 < longest < self.reference or tours.cost.max() > self.reference:
+        if longest >= self.reference or tours.cost.max() > self.reference:
             return False
         self.refer(longest)
         return True

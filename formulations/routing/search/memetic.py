@@ -3,27 +3,28 @@
 How it was chosen: several annealings and their children beat one long annealing, the more so the smaller the instance,
 as long as each is deep enough; long tours need more depth. So the size of the population follows from the limit:
 depth · n² / m steps go into one annealing, and where the limit allows fewer than three, all of it goes into one.
+Endurance is kept by scaled costs (endurance.py); it may find no routes that can be flown, which proves nothing.
 The package's docstring says what is where.
 """
 
 from __future__ import annotations
 
+import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import repeat
 from typing import ClassVar
 
-import numpy as np
-
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.budget import Budget
-from formulations.routing.search.costs import search_costs
+from formulations.routing.search.costs import search_costs, warm_up
 from formulations.routing.search.decomposition import merge
+from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
 from formulations.routing.search.population import Population
-from formulations.routing.search.problem_data import problem_data
+from formulations.routing.search.problem_data import ProblemData, problem_data
 from formulations.routing.search.randomness import seeded, uniform
 from formulations.routing.search.recreate import GUIDES
 from formulations.routing.search.tours import from_routes, to_routes
@@ -59,6 +60,7 @@ class Memetic(RecordedSolver):
     depth: float = _DEFAULT.population.depth
 
     proves: ClassVar[bool] = False
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
     parameters: ClassVar[SearchParameters] = _DEFAULT
 
     def __post_init__(self) -> None:
@@ -72,9 +74,9 @@ class Memetic(RecordedSolver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (or load them from numba's cache)."""
-        small = Instance("warm-up", 1.0 - np.eye(9), 6, 3)
+        small = warm_up(instance, 6, 3)
         Memetic(depth=0.01).solve(small, limits=Limits(time=3600.0, iterations=200))
-        population = self._populations(small, 1, 0, None)[0]
+        population = self._populations(small, 1, 0)[0]
         uniform(population.rng)
         population.next_stage(0.0)
         population.members = [population.best, population.best]
@@ -88,7 +90,7 @@ class Memetic(RecordedSolver):
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Search until a limit; one annealing step is one iteration, counted in each of the `threads` populations."""
         threads = recorder.limits.threads
-        populations = self._populations(recorder.instance, threads, seed, recorder.routes)
+        populations = self._populations(recorder.instance, threads, seed, recorder.routes, recorder.objective)
         budget = Budget(recorder, self.parameters.budget)
         planned = False
         with ThreadPoolExecutor(threads) as pool:
@@ -115,11 +117,20 @@ class Memetic(RecordedSolver):
                 budget.took(steps)
         return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=populations[0].stages)
 
-    def _populations(self, instance: Instance, count: int, seed: int, start: Routes | None) -> list[Population]:
-        parameters = self._with_options()
-        data = problem_data(search_costs(instance), instance.n_tasks, parameters.neighbourhood)
-        first = [from_routes(data.costs, start) if start is not None else None for _ in range(count)]
-        return [Population(data, parameters, seeded(seed, i), tours) for i, tours in enumerate(first)]
+    def _populations(
+        self, instance: Instance, count: int, seed: int, start: Routes | None = None, objective: float = math.inf
+    ) -> list[Population]:
+        """Return `count` populations; `objective` [s] is that of the start."""
+        parameters, costs, populations = self._with_options(), search_costs(instance), []
+        data: ProblemData | None = None
+        for i in range(count):
+            endurance = Endurance(instance, costs)
+            endurance.refer(min(endurance.most, objective))
+            data = data or problem_data(endurance.costs, instance.n_tasks, parameters.neighbourhood)
+            tours = None if start is None else from_routes(endurance.costs, start)
+            own = data._replace(costs=endurance.costs)
+            populations.append(Population(own, endurance, parameters, seeded(seed, i), tours))
+        return populations
 
     def _with_options(self) -> SearchParameters:
         """Return the parameters with those that are options as they were set; numbers have the types kernels know."""

@@ -17,6 +17,7 @@ import numpy as np
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around_longest, merge, subproblem
+from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import Measure, MeasureKind, excess, fitness
 from formulations.routing.search.local_search import intensify
 from formulations.routing.search.parameters import SearchParameters
@@ -25,7 +26,7 @@ from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule
-from formulations.routing.search.tours import Tours, copy_tours, duplicate, empty_tours
+from formulations.routing.search.tours import Tours, copy_tours, duplicate, empty_tours, reprice
 
 
 @dataclass(frozen=True)
@@ -47,8 +48,10 @@ class Population:
     Times are fractions of the limit; `founder` is the length of a founder's stage.
     """
 
-    def __init__(self, data: ProblemData, parameters: SearchParameters, rng: Rng, start: Tours | None) -> None:
-        self.data, self.parameters, self.rng = data, parameters, rng
+    def __init__(
+        self, data: ProblemData, endurance: Endurance, parameters: SearchParameters, rng: Rng, start: Tours | None
+    ) -> None:
+        self.data, self.endurance, self.parameters, self.rng = data, endurance, parameters, rng
         self.strategy = parameters.strategy(data)
         recreate = parameters.annealing.recreate._replace(width=self.strategy.width)
         self.annealing = self._steps = parameters.annealing._replace(recreate=recreate)
@@ -99,6 +102,8 @@ class Population:
         temperature, objective = self._schedule.at(done, fittest, incumbent, self.parameters.schedule)
         anneal(data, tours, best, fittest, self.rng, steps, temperature, objective, self.measure, self._steps)
         self.improved = self.improved or self.best.cost.max() < incumbent
+        if part is None:
+            self._follow(tours, fittest)
 
     def next_stage(self, now: float, migrant: Tours | None = None) -> None:
         """Take the newcomer (and a migrant from another population) in and begin the next stage."""
@@ -108,9 +113,10 @@ class Population:
         if self.parameters.population.kicks > 0:
             intensify(self.data.costs, grown, self.rng, self.parameters.population.kicks, self.parameters.local_search)
             self._remember(grown)
+        self._follow(grown)
         self._barren = 0 if self._select(grown) else self._barren + 1
         if migrant is not None:
-            self._select(migrant)
+            self._select(self._immigrated(migrant))
         if self._since_restart >= self.founders and self._barren > self.strategy.patience * self.founders:
             self.members = [duplicate(self.best)]
             self._since_restart, self._barren = 1, 0
@@ -145,6 +151,20 @@ class Population:
         if tours.cost.max() < self.incumbent:
             self.improved = True
             copy_tours(tours, self.best)
+
+    def _follow(self, *under_way: Tours) -> None:
+        """Let the reference of the endurances follow the best tours; all tours are priced anew where it fell."""
+        if self.endurance.follow(self.best):
+            for tours in (self.best, *self.members, *under_way):
+                reprice(self.data.costs, tours)
+
+    def _immigrated(self, migrant: Tours) -> Tours:
+        """Return `migrant` at this population's costs."""
+        if not self.endurance.limited:
+            return migrant
+        tours = duplicate(migrant)
+        reprice(self.data.costs, tours)
+        return tours
 
     def _fitting(self, length: float, now: float) -> float:
         """Return the end of a stage begun now, its length stretched so that a whole number of them fill the limit."""

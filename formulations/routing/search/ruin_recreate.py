@@ -2,6 +2,7 @@
 
 Each step removes up to `removals` related tasks (ruin.py), inserts them where they raise a p-norm of the tours least
 (recreate.py) and accepts the result by simulated annealing (annealing.py, energy.py, schedule.py) over the given limit.
+Endurance is kept by scaled costs (endurance.py); it may find no routes that can be flown, which proves nothing.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ class RuinRecreate(RecordedSolver):
     removals: int = 12
 
     proves: ClassVar[bool] = False
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
 
     def __post_init__(self) -> None:
         if not 1 <= self.removals <= _NEAREST.tasks:
@@ -62,6 +64,9 @@ class RuinRecreate(RecordedSolver):
         schedule = Schedule(parameters.founder, parameters.softness[0], parameters.final)
         budget = Budget(recorder, BudgetParameters())
         while not budget.stopped_by:
+            if endurance.follow(best):
+                for each in (tours, best, fittest):
+                    reprice(data.costs, each)
             longest = float(best.cost.max())
             temperature, objective = schedule.at(budget.fraction, best, longest, parameters)
             steps = budget.next_steps()
@@ -69,7 +74,4 @@ class RuinRecreate(RecordedSolver):
             budget.took(steps)
             if best.cost.max() < longest:
                 recorder.incumbent(to_routes(best))
-                if endurance.follow(best):
-                    for each in (tours, best, fittest):
-                        reprice(data.costs, each)
         return recorder.result(budget.stopped_by, iterations=budget.iterations)

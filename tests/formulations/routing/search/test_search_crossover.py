@@ -9,6 +9,7 @@ from formulations.routing.search import crossover as mixing
 from formulations.routing.search import tours as rings
 from formulations.routing.search.annealing import AnnealingParameters
 from formulations.routing.search.costs import both_ways
+from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.parameters import PopulationParameters, SearchParameters
 from formulations.routing.search.population import Population
@@ -97,7 +98,7 @@ def new_population(seed, positions, decompositions=0.0, perturbations=0.0):
     instance, data = plane(seed, positions)
     stages = PopulationParameters(decompositions=decompositions, perturbations=perturbations, depth=1.0)
     parameters = SearchParameters(annealing=AnnealingParameters(removals=6, guides=4), population=stages)
-    return instance, Population(data, parameters, seeded(seed), None)
+    return instance, Population(data, Endurance(instance, data.costs), parameters, seeded(seed), None)
 
 
 def test_a_population_fills_with_founders_then_keeps_only_better_strangers():

@@ -1,4 +1,7 @@
-"""Moves of long segments, each against a naive twin that recomputes the tours, on random asymmetric costs."""
+"""Moves of long segments, each against a naive twin that recomputes the tours, on random asymmetric costs.
+
+Every other seed has UAVs that differ.
+"""
 
 import numpy as np
 import pytest
@@ -7,11 +10,11 @@ from hypothesis import strategies as st
 
 from formulations.routing.search import concatenation, moves
 from formulations.routing.search import tours as rings
-from formulations.routing.search.costs import both_ways
+from formulations.routing.search.costs import least, search_costs
 from formulations.routing.search.energy import Objective, energy, excess, p_norm
 from formulations.routing.search.problem_data import NeighbourhoodParameters, granular_neighbourhood
 from formulations.routing.search.randomness import seeded
-from instances import Instance, check_routes, tour_costs
+from instances import Instance, Travel, check_routes, tour_costs
 
 N, M = 12, 3
 
@@ -21,14 +24,14 @@ class Table:
 
     def __init__(self, seed):
         rng = np.random.default_rng(seed)
-        cost = rng.uniform(1.0, 100.0, (N + M, N + M))
-        np.fill_diagonal(cost, 0.0)
-        self.instance = Instance("random", cost, N, M)
+        legs = rng.uniform(1.0, 100.0, (M, N + M, N + M)) * (1.0 - np.eye(N + M))
+        fleet = Instance.of_travel("random fleet", Travel.of_uavs(list(legs)), N)
+        self.instance = fleet if seed % 2 else Instance("random", legs[0], N, M)
         routes = [[] for _ in range(M)]
         for v in rng.permutation(N):
             routes[rng.integers(M)].append(int(v))
         self.routes = [tuple(r) for r in routes]
-        self.costs = both_ways(self.instance.cost)
+        self.costs = search_costs(self.instance)
         self.tours = rings.from_routes(self.costs, tuple(self.routes))
         self.workspace = moves.empty_workspace(self.costs, N)
         self.k_a, self.k_b = (int(k) for k in rng.permutation(M)[:2])
@@ -51,9 +54,9 @@ class Table:
             assert tours.size[k] == len(route)
             assert all(tours.tour[v] == k for v in route)
         for u in range(N + M):
-            w = tours.after[u]
+            w, cost = tours.after[u], self.instance.uav_cost(tours.tour[u])
             assert tours.before[w] == u
-            assert (tours.arc[u], tours.back[u]) == (self.instance.cost[u, w], self.instance.cost[w, u])
+            assert (tours.arc[u], tours.back[u]) == (cost[u, w], cost[w, u])
 
 
 seeds = st.integers(0, 10**6)
@@ -63,13 +66,18 @@ seeds = st.integers(0, 10**6)
 @settings(deadline=None, max_examples=60)
 def test_prefix_sums_are_the_costs_of_flying_there_and_back(seed):
     table = Table(seed)
-    a, cost, stops = table.workspace.a, table.instance.cost, [N + table.k_a, *table.routes[table.k_a], N + table.k_a]
+    a, cost = table.workspace.a, table.instance.uav_cost(table.k_a)
+    stops = [N + table.k_a, *table.routes[table.k_a], N + table.k_a]
     assert a.shape.tolist() == [table.k_a, len(stops) - 2]
     assert a.nodes[: len(stops)].tolist() == stops
     for i in range(len(stops)):
         assert a.forward[i] == pytest.approx(sum(cost[stops[q], stops[q + 1]] for q in range(i)))
         assert a.backward[i] == pytest.approx(sum(cost[stops[q + 1], stops[q]] for q in range(i)))
     assert all(table.workspace.position[v] == i for i, v in enumerate(stops[1:-1], 1))
+    tasks, cost = stops[1:-1], table.instance.uav_cost(table.k_b)
+    there, back = np.diff(a.given_forward[1 : len(tasks) + 1]), np.diff(a.given_backward[1 : len(tasks) + 1])
+    assert there == pytest.approx(cost[tasks[:-1], tasks[1:]])
+    assert back == pytest.approx(cost[tasks[1:], tasks[:-1]])
 
 
 @given(seeds)
@@ -153,7 +161,7 @@ def test_reversed_two_opt_star(seed):
 @settings(deadline=None, max_examples=40)
 def test_a_move_keeps_the_books_and_the_threshold(seed, by):
     table = Table(seed)
-    near = granular_neighbourhood(table.costs, N, NeighbourhoodParameters(8, M))
+    near = granular_neighbourhood(least(table.costs), N, NeighbourhoodParameters(8, M))
     rng, tours = seeded(seed), table.tours
     objective = Objective(p_norm(4) if by == "norm" else excess(0.8 * tours.cost.max()), 0.1)
     how = moves.MoveParameters()

@@ -20,12 +20,12 @@ import numpy as np
 from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.destructive import destructive_bounds
-from formulations.routing.greedy import greedy_routes
+from formulations.routing.greedy import Greedy
 from formulations.routing.registry import make_solver
 from formulations.routing.relaxation import relax
-from formulations.routing.simple_bounds import SIMPLE
-from formulations.routing.solver import refusal
-from instances import Instance, makespan
+from formulations.routing.simple_bounds import SIMPLE, worst_makespan
+from formulations.routing.solver import Status, refusal
+from instances import Instance
 
 MOST_THETA = 60_000
 """Beyond this a round of the relaxation takes minutes."""
@@ -51,7 +51,7 @@ class Bound:
 
 def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0) -> Iterator[Bound]:
     """Yield every bound of `instance` as it is ready; `time_limit` [s] is that of each."""
-    upper = makespan(instance, greedy_routes(instance))
+    upper = _upper(instance)
     for name, bound in SIMPLE.items():
         began = time.perf_counter()
         value = bound(instance, upper)
@@ -64,6 +64,12 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
         yield root
     if refusal(BranchAndPrice(), instance) is None:
         yield from _columns(instance, upper, time_limit)
+
+
+def _upper(instance: Instance) -> float:
+    """Return the cost of greedy routes [s], or one that no routes pass where UAVs cannot fly these."""
+    found = Greedy().solve(instance, limits=Limits(time=float("inf"))).objective
+    return worst_makespan(instance) if found is None else found
 
 
 def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
@@ -87,6 +93,8 @@ def _root(name: str, instance: Instance, upper: float, time_limit: float, seed: 
     solver.prepare(instance)
     result = solver.solve(instance, limits=Limits(time=time_limit, iterations=1), seed=seed)
     message = "" if result.stopped_by in ("proof", "iterations") else f"stopped by {result.stopped_by}"
+    if result.status is Status.INFEASIBLE:
+        message = "proved that there are no routes"
     return Bound(name, result.bound or 0.0, result.elapsed, message), min(upper, result.objective or upper)
 
 

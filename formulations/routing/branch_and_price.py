@@ -14,6 +14,10 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
    subset-row cuts.        `columns/tightening.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
 4. Where the gap stays wide: destructive bisection of the cap.                               `columns/destructive.py`
 
+UAVs may differ in costs and endurance L_k: P_k are then the tours that UAV k can fly, of cost ≤ L_k. While no routes
+are known the cap is a cost that no routes pass (`simple_bounds.worst_makespan`), and a tree that ends without routes
+proves that there are none.
+
 Strong where tours are short (n/m up to about 20). Sources: Baldacci, Mingozzi, Roberti (Oper. Res. 59, 2011) for
 ng-routes and enumeration; Contardo & Martinelli (Discrete Optim. 12, 2014) for cutting over a listed pool.
 
@@ -40,7 +44,7 @@ from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.tree import StoppedBy, Tree
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
-from formulations.routing.simple_bounds import SIMPLE
+from formulations.routing.simple_bounds import SIMPLE, worst_makespan
 from formulations.routing.solver import Result
 from instances import InputError, Instance, tour_costs
 
@@ -68,6 +72,7 @@ class BranchAndPrice(RecordedSolver):
     tours: int = 3_000_000
 
     proves: ClassVar[bool] = True
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
 
     def __post_init__(self) -> None:
         for label, least in (("starts", 0), ("bins", 1), ("labels", 1000), ("tours", 100)):
@@ -103,26 +108,30 @@ class BranchAndPrice(RecordedSolver):
         self.improve(recorder, 1000 * seed, self.starts)
         ended, counts = self.prove(recorder, seed)
         proved = ended == StoppedBy.PROOF
-        return recorder.result(ended, proved=proved, tolerance=2 * TOLERANCE * recorder.objective, **counts)
+        if proved and recorder.routes is None:
+            return recorder.infeasible(**counts)
+        return recorder.result(ended, proved=proved, tolerance=left_open(recorder), **counts)
 
     def prove(self, recorder: Recorder, seed: int) -> tuple[str, dict[str, Any]]:
         """Raise the recorder's bound to its incumbent, improving both; return `Result.stopped_by` and the counters.
 
-        The incumbent may also be improved from outside meanwhile, whenever the recorder is asked for the time left.
+        "proof" without routes proves that there are none. The incumbent may also be improved from outside meanwhile,
+        whenever the recorder is asked for the time left.
         """
+        most = worst_makespan(recorder.instance) if recorder.instance.restricted else np.inf
         for simple_bound in SIMPLE.values():
-            recorder.raise_bound(simple_bound(recorder.instance, recorder.objective))
+            recorder.raise_bound(simple_bound(recorder.instance, min(recorder.objective, most)))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
             return StoppedBy.PROOF.value, {}
         n, limits = recorder.instance.n_tasks, recorder.limits
         store = make_store(n, min(self.labels, max(1000, n << min(n, 40))))  # no more than all sets and last tasks
         legs = Legs.of(recorder.instance)
         patience = _Patience(recorder)
-        far = (legs.out + legs.home).min(axis=0)
+        far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=recorder.instance.cost.max())
         work = Workspace(patience.over, store, self.tours, *efforts(n, self.bins), far)
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
-        tree = Tree(legs, _columns(recorder), work, recorder.bound)
+        tree = Tree(legs, _columns(recorder), work, recorder.bound, most)
         nodes = np.inf if limits.iterations is None else limits.iterations
         patience.share(1 / 3)
         ended = tree.grow(recorder, TOLERANCE, nodes)
@@ -130,21 +139,29 @@ class BranchAndPrice(RecordedSolver):
             if limits.iterations is None and recorder.bound < (1 - _WIDE) * recorder.objective:
                 # the tree has far to go from a gap as wide as this
                 patience.share(1 / 2)
-                lower, upper = recorder.bound, recorder.objective
+                lower, upper = recorder.bound, min(recorder.objective, most)
                 for bound in destructive_bounds(recorder.instance, lower, upper, patience.over, from_top=False):
                     recorder.raise_bound(bound)
             patience.share(1)
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])
-        recorder.raise_bound(tree.bound(recorder.objective * (1 - TOLERANCE)) * (1 - 1e-12))
+        recorder.raise_bound(tree.bound(min(recorder.objective * (1 - TOLERANCE), most)) * (1 - 1e-12))
         return ended.value, dict(work.counts)
 
     def improve(self, recorder: Recorder, seed: int, runs: int) -> None:
-        """Make sure that there are routes; search `runs` times, from different seeds, for a third of the time left."""
+        """Look for routes: search `runs` times, from different seeds, for a third of the time left.
+
+        There are some afterwards, however poor, unless UAVs cannot fly them.
+        """
         instance = recorder.instance
         recorder.incumbent((tuple(instance.tasks), *((),) * (instance.n_depots - 1)))
         for run in range(runs):
             share = recorder.remaining / (3 * (runs - run))
             search(recorder, STEPS * instance.n_tasks**2, seed, run, share)
+
+
+def left_open(recorder: Recorder) -> float:
+    """Return what a proof leaves open [s]."""
+    return 0.0 if recorder.routes is None else 2 * TOLERANCE * recorder.objective
 
 
 class _Patience:
@@ -163,7 +180,7 @@ class _Patience:
 
 
 def _columns(recorder: Recorder) -> list[Column]:
-    """Return the tours of the incumbent."""
-    assert recorder.routes is not None
-    costs = tour_costs(recorder.instance, recorder.routes)
-    return [Column(k, route, float(costs[k])) for k, route in enumerate(recorder.routes) if route]
+    """Return the tours of the incumbent, none where there is none."""
+    routes = recorder.routes or ()
+    costs = tour_costs(recorder.instance, routes)
+    return [Column(k, route, float(costs[k])) for k, route in enumerate(routes) if route]

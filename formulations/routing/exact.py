@@ -7,6 +7,8 @@
 * with one thread, at most two UAVs and n/m ≥ 18, `branch-and-cut` for three quarters of the time, then
   `branch-and-price` with what it found.
 
+Methods that do not take the instance's axes are left out. A proof without routes is one that there are none.
+
 Where the change-over points come from: README.md in this folder. ``Result.statistics["proved_by"]`` names the method
 whose bound met the incumbent.
 """
@@ -22,9 +24,9 @@ from typing import Any, ClassVar
 
 from formulations.limits import Limits
 from formulations.routing.branch_and_cut import BranchAndCut
-from formulations.routing.branch_and_price import TOLERANCE, BranchAndPrice
+from formulations.routing.branch_and_price import BranchAndPrice, left_open
 from formulations.routing.recorder import LinkedRecorder, RecordedSolver, Recorder
-from formulations.routing.solver import Observer, Result, Status, ignore
+from formulations.routing.solver import Observer, Result, Status, ignore, refusal
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes
 
@@ -34,6 +36,7 @@ LONG, FEW_UAVS = 18, 2
 """Tasks per UAV from which, and UAVs up to which, branch-and-cut is the quicker of the two."""
 _SHARE = 0.75
 _TELLING = 0.2  # seconds a peer is given to end by itself
+_PROVED = (Status.OPTIMAL, Status.INFEASIBLE)
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,7 @@ class Exact(RecordedSolver):
     """The portfolio of exact methods."""
 
     proves: ClassVar[bool] = True
+    axes: ClassVar[frozenset[str]] = BranchAndPrice.axes & SubsetDp.axes
     recorder: ClassVar[type[Recorder]] = LinkedRecorder
 
     def accepts(self, instance: Instance) -> str | None:
@@ -60,12 +64,12 @@ class Exact(RecordedSolver):
         instance = recorder.instance
         if instance.n_tasks <= FEW:
             result = SubsetDp().search(recorder, seed)
-            proved_by = "subset-dp" if result.status is Status.OPTIMAL else None
+            proved_by = "subset-dp" if result.status in _PROVED else None
             return dataclasses.replace(result, statistics={**result.statistics, "proved_by": proved_by})
         assert isinstance(recorder, LinkedRecorder)
         columns = BranchAndPrice()
         columns.improve(recorder, 1000 * seed, columns.starts)
-        may_cut = BranchAndCut().accepts(instance) is None
+        may_cut = refusal(BranchAndCut(), instance) is None
         if recorder.limits.threads >= 2 and may_cut:
             return _side_by_side(recorder, columns, seed)
         cuts_first = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
@@ -80,10 +84,10 @@ def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int,
         cuts = BranchAndCut(warm_start=False)
         cut = cuts.solve(recorder.instance, limits=limits, seed=seed, observe=_into(recorder), start=recorder.routes)
         counts = {f"cut_{name}": value for name, value in cut.statistics.items()}
-        if cut.status is Status.OPTIMAL or recorder.remaining <= 0:
+        if cut.status in _PROVED or recorder.remaining <= 0:
             return _result(recorder, cut.stopped_by, "branch-and-cut", cut.tolerance, counts)
     ended, own = columns.prove(recorder, seed)
-    return _result(recorder, ended, "branch-and-price", 2 * TOLERANCE * recorder.objective, {**own, **counts})
+    return _result(recorder, ended, "branch-and-price", left_open(recorder), {**own, **counts})
 
 
 def _into(recorder: Recorder) -> Observer:
@@ -114,7 +118,7 @@ def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) 
         while ended != "proof" and recorder.remaining > 0 and recorder.link is not None:
             here.poll(min(recorder.remaining, 0.1))
         by = "branch-and-price" if ended == "proof" else "branch-and-cut"
-        tolerance = 2 * TOLERANCE * recorder.objective
+        tolerance = left_open(recorder)
         if recorder.met_by_peer:
             ended, tolerance = "proof", recorder.tolerance
     finally:
@@ -135,14 +139,15 @@ def _cut(
     recorder.link = link
     with contextlib.suppress(KeyboardInterrupt):  # how branch-and-cut says that it was interrupted: the peer was first
         result = BranchAndCut().prove(recorder, seed)
-        if result.status is Status.OPTIMAL:
+        if result.status in _PROVED:
             recorder.tell_proof(result.tolerance)
     link.close()
 
 
 def _result(recorder: Recorder, ended: str, by: str, tolerance: float, counts: dict[str, Any]) -> Result:
     """Write the result; a bound of one method and routes of another prove together."""
-    met = recorder.objective - recorder.bound <= tolerance
-    if met:
+    if ended == "proof" and recorder.routes is None:
+        return recorder.infeasible(proved_by=by, **counts)
+    if recorder.routes is not None and recorder.objective - recorder.bound <= tolerance:
         return recorder.result("proof", proved=True, tolerance=tolerance, proved_by=by, **counts)
     return recorder.result("time" if ended == "proof" else ended, proved_by=None, **counts)

@@ -12,6 +12,8 @@ which holds at *any* duals (those of ≤ rows taken as max(π, 0)), so that the 
 is left is the rounding of this one sum; 1e-9·U is subtracted for it, many times what it comes to. Arcs that cost more
 than the routes known, U, are left out, so a bound above U means only that U is optimal: it is cut off there.
 
+Where UAVs differ, C_k is summed over the costs of UAV k, and where its endurance is limited, C_k ≤ L_k is one row more.
+
 The bound is weak, since a tour may be shared out evenly over the UAVs; the paper's reader expects it all the same.
 """
 
@@ -29,8 +31,10 @@ from cvxpy.constraints.zero import Equality
 from scipy.sparse import csr_array, vstack
 
 from formulations.routing.separation import subtours
+from formulations.routing.simple_bounds import least_costs
 from instances import Instance
 from instances.arrays import Floats
+from instances.routes import ENDURANCE_ROUNDING
 
 cp: Any = cvxpy  # mypy does not see the names cvxpy makes as it is imported
 
@@ -56,7 +60,7 @@ class Relaxed:
 
 
 def relax(instance: Instance, upper: float, time_limit: float = math.inf) -> Relaxed:
-    """Solve the linear relaxation; `upper` [s] is the cost of routes known, > 0."""
+    """Solve the linear relaxation; `upper` [s] > 0 is the cost of routes known, or one that no routes pass."""
     return _Relaxation(instance, upper).solve(time.perf_counter() + time_limit)
 
 
@@ -67,7 +71,9 @@ class _Relaxation:
         self.upper, self.n = upper, instance.n_tasks
         n, self.D = instance.n_tasks, range(instance.n_depots)
         nodes = [np.array([*instance.tasks, n + k]) for k in self.D]
-        c = [np.minimum(instance.cost[np.ix_(at, at)] / upper, 2.0) for at in nodes]
+        costs, uavs = least_costs(instance)
+        c = [np.minimum(costs[uavs[k]][np.ix_(at, at)] / upper, 2.0) for k, at in enumerate(nodes)]
+        L = instance.limits * (1 + ENDURANCE_ROUNDING) / upper
         self.usable = [(c[k] <= 1 + _ROUNDING) & ~np.eye(n + 1, dtype=bool) for k in self.D]
 
         self.theta = [cp.Variable((n + 1, n + 1), nonneg=True) for _ in self.D]
@@ -83,6 +89,7 @@ class _Relaxation:
                 cp.sum(theta[k][n, :n]) - cp.sum(theta[k][:n, n]) == 0,  # const4
                 C[k] <= C_max,  # const5
             ]
+        self.constraints += [C[k] <= L[k] for k in self.D if L[k] < 1]
         self.no_loops = [cp.multiply(~self.usable[k], theta[k]) == 0 for k in self.D]
         self.cuts: list[list[csr_array]] = [[] for _ in self.D]
 

@@ -6,6 +6,13 @@
     arborescence   the arcs of all routes without the last ones span the tasks from the depots taken as one root:
                    (cheapest arborescence + cheapest way home) ÷ m, and the same with all arcs reversed
 
+Where UAVs differ, farthest takes the ways of each UAV, and the others use that for any weights w_k ≥ 0
+
+    Σ_k w_k C_k ≤ Σ_k w_k · C_max   and   Σ_k w_k C_k ≥ the cheapest choice of arcs at min_k w_k c_ijk (paper, costsum)
+
+so that ÷ m becomes ÷ Σ_k w_k. With w_k ∝ the speed v_k of UAVs that differ in nothing else, w_k c_ijk is the same for
+all, and the bound is that of the length ÷ Σ_k v_k.
+
 Each subtracts (n+m)²·2^-52·U for rounding: costs are cut off at 2U, U the cost of routes known, and none of them adds
 or subtracts more than (n+m)² such numbers one after another.
 """
@@ -17,42 +24,82 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from instances import Instance
-from instances.arrays import Floats
+from instances.arrays import Floats, Ints
 from instances.walks import shortest_walks
 
 
 def farthest(instance: Instance, upper: float) -> float:
     """Return the longest way out to a task and back that cannot be avoided [s]."""
-    cost = np.minimum(instance.cost, 2 * upper)
-    between = ways_between_tasks(cost, instance.n_tasks)
-    ways = [ways_from_depot(cost, between, k) for k in instance.depots]
+    costs, uavs = least_costs(instance)
+    costs = np.minimum(costs, 2 * upper)
+    between = [ways_between_tasks(cost, instance.n_tasks) for cost in costs]
+    ways = [ways_from_depot(costs[g], between[g], k) for k, g in zip(instance.depots, uavs, strict=True)]
     return _down(float(np.min([out + back for out, back in ways], axis=0).max()), instance, upper)
 
 
 def assignment(instance: Instance, upper: float) -> float:
     """Return the cheapest choice of one arc into and one out of every task, a UAV's share of it [s]."""
-    n = instance.n_tasks
-    cost = np.minimum(instance.cost, 2 * upper)
+    n, (cost, weight) = instance.n_tasks, _weighted(instance, upper)
     never = 4.0 * upper * instance.n_nodes
     cost[:n, :n][np.diag_indices(n)] = never
     between_depots = cost[n:, n:]
     between_depots[:] = never
     np.fill_diagonal(between_depots, 0.0)
     rows, columns = linear_sum_assignment(cost)
-    return _down(float(cost[rows, columns].sum()) / instance.n_depots, instance, upper)
+    return _down(float(cost[rows, columns].sum()) / weight, instance, upper)
 
 
 def arborescence(instance: Instance, upper: float) -> float:
     """Return the cheapest arborescence from the depots and a way home, or reversed, a UAV's share of it [s]."""
-    n = instance.n_tasks
+    n, (forwards, weight) = instance.n_tasks, _weighted(instance, upper)
     best = 0.0
-    for cost in (np.minimum(instance.cost, 2 * upper), np.minimum(instance.cost.T, 2 * upper)):
+    for cost in (forwards, forwards.T):
         merged = np.full((n + 1, n + 1), np.inf)
         merged[:n, :n] = cost[:n, :n]
         merged[n, :n] = cost[n:, :n].min(axis=0)
         total = cheapest_arborescence(merged) + float(cost[:n, n:].min())
-        best = max(best, total / instance.n_depots)
+        best = max(best, total / weight)
     return _down(best, instance, upper)
+
+
+def least_costs(instance: Instance) -> tuple[Floats, Ints]:
+    """Return what the legs cost each class of UAV at least [s], (G, N, N), and the class of each UAV, (m,)."""
+    if instance.axes & {"time", "states"}:
+        return instance.cost[None], np.zeros(instance.n_depots, dtype=np.int64)
+    return instance.class_costs, instance.classes
+
+
+def _weighted(instance: Instance, upper: float) -> tuple[Floats, float]:
+    """Return min_k w_k c_ijk [s], (N, N), with costs cut off at twice `upper`, and Σ_k w_k; greatest w_k 1.
+
+    w_k is inverse to what the legs that all classes fly cost UAV k, so that cheap UAVs do not pass for all. An arc that
+    begins or ends at a depot is of its UAV. Products are rounded down, and the sum up.
+    """
+    n, (costs, uavs) = instance.n_tasks, least_costs(instance)
+    if len(costs) == 1:
+        return np.minimum(costs[0], 2 * upper), instance.n_depots
+    sums = costs[:, np.isfinite(costs).all(axis=0)].sum(axis=1)
+    least = sums.min()
+    weight = least / sums if least > 0 else np.ones(len(costs))
+    weighted = weight[:, None, None] * np.minimum(costs, 2 * upper) * (1 - 2.0**-51)
+    cost = weighted.min(axis=0)
+    depots = np.array(instance.depots)
+    cost[depots, :n], cost[:n, depots] = weighted[uavs, depots, :n], weighted[uavs, :n, depots].T
+    return cost, float(weight[uavs].sum()) * (1 + len(uavs) * 2.0**-52)
+
+
+def worst_makespan(instance: Instance) -> float:
+    """Return a cost > 0 [s] that the longest tour of no routes passes: what to begin with where none are known.
+
+    A tour enters each node at most once, and ends within the endurance.
+    """
+    longest = 0.0
+    for k, (depot, limit) in enumerate(zip(instance.depots, instance.limits, strict=True)):
+        nodes = [*instance.tasks, depot]
+        cost = instance.uav_cost(k)[np.ix_(nodes, nodes)]
+        dearest = np.where(np.isfinite(cost), cost, 0.0).max(axis=0)
+        longest = max(longest, min(float(dearest.sum()), float(limit)))
+    return longest * (1 + 1e-8) or 1.0
 
 
 SIMPLE = {"farthest": farthest, "assignment": assignment, "arborescence": arborescence}

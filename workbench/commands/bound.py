@@ -29,8 +29,9 @@ def command(
 ) -> None:
     """Print lower bounds of INSTANCE: no routes have a shorter longest tour.
 
-    Gaps are to the ROUTES given, else to the best value known of this instance, else to those of a short search.
-    Exit code 1 where a bound contradicts that value.
+    Gaps are to the ROUTES given, else to the best value known of this instance, else to those of a short search. Where
+    that finds no routes (UAVs may not be able to fly all tasks) there are no gaps. Exit code 1 where a bound
+    contradicts that value.
     """
     from formulations.limits import Limits
     from formulations.routing.bounds import lower_bounds
@@ -50,16 +51,17 @@ def command(
         click.echo(json.dumps(report | {"bound": highest, "gap": _gap(highest, best), "bounds": described}))
     else:
         click.echo(_text(instance, best, source, found))
-    contradicted = highest > best + slack
+    contradicted = best is not None and highest > best + slack
     if contradicted:
         click.echo(f"{instance.name}: a bound of {highest!r} s contradicts {best!r} s ({source})", err=True)
     context.exit(1 if contradicted else 0)
 
 
-def _best(instance: Instance, routes: Path | None, seed: int) -> tuple[float, str, float]:
+def _best(instance: Instance, routes: Path | None, seed: int) -> tuple[float | None, str, float]:
     """Return the cost to measure from [s], where it comes from, and what it may have been rounded down by [s]."""
     from formulations.limits import Limits
     from formulations.routing.registry import make_solver
+    from formulations.routing.solver import refusal
     from instances import makespan
     from instances.best_known import best_known
     from instances.files import read_routes
@@ -70,10 +72,10 @@ def _best(instance: Instance, routes: Path | None, seed: int) -> tuple[float, st
     if known is not None:
         return known.best_known, f"best known, {known.source}", 5e-4 + 1e-6 * known.best_known
     search = make_solver("memetic")
+    if reason := refusal(search, instance):
+        return None, f"memetic: {reason}", 0.0
     search.prepare(instance)
     found = search.solve(instance, limits=Limits(time=SEARCH), seed=seed)
-    if found.objective is None:
-        raise RuntimeError("the search ended without routes")
     return found.objective, f"a search of {SEARCH:g} s", 0.0
 
 
@@ -81,18 +83,22 @@ SEARCH = 5.0
 """Seconds of search where no routes are given or known."""
 
 
-def _gap(bound: float, best: float) -> float:
+def _gap(bound: float, best: float | None) -> float | None:
+    if best is None:
+        return None
     return (best - bound) / best if best > 0 else 0.0
 
 
-def _described(bound: Bound, best: float) -> dict[str, object]:
+def _described(bound: Bound, best: float | None) -> dict[str, object]:
     about = {"name": bound.name, "bound": bound.value, "gap": _gap(bound.value, best)}
     return about | {"elapsed": bound.elapsed, "message": bound.message}
 
 
-def _text(instance: Instance, best: float, source: str, found: list[Bound]) -> str:
-    lines = [instance.summary(), f"best routes {best:.6g} s ({source})"]
+def _text(instance: Instance, best: float | None, source: str, found: list[Bound]) -> str:
+    known = "no routes known" if best is None else f"best routes {best:.6g} s"
+    lines = [instance.summary(), f"{known} ({source})"]
     for bound in found:
-        gap = f"gap {_gap(bound.value, best):7.2%}"
+        share = _gap(bound.value, best)
+        gap = "gap       –" if share is None else f"gap {share:7.2%}"
         lines.append(f"{bound.name:16s} {bound.value:12.6g} s   {gap}   in {bound.elapsed:7.2f} s   {bound.message}")
     return "\n".join(line.rstrip() for line in lines)

@@ -29,7 +29,7 @@ def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
             break
         problem = pricer.subproblem(k, at.duals)
         back = problem.legs.backwards()
-        bins = Bins.of(back, pricer.cap, problem.bins.most)
+        bins = Bins.of(back, problem.cap, problem.bins.most)
         behind = completion(back, bins, problem.memory, problem.watch, problem.price, problem.sigma)
         _fix(legs.of_uav(k), problem, behind, allowed[k])
     return legs

@@ -1,7 +1,7 @@
-"""Legs: what each UAV pays for each leg, its own matrix, and which legs it may still use.
+"""Legs: what each UAV pays for each leg, its own matrix, which legs it may still use, and how long it can fly.
 
-A leg that is forbidden (too far under the cap on a tour, fixed away by its reduced cost, or branched away) costs
-infinity. Every UAV has its own matrix, so that different aircraft need no other code.
+A leg that is forbidden (one its UAV cannot fly, too far under the cap on a tour, fixed away by its reduced cost, or
+branched away) costs infinity. Every UAV has its own matrix and limit, so that different aircraft need no other code.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 
 from instances import Instance
 from instances.arrays import Bools, Floats
+from instances.routes import ENDURANCE_ROUNDING
 from instances.walks import shortest_walks
 
 
@@ -30,19 +31,30 @@ class UavLegs(NamedTuple):
 
 @dataclass(frozen=True)
 class Legs:
-    """Costs [s] of every UAV: `out` (m, n) depot to task, `between` (m, n, n), `home` (m, n) task to depot."""
+    """Costs [s] of every UAV: `out` (m, n) depot to task, `between` (m, n, n), `home` (m, n) task to depot.
+
+    longest : the cost [s] that no tour of the UAV may pass whatever the cap, (m,), +inf where its endurance has no end.
+    """
 
     out: Floats
     between: Floats
     home: Floats
+    longest: Floats
 
     @classmethod
     def of(cls, instance: Instance) -> Legs:
-        """Take the legs of an instance; those from a task to itself are forbidden."""
-        n, m, c = instance.n_tasks, instance.n_depots, instance.cost
-        between = np.broadcast_to(c[:n, :n], (m, n, n)).copy()
+        """Take the legs of an instance; those from a task to itself are forbidden.
+
+        Tours may be longer than the endurance by half of what `instances.check_routes` lets pass: then all that are no
+        longer are priced, and none is found that it refuses, in whatever order legs are summed.
+        """
+        n, costs, uavs = instance.n_tasks, instance.class_costs, instance.classes
+        depots = np.array(instance.depots)
+        between = np.ascontiguousarray(costs[uavs, :n, :n])
         between[:, np.arange(n), np.arange(n)] = np.inf
-        return cls(c[n:, :n].copy(), between, c[:n, n:].T.copy())
+        longest = instance.limits * (1 + ENDURANCE_ROUNDING / 2)
+        out, home = costs[uavs, depots, :n], costs[uavs, :n, depots]
+        return cls(np.ascontiguousarray(out), between, np.ascontiguousarray(home), longest)
 
     @property
     def n_uavs(self) -> int:
@@ -56,16 +68,20 @@ class Legs:
 
     def copy(self) -> Legs:
         """Return the same legs in arrays of their own."""
-        return Legs(self.out.copy(), self.between.copy(), self.home.copy())
+        return Legs(self.out.copy(), self.between.copy(), self.home.copy(), self.longest)
 
     def of_uav(self, k: int) -> UavLegs:
         """Return UAV k's part of the arrays."""
         return UavLegs(self.out[k], self.between[k], self.home[k])
 
+    def caps(self, cap: float) -> Floats:
+        """Return what a tour of each UAV may cost in routes of cost ≤ `cap` [s], (m,)."""
+        return np.minimum(self.longest, cap)
+
     def under(self, cap: float) -> Legs:
         """Forbid every leg that no tour of cost ≤ `cap` can use: the shortest walk through it costs more."""
         left = self.copy()
-        limit = cap * (1 + 1e-12)
+        limits = self.caps(cap) * (1 + 1e-12)
         walk = np.empty((0, 0))
         for k in range(self.n_uavs):
             if k == 0 or not np.array_equal(self.between[k], self.between[k - 1]):
@@ -73,6 +89,7 @@ class Legs:
             out, between, home = left.of_uav(k)
             there = (out[:, None] + walk).min(axis=0)
             back = (walk + home[None, :]).min(axis=1)
+            limit = limits[k]
             between[there[:, None] + between + back[None, :] > limit] = np.inf
             out[out + back > limit] = np.inf
             home[there + home > limit] = np.inf

@@ -140,14 +140,17 @@ class Prices(Protocol):
 
 
 class Pricer:
-    """Prices tours of cost ≤ `cap` over the legs left, with one effort, by label search."""
+    """Prices tours of cost ≤ `cap`, and no longer than their UAV flies, over the legs left: one effort, label search.
+
+    cap [s] : of the routes, as in `DualBound.allowed`; caps (m,) [s] : of the tours of each UAV.
+    """
 
     wanted = 40
     """Columns of a UAV worth adding at once."""
 
     def __init__(self, legs: Legs, cap: float, effort: Effort, store: Store, out_of_time: Clock = never) -> None:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
-        self.n_uavs = legs.n_uavs
+        self.n_uavs, self.caps = legs.n_uavs, legs.caps(cap)
         self._bins: dict[int, Bins] = {}
         self._watch: tuple[Duals | None, Watch | None] = (None, None)
 
@@ -159,7 +162,7 @@ class Pricer:
     def bins(self, k: int) -> Bins:
         """Return the time of UAV k's legs in bins (made when first asked for: some never are)."""
         if k not in self._bins:
-            self._bins[k] = Bins.of(self.legs.of_uav(k), self.cap, self.effort.bins)
+            self._bins[k] = Bins.of(self.legs.of_uav(k), float(self.caps[k]), self.effort.bins)
         return self._bins[k]
 
     def watch(self, duals: Duals) -> Watch:
@@ -174,7 +177,8 @@ class Pricer:
         """Return the pricing problem of UAV k, completion bounds included."""
         legs, bins, watch, sigma = self.legs.of_uav(k), self.bins(k), self.watch(duals), float(duals.sigma[k])
         best = completion(legs, bins, self.memory, watch, duals.price, sigma)
-        return Subproblem(legs, self.cap, bins, self.memory, watch, duals.price, sigma, duals.by_task, best)
+        cap = float(self.caps[k])
+        return Subproblem(legs, cap, bins, self.memory, watch, duals.price, sigma, duals.by_task, best)
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""

@@ -15,7 +15,8 @@ from formulations.limits import Limits
 from formulations.routing.columns.pricing import Column
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
-from instances import Instance
+from formulations.routing.solver import refusal
+from instances import Instance, Travel
 
 STEPS = 125
 """Steps of a search, for each pair of tasks."""
@@ -59,9 +60,9 @@ class Search:
 
 
 def search(recorder: Recorder, steps: int, seed: int, run: int, time: float) -> None:
-    """Run the memetic search for the `run`-th time."""
-    if time > 0:
-        memetic = Memetic(depth=_DEPTHS[run % len(_DEPTHS)])
+    """Run the memetic search for the `run`-th time, where it takes the instance: the tree needs no routes to begin."""
+    memetic = Memetic(depth=_DEPTHS[run % len(_DEPTHS)])
+    if time > 0 and refusal(memetic, recorder.instance) is None:
         found = memetic.solve(recorder.instance, limits=Limits(time=time, iterations=steps), seed=seed + run)
         if found.routes is not None:
             recorder.incumbent(found.routes)
@@ -74,10 +75,19 @@ def search_around(recorder: Recorder, tour: Column, steps: int, seed: int, time:
     uavs = [k for k in range(instance.n_depots) if k != tour.uav]
     if time <= 0 or not tasks or not uavs:
         return
-    nodes = np.array(tasks + [instance.n_tasks + k for k in uavs])
-    others = Instance(instance.name, instance.cost[np.ix_(nodes, nodes)], len(tasks), len(uavs))
-    found = Memetic().solve(others, limits=Limits(time=time, iterations=steps), seed=seed)
+    memetic, others = Memetic(), part(instance, tasks, uavs)
+    if refusal(memetic, others) is not None:
+        return
+    found = memetic.solve(others, limits=Limits(time=time, iterations=steps), seed=seed)
     if found.routes is not None:
         routes = [tuple(tasks[i] for i in route) for route in found.routes]
         routes.insert(tour.uav, tour.tasks)
         recorder.incumbent(tuple(routes))
+
+
+def part(instance: Instance, tasks: list[int], uavs: list[int]) -> Instance:
+    """Return the instance of some of the tasks and some of the UAVs, numbered in the order given."""
+    nodes = np.array(tasks + [instance.n_tasks + k for k in uavs])
+    costs = instance.class_costs[:, None, nodes[:, None], nodes]
+    travel = Travel(costs, instance.classes[uavs])
+    return Instance.of_travel(instance.name, travel, len(tasks), endurance=instance.limits[uavs])

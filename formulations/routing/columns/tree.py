@@ -35,10 +35,16 @@ class StoppedBy(StrEnum):
 
 
 class Tree:
-    """Best-first branch and price; `bound` [s] is what is known before."""
+    """Best-first branch and price.
 
-    def __init__(self, legs: Legs, columns: Sequence[Column], work: Workspace, bound: float = 0.0) -> None:
-        self.work, self.m = work, legs.n_uavs
+    bound [s] : what is known before; most [s] : a cost that the best routes, if there are any, do not pass: the cap
+        while none are known.
+    """
+
+    def __init__(
+        self, legs: Legs, columns: Sequence[Column], work: Workspace, bound: float = 0.0, most: float = math.inf
+    ) -> None:
+        self.work, self.m, self.most = work, legs.n_uavs, most
         self._open: list[tuple[float, int, Node]] = []
         """A heap by (class of equal bounds, newest first)."""
         self._count = 0
@@ -63,11 +69,13 @@ class Tree:
     def grow(self, recorder: Recorder, tolerance: float, nodes: float) -> StoppedBy:
         """Improve the recorder's routes and bound until they meet, or time is up, or `nodes` are done.
 
+        A proof without routes is one that there are none.
+
         tolerance : share by which routes must be better to count: the cap, ever lower, on the tours to come.
         """
 
         def cap() -> float:
-            return recorder.objective * (1 - tolerance)
+            return min(recorder.objective * (1 - tolerance), self.most)
 
         while self._open and self.bound(math.inf) <= cap() > 0:
             if nodes <= 0 or self.work.out_of_time():

@@ -1,5 +1,7 @@
 """Lower bounds: closed forms, brute force of their parts, and never above the optimum."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from itertools import permutations, product
 
 import numpy as np
@@ -19,9 +21,13 @@ from formulations.routing.simple_bounds import (
     farthest,
     ways_between_tasks,
     ways_from_depot,
+    worst_makespan,
 )
 from formulations.routing.subset_dp import SubsetDp
-from instances import Instance, makespan
+from instances import Instance, Routes, Travel, makespan
+
+Fleets = Callable[..., Instance]
+Oracle = Callable[[Instance], tuple[float, Routes]]
 
 
 def random_instance(n: int, m: int, seed: int, rough: float = 1.0) -> Instance:
@@ -120,6 +126,40 @@ def test_all_bounds_in_order_and_below_the_optimum(monkeypatch: pytest.MonkeyPat
     assert [bound.name for bound in found] == [*SIMPLE, "relaxation", "branch-and-cut", "capped-tours", "destructive"]
     assert all(0 < bound.value <= optimum and bound.elapsed >= 0 for bound in found)
     assert max(found, key=lambda bound: bound.value).value > 0.5 * optimum
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_simple_bound_of_a_fleet_is_above_its_optimum(fleets: Fleets, held_karp: Oracle, seed: int) -> None:
+    instance = fleets(3 + seed % 4, 1 + seed % 3, seed)
+    optimum = min(held_karp(instance)[0], most := worst_makespan(instance))
+    for upper in (optimum, most):
+        for name, bound in SIMPLE.items():
+            assert 0 <= bound(instance, upper) <= optimum, name
+    assert np.isinf(held_karp(instance)[0]) or optimum < most
+
+
+def test_of_uavs_that_differ_in_speed_alone_the_length_is_shared_by_speed() -> None:
+    length, speeds = random_instance(7, 2, 3).cost, (20.0, 30.0)
+    fleet = Instance.of_travel("fleet", Travel.of_uavs([length / speed for speed in speeds]), 7)
+    for bound in (assignment, arborescence):
+        of_length = 2 * bound(Instance("length", length, 7, 2), 1e5)
+        assert bound(fleet, 1e4) == pytest.approx(of_length / sum(speeds), rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.9])
+def test_all_bounds_of_a_fleet(
+    monkeypatch: pytest.MonkeyPatch, fleets: Fleets, held_karp: Oracle, share: float
+) -> None:
+    """They hold of routes that the UAVs can fly; where there are none, it is said."""
+    monkeypatch.setattr(bounds, "ROOTS", ("branch-and-price",))
+    instance = fleets(6, 2, 0)
+    optimum = held_karp(instance)[0]
+    limited = replace(instance, endurance=np.minimum(instance.limits, share * optimum))
+    found = {bound.name: bound for bound in lower_bounds(limited, time_limit=60.0)}
+    assert list(found) == [*SIMPLE, "relaxation", "branch-and-price", "capped-tours", "destructive"]
+    assert (found["branch-and-price"].message == "proved that there are no routes") == (share < 1.0)
+    if share == 1.0:
+        assert 0.9 * optimum < max(bound.value for bound in found.values()) <= optimum
 
 
 def test_what_is_too_large_is_said() -> None:

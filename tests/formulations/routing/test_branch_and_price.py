@@ -1,6 +1,7 @@
 """branch-and-price against subset-dp, made hard on purpose: loose starts, permutations, tiny bins, no room."""
 
 import itertools
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer
+from formulations.routing.columns.searching import part
 from formulations.routing.columns.tree import Tree
 from formulations.routing.solver import Status
 from formulations.routing.subset_dp import SubsetDp
@@ -79,6 +81,42 @@ def test_agrees_with_subset_dp_whatever_the_start(seed: int) -> None:
     order = np.concatenate([rng.permutation(n), n + rng.permutation(m)])
     permuted = Instance("permuted", instance.cost[np.ix_(order, order)], n, m)
     agrees(permuted, BranchAndPrice(starts=0), everything_to_one, oracle.objective)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_fleets_whatever_the_start(
+    fleets: Callable[..., Instance], held_karp: Callable[[Instance], tuple[float, Routes]], seed: int
+) -> None:
+    """Without routes to begin with, and from loose ones, which pass an endurance or not; with few bins and no room."""
+    rng = np.random.default_rng(seed)
+    n, m = int(rng.integers(2, 8)), int(rng.integers(1, 4))
+    instance = fleets(n, m, seed)
+    optimum, routes = held_karp(instance)
+    loose = loosened(routes, n, rng) if routes else None
+    for solver, start in ((BranchAndPrice(starts=0), None), (BranchAndPrice(starts=0, bins=3, tours=100), loose)):
+        if np.isfinite(optimum):
+            agrees(instance, solver, start, optimum)
+        else:
+            assert solver.solve(instance, limits=LIMITS, start=start).status is Status.INFEASIBLE
+
+
+@pytest.mark.parametrize("share", [1.0, 1 - 1e-8])
+def test_a_tour_may_take_all_of_the_endurance(share: float) -> None:
+    """Legs whose sums depend on their order; a hair less, and there are no routes."""
+    instance = random_instance(8, 1, 1)
+    optimum = SubsetDp().solve(instance, limits=LIMITS).objective
+    assert optimum is not None
+    limited = Instance("limited", instance.cost, 8, 1, endurance=[optimum * share])
+    result = BranchAndPrice(starts=0).solve(limited, limits=LIMITS)
+    assert result.status is (Status.OPTIMAL if share == 1.0 else Status.INFEASIBLE)
+
+
+def test_a_part_of_a_fleet_keeps_its_costs_and_endurance(fleets: Callable[..., Instance]) -> None:
+    instance = fleets(6, 3, 2)
+    few, nodes = part(instance, [4, 1, 2], [2, 0]), [4, 1, 2, 8, 6]
+    for k, uav in enumerate([2, 0]):
+        assert np.array_equal(few.uav_cost(k), instance.uav_cost(uav)[np.ix_(nodes, nodes)])
+        assert few.limits[k] == instance.limits[uav]
 
 
 def small_tours(instance: Instance, k: int, cap: float) -> list[tuple[int, ...]]:

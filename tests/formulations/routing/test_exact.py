@@ -10,7 +10,7 @@ from formulations.routing.exact import Exact
 from formulations.routing.recorder import LinkedRecorder
 from formulations.routing.solver import Event, Status, ignore
 from formulations.routing.subset_dp import SubsetDp
-from instances import Instance, check_routes
+from instances import Instance, Travel, check_routes
 
 
 def random_instance(n: int, m: int, seed: int) -> Instance:
@@ -43,6 +43,26 @@ def test_proves_the_optimum_and_says_by_whom(n: int, m: int, threads: int, by: s
     assert result.routes is not None
     assert not check_routes(instance, result.routes)
     assert any(event.routes == result.routes for event in events)
+    assert not multiprocessing.active_children()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("feasible", [True, False])
+def test_a_fleet_that_cannot_fly_all_is_proved_to_be_one(threads: int, feasible: bool) -> None:
+    """One UAV cannot serve a task, the other has a battery for it, or not."""
+    cost = random_instance(17, 2, 1).cost
+    without = cost.copy()
+    without[0, 1:] = without[1:, 0] = np.inf
+    there_and_back = cost[18, 0] + cost[0, 18]
+    endurance = [np.inf, there_and_back * (1.0 if feasible else 0.5)]
+    instance = Instance.of_travel("fleet", Travel.of_uavs([without, cost]), 17, endurance=endurance)
+    result = Exact().solve(instance, limits=Limits(time=300.0, threads=threads))
+    assert result.status is (Status.OPTIMAL if feasible else Status.INFEASIBLE)
+    assert result.statistics["proved_by"] in {"branch-and-price", "branch-and-cut"}
+    if feasible:
+        oracle = SubsetDp().solve(instance, limits=Limits(time=300.0))
+        assert result.objective == pytest.approx(oracle.objective, abs=result.tolerance)
+        assert not check_routes(instance, result.routes or ())
     assert not multiprocessing.active_children()
 
 

@@ -1,5 +1,6 @@
 """The linear relaxation: below every optimum, at any duals, with no violated cut left."""
 
+from collections.abc import Callable
 from itertools import combinations
 
 import numpy as np
@@ -11,7 +12,7 @@ from formulations.limits import Limits
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.relaxation import _Relaxation, relax
 from formulations.routing.subset_dp import SubsetDp
-from instances import Instance, makespan
+from instances import Instance, Routes, makespan
 
 
 def random_instance(n: int, m: int, seed: int) -> Instance:
@@ -35,6 +36,24 @@ def test_no_higher_than_the_optimum_whatever_routes_are_known(n: int, m: int, se
     relaxed = relax(instance, upper)
     assert relaxed.complete
     assert 0 < relaxed.bound <= optimum
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_higher_than_the_optimum_of_a_fleet(
+    fleets: Callable[..., Instance], held_karp: Callable[[Instance], tuple[float, Routes]], seed: int
+) -> None:
+    instance = fleets(5, 2, seed)
+    optimum = held_karp(instance)[0]
+    relaxed = relax(instance, min(optimum, 1e5))
+    assert np.isinf(optimum) or (relaxed.complete and 0 < relaxed.bound <= optimum)
+
+
+def test_endurance_raises_the_relaxation() -> None:
+    """Two tasks beside one depot and far from the other, whose UAV alone could fly to both, but not for so long."""
+    x = np.array([1.0, 2.0, 0.0, 100.0])
+    cost = np.abs(np.subtract.outer(x, x))
+    limited = Instance("limited", cost, 2, 2, endurance=[3.0, np.inf])
+    assert relax(Instance("unlimited", cost, 2, 2), 1000.0).bound < relax(limited, 1000.0).bound
 
 
 def test_what_it_leaves_is_a_point_of_the_relaxation() -> None:

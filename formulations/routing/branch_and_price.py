@@ -94,6 +94,8 @@ class BranchAndPrice(RecordedSolver):
         place = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         place[6] = 0.0
         circle = Instance("circle", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 6, 1)
+        if instance.axes:
+            Memetic().prepare(circle)  # part of a fleet may be alike, for which other kernels are compiled
         cap, tours = 10.0, [(0, 1, 2), (2, 3, 4), (0, 4, 5)]
         cuts = tuple(separate(tours, np.full(3, 0.9), 6, set(), 5)) or ((0, 2, 4),)
         duals = Duals(np.ones(6), np.ones(1), np.zeros(1), np.full(len(cuts), 0.1), cuts)

@@ -18,6 +18,8 @@ capacity, so a group is one route and the paper's scheduler, which cuts groups i
 place) are dealt among them at random. The crossover puts tasks back at their best places over all depots, not among the
 routes of the depot it drew, as implementations that follow the original do (its text was not at hand): with one route
 a depot, that would join both parents' tasks of the depot in one tour, when the longest tour is what counts.
+In a fleet every group has the costs of its own UAV. Endurance is kept by scaled costs (search/endurance.py), so that
+fitness is C_max once routes are found that can be flown; it may find none.
 """
 
 from __future__ import annotations
@@ -38,7 +40,8 @@ from formulations.routing.ga_operators import (
     intra_depot_mutation,
 )
 from formulations.routing.recorder import RecordedSolver, Recorder
-from formulations.routing.search.costs import Costs, both_ways
+from formulations.routing.search.costs import Costs, search_costs, warm_up
+from formulations.routing.search.endurance import Endurance
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes, as_routes
 from instances.arrays import Bools, Floats, Ints
@@ -65,6 +68,7 @@ class GeneticAlgorithm(RecordedSolver):
     """
 
     proves: ClassVar[bool] = False
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
 
     population: int = 400
     generations: int = 3000
@@ -88,18 +92,22 @@ class GeneticAlgorithm(RecordedSolver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels."""
-        tiny = Instance("warm-up", np.zeros((4, 4)), 2, 2)
+        tiny = warm_up(instance, 2, 2)
         GeneticAlgorithm(population=4, inter_every=1).solve(tiny, limits=Limits(iterations=1))
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Evolve until the generations or the limits end it; the start joins the first population."""
         instance, limits, rng = recorder.instance, recorder.limits, np.random.default_rng(seed)
-        people = self._first_population(recorder, rng)
+        endurance = Endurance(instance, search_costs(instance))
+        endurance.refer(min(endurance.most, recorder.objective))
+        people = self._first_population(recorder, endurance.costs, rng)
         recorder.incumbent(_fittest(people))
-        costs, candidates = both_ways(instance.cost), border_line(instance, self.border)
+        costs, candidates = endurance.costs, border_line(instance, self.border)
         last = self.generations if limits.iterations is None else min(self.generations, limits.iterations)
         generation = 0
         while generation < last and recorder.remaining > 0:
+            if endurance.follow(people.totals[np.argmin(people.fitness)]):
+                evaluate_all(costs, people)
             inter = (generation + 1) % self.inter_every == 0
             children, complete = self._next_generation(recorder, costs, rng, people, candidates, inter)
             if children.fitness.min() < recorder.objective:
@@ -108,7 +116,7 @@ class GeneticAlgorithm(RecordedSolver):
         stopped_by = "time" if generation < last else "finished" if generation == self.generations else "iterations"
         return recorder.result(stopped_by, generations=generation)
 
-    def _first_population(self, recorder: Recorder, rng: np.random.Generator) -> Population:
+    def _first_population(self, recorder: Recorder, costs: Costs, rng: np.random.Generator) -> Population:
         """Return random chromosomes, the recorder's routes among them; fewer where time is up, but one."""
         instance, start = recorder.instance, recorder.routes
         people = unborn(self.population, instance.n_tasks, instance.n_depots)
@@ -118,7 +126,7 @@ class GeneticAlgorithm(RecordedSolver):
             if row == 0 and start is not None:
                 people.perms[row] = [task for route in start for task in route]
                 people.sizes[row] = [len(route) for route in start]
-            people.fitness[row] = evaluate(instance.cost, chromosome(people, row))
+            people.fitness[row] = evaluate(costs, chromosome(people, row))
             if recorder.remaining <= 0:
                 break
         return people
@@ -159,9 +167,10 @@ def _fittest(people: Population) -> Routes:
 
 
 def depot_distance(instance: Instance) -> Floats:
-    """Return c_ki + c_ik [s] of each task and depot, shape (n, m)."""
-    n = instance.n_tasks
-    return instance.cost[n:, :n].T + instance.cost[:n, n:]
+    """Return c_ki + c_ik [s] of each task and depot, at its UAV's own costs, shape (n, m)."""
+    n, costs, classes = instance.n_tasks, instance.class_costs, instance.classes
+    uavs = np.arange(n, instance.n_nodes)
+    return costs[classes, uavs, :n].T + costs[classes, :n, uavs].T
 
 
 def nearest_depots(instance: Instance) -> Bools:
@@ -181,6 +190,13 @@ def border_line(instance: Instance, border: float) -> Bools:
     """Return which depots are candidates of each task, shape (n, m): no farther than (1 + border) × the nearest."""
     distance = depot_distance(instance)
     return distance <= (1.0 + border) * distance.min(axis=1, keepdims=True)
+
+
+@njit(cache=True)
+def evaluate_all(costs: Costs, people: Population) -> None:
+    """Recompute the tour costs and fitness of all chromosomes."""
+    for row in range(len(people.fitness)):
+        people.fitness[row] = evaluate(costs, chromosome(people, row))
 
 
 @njit(cache=True)
@@ -223,7 +239,7 @@ def breed(
                     inter_depot_mutation(costs, rng, chromosome(pair, p), candidates)
                 else:
                     intra_depot_mutation(costs, rng, chromosome(pair, p))
-            pair.fitness[p] = evaluate(costs.out, chromosome(pair, p))
+            pair.fitness[p] = evaluate(costs, chromosome(pair, p))
             copy(pair, p, children, row + p)
 
 

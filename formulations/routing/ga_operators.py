@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs
+from formulations.routing.search.costs import Costs, leg, leg_into
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
@@ -48,30 +48,31 @@ def copy(source: Population, row: int, target: Population, to: int) -> None:
 
 
 @njit(cache=True)
-def tour_cost(cost: Floats, perm: Ints, first: int, last: int, depot: int) -> float:
-    """Return C_k of the tasks ``perm[first:last]`` flown from `depot`."""
+def tour_cost(costs: Costs, perm: Ints, first: int, last: int, k: int) -> float:
+    """Return C_k of the tasks ``perm[first:last]`` flown by UAV `k`."""
     if first == last:
         return 0.0
-    total = cost[depot, perm[first]] + cost[perm[last - 1], depot]
+    depot = perm.size + k
+    total = leg(costs, k, depot, perm[first]) + leg(costs, k, perm[last - 1], depot)
     for p in range(first, last - 1):
-        total += cost[perm[p], perm[p + 1]]
+        total += leg(costs, k, perm[p], perm[p + 1])
     return total
 
 
 @njit(cache=True)
-def evaluate(cost: Floats, tours: Chromosome) -> float:
+def evaluate(costs: Costs, tours: Chromosome) -> float:
     """Recompute every C_k and return the fitness, C_max = max_k C_k (paper, eq. c_max)."""
     perm, sizes, totals = tours
     first, longest = 0, 0.0
     for k in range(len(sizes)):
-        totals[k] = tour_cost(cost, perm, first, first + sizes[k], perm.size + k)
+        totals[k] = tour_cost(costs, perm, first, first + sizes[k], k)
         longest = max(longest, totals[k])
         first += sizes[k]
     return longest
 
 
 @njit(cache=True)
-def legs_of(cost: Floats, tours: Chromosome) -> Floats:
+def legs_of(costs: Costs, tours: Chromosome) -> Floats:
     """Return the costs [s] of the legs flown, shape (n+m,): of each tour those to its tasks, then the one home.
 
     Where tasks are left out, so are as many entries at the end.
@@ -82,10 +83,10 @@ def legs_of(cost: Floats, tours: Chromosome) -> Floats:
     for k in range(len(sizes)):
         depot = here = perm.size + k
         for at in range(first, first + sizes[k]):
-            legs[at + k] = cost[here, perm[at]]
+            legs[at + k] = leg(costs, k, here, perm[at])
             here = perm[at]
         first += sizes[k]
-        legs[first + k] = cost[here, depot]
+        legs[first + k] = leg(costs, k, here, depot)
     return legs
 
 
@@ -97,7 +98,6 @@ def insert_best(costs: Costs, tours: Chromosome, legs: Floats, task: int, allowe
     """
     perm, sizes, totals = tours
     n, longest = perm.size, totals.max()
-    out, into = costs.out[task], costs.into[task]
     best_max, best_added, best_k, best_at, best_to, best_from = np.inf, np.inf, -1, -1, 0.0, 0.0
     first = 0
     for k in range(len(sizes)):
@@ -106,10 +106,11 @@ def insert_best(costs: Costs, tours: Chromosome, legs: Floats, task: int, allowe
             a = n + k
             for at in range(first, last + 1):
                 b = perm[at] if at < last else n + k
-                added = into[a] + out[b] - legs[at + k]
+                to, back = leg_into(costs, k, task, a), leg(costs, k, task, b)
+                added = to + back - legs[at + k]
                 reached = max(longest, totals[k] + added)
                 if best_k < 0 or reached < best_max or (reached == best_max and added < best_added):
-                    best_max, best_added, best_k, best_at, best_to, best_from = reached, added, k, at, into[a], out[b]
+                    best_max, best_added, best_k, best_at, best_to, best_from = reached, added, k, at, to, back
                 a = b
         first = last
     for p in range(first, best_at, -1):
@@ -122,7 +123,7 @@ def insert_best(costs: Costs, tours: Chromosome, legs: Floats, task: int, allowe
 
 
 @njit(cache=True)
-def remove_marked(cost: Floats, tours: Chromosome, marked: Bools) -> None:
+def remove_marked(costs: Costs, tours: Chromosome, marked: Bools) -> None:
     """Take the marked tasks out of a chromosome."""
     perm, sizes, _ = tours
     read = write = 0
@@ -135,7 +136,7 @@ def remove_marked(cost: Floats, tours: Chromosome, marked: Bools) -> None:
                 kept += 1
             read += 1
         sizes[k] = kept
-    evaluate(cost, tours)
+    evaluate(costs, tours)
 
 
 @njit(cache=True)
@@ -155,8 +156,8 @@ def best_cost_route_crossover(costs: Costs, rng: Any, pair: Population) -> None:
         given, tours = routes[1 - child], chromosome(pair, child)
         marked = np.zeros(n, dtype=np.bool_)
         marked[given] = True
-        remove_marked(costs.out, tours, marked)
-        legs = legs_of(costs.out, tours)
+        remove_marked(costs, tours, marked)
+        legs = legs_of(costs, tours)
         for task in given:
             insert_best(costs, tours, legs, task, everywhere)
 
@@ -203,5 +204,5 @@ def move_task(costs: Costs, tours: Chromosome, task: int, allowed: Bools) -> Non
     """Take `task` out and put it to its best place over the allowed depots."""
     marked = np.zeros(tours.perm.size, dtype=np.bool_)
     marked[task] = True
-    remove_marked(costs.out, tours, marked)
-    insert_best(costs, tours, legs_of(costs.out, tours), task, allowed)
+    remove_marked(costs, tours, marked)
+    insert_best(costs, tours, legs_of(costs, tours), task, allowed)

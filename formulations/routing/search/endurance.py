@@ -16,8 +16,8 @@ import numpy as np
 
 from formulations.routing.search.costs import Costs, FleetCosts, forbidden
 from formulations.routing.search.energy import TINY
-from formulations.routing.search.tours import Tours
 from instances import Instance
+from instances.arrays import Floats
 from instances.routes import ENDURANCE_ROUNDING
 
 _LARGEST = 1e100
@@ -46,12 +46,15 @@ class Endurance:
             self.reference = max(reference, TINY)
             self.costs.scale[:] = np.minimum(self.reference / np.minimum(self.reference, self._limits), _LARGEST)
 
-    def follow(self, tours: Tours) -> bool:
-        """Let R fall to the C_max of `tours` where they can be flown; return whether scales may have changed."""
+    def follow(self, lengths: Floats) -> bool:
+        """Let R fall to the C_max of tours of scaled costs `lengths` (m,) [s] where they are within all endurances.
+
+        Return whether scales may have changed; tours priced before are then to be priced anew.
+        """
         if not isinstance(self.costs, FleetCosts) or (self.costs.scale == 1.0).all():
             return False
-        longest = float((tours.cost / self.costs.scale).max())
-        if longest >= self.reference or tours.cost.max() > self.reference:
+        longest = float((lengths / self.costs.scale).max())
+        if longest >= self.reference or lengths.max() > self.reference:
             return False
         self.refer(longest)
         return True

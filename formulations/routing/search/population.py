@@ -154,7 +154,7 @@ class Population:
 
     def _follow(self, *under_way: Tours) -> None:
         """Let the reference of the endurances follow the best tours; all tours are priced anew where it fell."""
-        if self.endurance.follow(self.best):
+        if self.endurance.follow(self.best.cost):
             for tours in (self.best, *self.members, *under_way):
                 reprice(self.data.costs, tours)
 

@@ -64,7 +64,7 @@ class RuinRecreate(RecordedSolver):
         schedule = Schedule(parameters.founder, parameters.softness[0], parameters.final)
         budget = Budget(recorder, BudgetParameters())
         while not budget.stopped_by:
-            if endurance.follow(best):
+            if endurance.follow(best.cost):
                 for each in (tours, best, fittest):
                     reprice(data.costs, each)
             longest = float(best.cost.max())

@@ -119,7 +119,7 @@ def a_chromosome(windy: Windy, n: int, m: int, seed: int) -> tuple[Instance, Chr
     cuts = np.sort(rng.integers(0, n + 1, m - 1))
     sizes = np.diff([0, *cuts, n]).astype(np.int64)
     tours = Chromosome(perm, sizes, np.zeros(m))
-    evaluate(instance.cost, tours)
+    evaluate(both_ways(instance.cost), tours)
     return instance, tours
 
 
@@ -136,7 +136,7 @@ def routes_of(tours: Chromosome) -> Routes:
 def test_every_operator_keeps_a_chromosome_a_a_chromosome(windy: Windy, n: int, m: int, seed: int) -> None:
     instance, first = a_chromosome(windy, n, m, seed)
     _, second = a_chromosome(windy, n, m, seed + 1)
-    evaluate(instance.cost, second)
+    evaluate(both_ways(instance.cost), second)
     rng = np.random.default_rng(seed)
     pair = together(first, second)
     costs = both_ways(instance.cost)
@@ -147,7 +147,7 @@ def test_every_operator_keeps_a_chromosome_a_a_chromosome(windy: Windy, n: int, 
         inter_depot_mutation(costs, rng, child, border_line(instance, 2.0))
         routes = routes_of(child)
         assert check_routes(instance, routes) == []
-        fitness = evaluate(instance.cost, child)
+        fitness = evaluate(both_ways(instance.cost), child)
         assert fitness == pytest.approx(makespan(instance, routes))
         assert child.totals == pytest.approx(tour_costs(instance, routes))
 
@@ -159,10 +159,10 @@ def test_insertion_takes_the_place_of_least_c_max(windy: Windy, seed: int) -> No
     before = routes_of(tours)
     before = (*before[:last], before[last][:-1], *before[last + 1 :])
     tours.sizes[last] -= 1
-    evaluate(instance.cost, tours)
-    legs = legs_of(instance.cost, tours)
+    evaluate(both_ways(instance.cost), tours)
+    legs = legs_of(both_ways(instance.cost), tours)
     insert_best(both_ways(instance.cost), tours, legs, task, np.ones(3, dtype=np.bool_))
-    assert legs.tolist() == legs_of(instance.cost, tours).tolist()
+    assert legs.tolist() == legs_of(both_ways(instance.cost), tours).tolist()
     every = [
         (*before[:k], (*route[:at], int(task), *route[at:]), *before[k + 1 :])
         for k, route in enumerate(before)
@@ -225,7 +225,7 @@ def test_elite_survives(windy: Windy) -> None:
     people = together(*[tours] * 20)
     for row, perm in enumerate(people.perms):
         rng.shuffle(perm)
-        people.fitness[row] = evaluate(instance.cost, chromosome(people, row))
+        people.fitness[row] = evaluate(both_ways(instance.cost), chromosome(people, row))
     costs, candidates = both_ways(instance.cost), border_line(instance, 2.0)
     for _ in range(10):
         best, children = people.fitness.min(), unborn(20, 8, 2)

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from formulations.moving_cost.fleet import classes_of
 from instances import Instance, Routes
 from instances.errors import InputError
+from instances.fleet import Return
 from instances.paths import paths_file, paths_of, read_paths_table
 from instances.scenario import read_scenario
 from instances.tour_figures import TourFigures, tour_figures
 
 
 def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> list[TourFigures]:
-    """Return time, energy and calm-air cost of the tours; none without paths, or where their scenario is not found."""
+    """Return time, energy and calm-air cost of the tours, each at its UAV's speed, service left out.
+
+    None without paths, where their scenario is not found, or where tours do not end where they began.
+    """
     kept = paths_file(instance_file)
     if not kept.exists():
         return []
@@ -22,7 +27,14 @@ def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> lis
         scenario = read_scenario(kept.parent / str(named))
     except InputError:
         return []
-    return tour_figures(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
+    speeds, classes = classes_of(scenario)
+    if scenario.fleet.returns is not Return.OWN or len(paths.others) != len(speeds) - 1:
+        return []
+    of_speed = [
+        tour_figures(paths.of_class(g), routes, instance.n_tasks, scenario.wind, speed)
+        for g, speed in enumerate(speeds)
+    ]
+    return [of_speed[g][uav] for uav, g in enumerate(classes)]
 
 
 def said_of(tour: TourFigures) -> str:

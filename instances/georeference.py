@@ -1,9 +1,10 @@
 """Where on Earth a scenario is: how the numbers in its files and lists become metres of its local plane.
 
-A file that states its coordinate reference system is in that. All other numbers are in the scenario's key ``crs``;
-"local" there are metres of the plane. Where that key is not given, numbers beside a region in local metres are local
-metres too; beside a region on Earth they are longitude and latitude if all of them could be, else in the region's own
-reference system. A region that states nothing is in degrees (RFC 7946) where `could_be_degrees` says so.
+A file that states its coordinate reference system is in that. One that states none is in degrees (RFC 7946) where it
+could be: a region where `could_be_degrees` says so, others, beside a region on Earth, where they are `within_degrees`.
+All other numbers are in the scenario's key ``crs``; "local" there are metres of the plane, and no file is taken for
+degrees. Where that key is not given, numbers beside a region in local metres are local metres too; beside a region on
+Earth they are degrees if all of them could be, else in the region's own reference system.
 """
 
 from __future__ import annotations
@@ -40,11 +41,16 @@ class Georeference:
     crs: str = ""
     region: str = LOCAL
 
-    def system_of(self, points: ArrayLike, stated: str = "") -> str:
-        """Return the reference system of `points` (k, 2), which their file states or does not."""
-        if stated or self.crs or self.region == LOCAL:
-            return stated or self.crs or LOCAL
+    def system_of(self, points: ArrayLike) -> str:
+        """Return the reference system of the `points` (k, 2) of a list."""
+        if self.crs or self.region == LOCAL:
+            return self.crs or LOCAL
         return WGS84 if within_degrees(points) else self.region
+
+    def system_of_file(self, points: ArrayLike, stated: str) -> str:
+        """Return the reference system of the `points` (k, 2) of a file, which it states or not ("")."""
+        degrees = LOCAL not in (self.crs, self.region) and within_degrees(points)
+        return stated or (WGS84 if degrees else self.system_of(points))
 
     def local(self, points: ArrayLike, crs: str) -> Floats:
         """Return `points` (k, 2) of the reference system `crs` in the plane [m]; InputError where they are nowhere."""

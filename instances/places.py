@@ -66,10 +66,11 @@ def read_places(table: Mapping[str, Any], folder: Path) -> Places:
 
 def read_region(path: Path, crs: str = "", origin: TangentPlane | None = None) -> tuple[Region, Georeference]:
     """Read a region's file, whose numbers are in `crs` where it states none; InputError names it and what is wrong."""
-    with naming(path):
+    with naming(_file_of(path)):
         layer = _layer(path, "region", Polygon)
         polygon = Region(only(layer.parts)).polygon  # type: ignore[arg-type]  # valid where it is given
-        system = layer.crs or crs or (WGS84 if could_be_degrees(polygon) else LOCAL)
+        degrees = crs != LOCAL and could_be_degrees(polygon)
+        system = layer.crs or (WGS84 if degrees else crs or LOCAL)
         if system == LOCAL:
             return Region(polygon), Georeference(origin, crs)
         reference = Georeference(plane_at(polygon, system, origin), crs, system)
@@ -84,12 +85,19 @@ def file_name(table: Mapping[str, Any], key: str) -> str:
     return value
 
 
-def local_pair(value: Any, label: str, reference: Georeference) -> Any:
-    """Return a place of the table in the plane; what is no pair of numbers, or in local metres, as it is given."""
+def local_pair(value: Any, label: str, places: Places) -> Any:
+    """Return a place of the table in the plane; what is no pair of numbers, or in local metres, as it is given.
+
+    It may lie outside of the region, but not where the other way round it would lie inside.
+    """
+    reference = places.reference
     system = reference.system_of(value) if _is_pair(value) else LOCAL
     if system == LOCAL:
         return value
     with naming(label):
+        outside = not _inside(value, system, places.region, reference)
+        if outside and _inside(value[::-1], system, places.region, reference):
+            raise InputError(f"{value} lies outside the region, the other way round inside; longitude comes first")
         return reference.local(value, system)[0].tolist()
 
 
@@ -147,6 +155,11 @@ def _layer(path: Path, key: str, kind: type[BaseGeometry]) -> Layer:
     return found[0] if len(found) == 1 else named[0]
 
 
+def _file_of(path: Path) -> str:
+    """Return the name of the file that `path` names a layer of."""
+    return str(path).partition(LAYER)[0]
+
+
 def _plain(name: str) -> str:
     return "".join(c for c in name.lower() if c.isalnum())
 
@@ -155,9 +168,9 @@ def _zones(table: Mapping[str, Any], folder: Path, region: Region, reference: Ge
     if "no_fly" not in table:
         return ()
     path = folder / file_name(table, "no_fly")
-    with naming(path):
+    with naming(_file_of(path)):
         layer = _layer(path, "no_fly", Polygon)
-        system = reference.system_of(shapely.get_coordinates(layer.parts), layer.crs)
+        system = reference.system_of_file(shapely.get_coordinates(layer.parts), layer.crs)
         zones = [zone for zone in layer.parts if isinstance(zone, Polygon)]
         for zone in zones:
             Region(zone)  # each must be valid
@@ -174,19 +187,20 @@ def _points_of(table: Mapping[str, Any], key: str, folder: Path, region: Region,
     value = table.get(key)
     if isinstance(value, str):
         path = folder / file_name(table, key)
-        with naming(path):
+        with naming(_file_of(path)):
             layer = _layer(path, key, Point)
-            return _local_points(shapely.get_coordinates(layer.parts), key, layer.crs, region, reference)
+            points = shapely.get_coordinates(layer.parts)
+            return _local_points(points, key, reference.system_of_file(points, layer.crs), region, reference)
     if not isinstance(value, list) or not value or not all(_is_pair(point) for point in value):
         return value
-    if reference.system_of(value) == LOCAL:
+    system = reference.system_of(value)
+    if system == LOCAL:
         return value
-    return _local_points(np.array(value, dtype=float), key, "", region, reference)
+    return _local_points(np.array(value, dtype=float), key, system, region, reference)
 
 
-def _local_points(points: Floats, key: str, stated: str, region: Region, reference: Georeference) -> Floats:
-    """Return `points` in the plane; InputError names one outside the region, as it was given."""
-    system = reference.system_of(points, stated)
+def _local_points(points: Floats, key: str, system: str, region: Region, reference: Georeference) -> Floats:
+    """Return `points` of a reference system in the plane; InputError names one outside the region, as it was given."""
     if system == LOCAL:
         return points
     plane = reference.known_plane(system)

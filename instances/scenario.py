@@ -43,11 +43,11 @@ from instances.extent import positive
 from instances.fleet import KEYS as FLEET_KEYS
 from instances.fleet import Fleet, fleet_of
 from instances.geodesy import TangentPlane, on_earth
-from instances.georeference import LOCAL, Georeference, could_be_degrees
+from instances.georeference import LOCAL, could_be_degrees
 from instances.instance import check_name
 from instances.moving_cost import CostKind
 from instances.places import KEYS as PLACE_KEYS
-from instances.places import file_name, local_pair, read_places
+from instances.places import Places, file_name, local_pair, read_places
 from instances.toml_text import toml_text
 
 KEYS = (
@@ -224,7 +224,7 @@ def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
         n_tasks=count or 0,
         no_fly=places.no_fly,
         terrain=folder / file_name(table, "terrain") if "terrain" in table else None,
-        radio=_radio(table, places.reference),
+        radio=_radio(table, places),
         provenance=table.get("provenance", {}),
         plane=site.plane,
         cost=cost,
@@ -232,12 +232,12 @@ def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
     )
 
 
-def _radio(table: Mapping[str, Any], reference: Georeference) -> Mapping[str, Any] | None:
+def _radio(table: Mapping[str, Any], places: Places) -> Mapping[str, Any] | None:
     """Return the table [radio], its position in the plane."""
     radio = table.get("radio")
     if not radio or "position" not in radio:
         return radio
-    return {**radio, "position": local_pair(radio["position"], "radio.position", reference)}
+    return {**radio, "position": local_pair(radio["position"], "radio.position", places)}
 
 
 def write_scenario(scenario: Scenario, path: Path | str) -> None:

@@ -150,6 +150,9 @@ def test_lists_in_the_reference_system_asked_for(tmp_path: Path) -> None:
     degrees = scenario(tmp_path, region="a.kml")
     metres = scenario(tmp_path, region="a.kml", depots=utm, crs="EPSG:32632")
     np.testing.assert_allclose(degrees.depots, metres.depots, atol=1e-3)
+    write_area(tmp_path, "a.geojson")  # in degrees, whatever lists are in
+    metres = scenario(tmp_path, region="a.geojson", depots=utm, crs="EPSG:32632")
+    np.testing.assert_allclose(degrees.depots, metres.depots, atol=1e-3)
     local = scenario(tmp_path, region="a.kml", depots=[[0.0, 10.0]], crs="local", radio={"position": [5, 5]})
     assert local.depots.tolist() == [[0.0, 10.0]]
     assert local.radio["position"] == [5, 5]
@@ -221,6 +224,8 @@ def test_what_is_written_reads_back_the_same(tmp_path: Path) -> None:
             r"^depots\[0\] = \[47\.02, 8\.05\] \('EPSG:4326'\) lies outside the region, longitude 8\.0\d* to 8\.2\d*, "
             r"latitude 47\.0\d* to 47\.1\d*: the other way round it lies inside; longitude comes first$",
         ),
+        ({"radio": {"position": [47.05, 8.1]}}, r"^radio\.position: \[47\.05, 8\.1\] lies .*longitude comes first$"),
+        ({"region": "a.kml|layername=x"}, r"/a\.kml: there is no layer 'x' \(layers: survey\)$"),
         ({"depots": [[9.5, 47.02]]}, r"^depots\[0\] = \[9\.5, 47\.02\] .* latitude [\d.]+ to [\d.]+$"),
         ({"tasks": "b.kml"}, r"b\.kml: tasks\[1\] = \[8\.5, 47\.08\]"),
         ({"tasks": "lines.geojson"}, r"lines\.geojson: tasks: must hold a point, it holds LineString"),

@@ -110,6 +110,11 @@ def reference_system(name: str) -> CRS:
     return found
 
 
+def well_known_text(crs: str) -> str:
+    """Return the reference system `crs` as WKT."""
+    return str(reference_system(crs).to_wkt())
+
+
 def mapped_crs(attributes: Mapping[str, Any]) -> str:
     """Return the reference system that the attributes of a CF grid mapping describe, as WKT, or ""."""
     from pyproj import CRS

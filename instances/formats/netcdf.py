@@ -10,6 +10,7 @@ import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.io import netcdf_file
@@ -17,7 +18,7 @@ from scipy.io import netcdf_file
 from instances.arrays import Floats
 from instances.disk import read_bytes, write_aside
 from instances.errors import InputError
-from instances.geodesy import FLATTENING, A, TangentPlane
+from instances.geodesy import FLATTENING, A, TangentPlane, well_known_text
 
 AXES = {
     "x": {"standard_name": "projection_x_coordinate", "units": "m"},
@@ -72,7 +73,8 @@ def _write_grid_mapping(data: netcdf_file, plane: TangentPlane) -> None:
     """Write the projection of `TangentPlane.projection` as CF names it."""
     made = data.createVariable(GRID_MAPPING, "i", ())
     made[...] = 0
-    said = {
+    said: dict[str, Any] = {
+        "crs_wkt": well_known_text(plane.projection),
         "grid_mapping_name": "azimuthal_equidistant",
         "latitude_of_projection_origin": plane.latitude,
         "longitude_of_projection_origin": plane.longitude,
@@ -82,7 +84,7 @@ def _write_grid_mapping(data: netcdf_file, plane: TangentPlane) -> None:
         "inverse_flattening": 1 / FLATTENING,
     }
     for key, value in said.items():
-        setattr(made, key, value)
+        setattr(made, key, value if isinstance(value, str) else np.float64(value))  # a float is kept as float32
 
 
 def read_grids(

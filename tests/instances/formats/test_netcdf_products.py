@@ -73,14 +73,15 @@ def test_the_environment_folder_reads_back(tmp_path: Path) -> None:
 
 
 def test_a_grid_mapping_places_the_grid_on_earth(tmp_path: Path) -> None:
-    plane, y, x = TangentPlane(47.0, 8.0), np.arange(50.0, 350.0, 100.0), np.arange(50.0, 450.0, 100.0)
+    plane, y, x = TangentPlane(47.1, 8.3), np.arange(50.0, 350.0, 100.0), np.arange(50.0, 450.0, 100.0)
     mean = Variable(("y", "x"), VALUES[0], {"units": "dBm"})
     write_grids(tmp_path / "m.nc", {"y": y, "x": x}, {"mean": mean}, plane)
     with netCDF4.Dataset(tmp_path / "m.nc") as data:
         said = {name: data[data["mean"].grid_mapping].getncattr(name) for name in data["crs"].ncattrs()}
-    crs = pyproj.CRS.from_cf(said)
-    assert crs.is_projected
-    place = pyproj.Transformer.from_crs(crs, "EPSG:4326").transform(300.0, 200.0)
-    np.testing.assert_allclose(place, plane.geographic([[300.0, 200.0]])[0], atol=1e-9)
+    assert (said["latitude_of_projection_origin"], said["longitude_of_projection_origin"]) == (47.1, 8.3)
+    by_name = pyproj.CRS.from_cf({key: value for key, value in said.items() if key != "crs_wkt"})
+    for crs in (by_name, pyproj.CRS.from_wkt(said["crs_wkt"])):
+        place = pyproj.Transformer.from_crs(crs, "EPSG:4326").transform(300.0, 200.0)
+        np.testing.assert_allclose(place, plane.geographic([[300.0, 200.0]])[0], atol=1e-9)
     _, variables = read_grids(tmp_path / "m.nc")
     assert set(variables) == {"mean"}

@@ -241,8 +241,12 @@ def _radio(table: Mapping[str, Any], places: Places) -> Mapping[str, Any] | None
 
 
 def write_scenario(scenario: Scenario, path: Path | str) -> None:
-    """Write a scenario file, and beside it ``<stem>-region.geojson`` and ``<stem>-no-fly.geojson`` where needed."""
+    """Write a scenario file, and beside it ``<stem>-region.geojson`` and ``<stem>-no-fly.geojson`` where needed.
+
+    They are in local metres, and end in ``.json`` where that is no GeoJSON because the plane's place is known.
+    """
     path = Path(path)
+    ending = "geojson" if scenario.plane is None else "json"
     table: dict[str, Any] = {"name": scenario.name}
     if scenario.cost is not CostKind.ENERGY:
         table["cost"] = str(scenario.cost)
@@ -251,10 +255,10 @@ def write_scenario(scenario: Scenario, path: Path | str) -> None:
     if x0 == y0 == 0.0 and scenario.region.polygon.equals(Region.rectangle(x1, y1).polygon):
         table["size"] = [x1, y1]
     else:
-        table["region"] = f"{path.stem}-region.geojson"
+        table["region"] = f"{path.stem}-region.{ending}"
         scenario.region.write(path.with_name(table["region"]))
     if scenario.no_fly:
-        table["no_fly"] = f"{path.stem}-no-fly.geojson"
+        table["no_fly"] = f"{path.stem}-no-fly.{ending}"
         zones = {"type": "Feature", "properties": {}, "geometry": mapping(MultiPolygon(list(scenario.no_fly)))}
         write_aside(path.with_name(table["no_fly"]), json.dumps(zones))
     if scenario.plane is not None:

@@ -30,6 +30,7 @@ COMMANDS = {
     "costs": "compute moving costs of a scenario in wind",
     "bound": "print lower bounds of an instance",
     "mission": "run the paper's whole chain",
+    "figures": "draw the paper's Figs. 1 and 2",
     "status": "say how far a study has got",
     "solvers": "list solvers and their options",
     "families": "list instance families and their parameters",

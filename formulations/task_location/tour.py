@@ -25,11 +25,29 @@ def closed_tour(points: Floats, *, seed: int = 0) -> list[int]:
     places = points[order]
     distance = np.linalg.norm(places[:, None] - places[None], axis=2)
     instance = Instance("tour", distance, n - 1, 1, places)
+    return [0, *(int(order[task]) for task in _route(instance, seed, ITERATIONS))]
+
+
+def open_path(points: Floats, *, seed: int = 0) -> list[int]:
+    """Return the order in which a short open path visits `points` (n, 2) [m]: a Hamiltonian path.
+
+    It is the tour of a UAV whose depot is no distance from any point.
+    """
+    n = len(points)
+    distance = np.zeros((n + 1, n + 1))
+    distance[:n, :n] = np.linalg.norm(points[:, None] - points[None], axis=2)
+    if n < 2:
+        return list(range(n))
+    return list(_route(Instance("path", distance, n, 1), seed, max(ITERATIONS, 600 * n)))
+
+
+def _route(instance: Instance, seed: int, iterations: int) -> tuple[int, ...]:
+    """Return a short route of the one UAV of `instance`."""
     method = make_solver(SOLVER)
     method.prepare(instance)
-    result = method.solve(instance, limits=Limits(time=20.0, iterations=ITERATIONS), seed=seed)
+    result = method.solve(instance, limits=Limits(time=20.0, iterations=iterations), seed=seed)
     assert result.routes is not None
-    return [0, *(int(order[task]) for task in result.routes[0])]
+    return result.routes[0]
 
 
 def tour_length(points: Floats, order: list[int]) -> float:

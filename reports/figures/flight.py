@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import shapely
 from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from instances.arrays import Floats
 from instances.environment.region import Region
@@ -14,6 +19,9 @@ from instances.scenario import Scenario
 from reports.figures.style import COLOURS, FAINT, INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes, wind_arrows
+
+DEPOT = "#c1121f"
+"""Colour of depots."""
 
 
 @rc_context(RC)
@@ -28,14 +36,15 @@ def draw_flight(scenario: Scenario, tasks: Floats, reference: pd.DataFrame, flow
         map_axes(axes, scenario.free)
         for zone in scenario.no_fly:
             axes.plot(*(np.asarray(zone.exterior.coords)[:, :2].T / KM), color=INK, linewidth=0.8, zorder=2)
-        if scenario.wind is not None:
-            wind_arrows(axes, scenario.wind, scenario.free, colour=f"{FAINT}66")
         for k, track in flown.groupby("uav"):
             path = reference[reference["uav"] == k]
             axes.plot(track["x"] / KM, track["y"] / KM, color=colour_of(int(str(k))), linewidth=1.6, zorder=3)
             axes.plot(path["x"] / KM, path["y"] / KM, color=INK, linewidth=0.7, zorder=4)
         axes.scatter(*(tasks.T / KM), s=14, color=COLOURS[0], edgecolors=PAPER, linewidths=0.5, zorder=5)
         stars(axes, scenario.depots)
+    if scenario.wind is not None:
+        wind_arrows(whole, scenario.wind, scenario.free, colour=f"{FAINT}99")
+    legend_of(figure, [int(str(k)) for k in flown["uav"].unique()], reference=True, tasks=True)
     centre, half = _turn(reference, flown), 0.3
     detail.set_xlim(centre[0] - half, centre[0] + half)
     detail.set_ylim(centre[1] - half, centre[1] + half)
@@ -69,6 +78,7 @@ def draw_plans(region: Region, depots: Floats, tracks: pd.DataFrame, table: pd.D
         axes.set_title(words, fontsize=8.5)
     for axes in plots[:, 1:].ravel():
         axes.set_ylabel("")
+    legend_of(figure, [int(k) for k in sorted(tracks["uav"].unique())])
     caption = (
         "Every plan starts and ends at the same depots (stars). Lawnmower and random tours are at least as long as the "
         "mission's. Drawn are the tours of the first draw; lengths and RMSE are means over all."
@@ -79,7 +89,17 @@ def draw_plans(region: Region, depots: Floats, tracks: pd.DataFrame, table: pd.D
 def stars(axes: Axes, depots: Floats, size: float = 110) -> None:
     """Draw the depots, as stars."""
     x, y = depots.T / KM
-    axes.scatter(x, y, s=size, marker="*", color="#c1121f", edgecolors=PAPER, linewidths=0.8, zorder=6)
+    axes.scatter(x, y, s=size, marker="*", color=DEPOT, edgecolors=PAPER, linewidths=0.8, zorder=6)
+
+
+def legend_of(figure: Figure, uavs: Sequence[int], *, reference: bool = False, tasks: bool = False) -> None:
+    """Put a legend below `figure`: the colour of each UAV, the star of a depot and, where drawn, the other marks."""
+    handles = [Line2D([], [], color=colour_of(k), linewidth=2.0, label=f"UAV {k}") for k in uavs]
+    handles += [Line2D([], [], color=INK, linewidth=0.9, label="reference path")] if reference else []
+    mark: dict[str, Any] = {"linestyle": "none", "markeredgecolor": PAPER, "markeredgewidth": 0.5}
+    handles += [Line2D([], [], marker="o", color=COLOURS[0], markersize=5, label="task", **mark)] if tasks else []
+    handles += [Line2D([], [], marker="*", color=DEPOT, markersize=10, label="depot", **mark)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 7), handlelength=1.8)
 
 
 def colour_of(uav: int) -> str:

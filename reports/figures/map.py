@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize, PowerNorm
 from instances.arrays import Floats
 from instances.environment.region import Region
 from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, show
-from reports.figures.flight import colour_of, stars
+from reports.figures.flight import colour_of, legend_of, stars
 from reports.figures.style import INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
@@ -48,6 +48,7 @@ def draw_stages(
     figure.colorbar(mean, ax=plots[1], label=f"estimated field [{unit}]")
     empty = figure.colorbar(mean, ax=plots[2], label=" ")  # keeps the columns in line
     empty.ax.set_visible(False)
+    legend_of(figure, [int(str(k)) for k in flown["uav"].unique()])
     caption = (
         "Top: what is not known, dark where the uncertainty is high (square-root scale). Middle: the estimated field "
         "with the samples it rests on (dots). Bottom: the portion of the paths that has been flown (coloured) of the "

@@ -37,7 +37,7 @@ def draw_verdicts(draws: pd.DataFrame, verdicts: Sequence[Verdict], unit: str) -
     axes.axvline(0.0, color=FAINT, linewidth=1.0)
     axes.set_yticks(range(len(verdicts)), [f"{named(v.name)}: {_word(v)}" for v in verdicts])
     axes.set_ylim(len(verdicts) - 0.4, -0.6)
-    axes.set_xlabel(f"RMSE above the mission's over the same draw [{unit}]; to the right the mission is better")
+    axes.set_xlabel(f"RMSE less the mission's [{unit}]; right of 0 the mission is better")
     caption = (
         "A dot a draw of field and noise, flown by both; hollow where nobody may fly the draw's tours. Below the dots "
         "the mean and its 95 % interval (Student's t of the paired differences): the mission wins where all of it lies "

@@ -15,8 +15,10 @@ from reports.figures.style import FAINT, INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 
 KM = 1e3
-ARROWS = 22
+ARROWS = 15
 """Arrows along the longer side of the region."""
+LONGEST = 0.95
+"""Length of the longest arrow, in distances between arrows."""
 
 
 @rc_context(RC)
@@ -36,12 +38,12 @@ def draw_wind(wind: WindField, region: Region) -> Drawn:
         image = axes.pcolormesh(xs / KM, ys / KM, shown, cmap=colours, vmin=low, vmax=high, rasterized=True)
         figure.colorbar(image, ax=axes, label=label, shrink=0.85)
         map_axes(axes, region)
-    wind_arrows(left, wind, region, colour=PAPER)
+    wind_arrows(left, wind, region, colour=PAPER, edge=INK)
     right.set_ylabel("")
     caption = (
-        "Left: the wind's direction (arrows, as long as it is fast) and speed. Right: its vorticity. Paths of "
-        "least energy have curvature vorticity / ground speed, so a wind without vorticity bends none of them and "
-        "changes none of their tours; to flight times any wind matters."
+        "Left: the wind's direction (arrows, as long as it is fast; the one above the map is the key) and speed. "
+        "Right: its vorticity. Paths of least energy have curvature vorticity / ground speed, so a wind without "
+        "vorticity bends none of them and changes none of their tours; to flight times any wind matters."
     )
     return Drawn("wind", "Wind", caption, figure)
 
@@ -56,19 +58,30 @@ def map_axes(axes: Axes, region: Region) -> None:
     axes.grid(visible=False)
 
 
-def wind_arrows(axes: Axes, wind: WindField, region: Region, colour: str = FAINT) -> None:
-    """Draw arrows of the wind inside the region, on a grid, with a key of their length."""
+def wind_arrows(axes: Axes, wind: WindField, region: Region, colour: str = FAINT, edge: str = "none") -> None:
+    """Draw arrows of the wind inside the region, on a grid, and above the map one of known speed to read them by."""
     _, _, points, inside = _raster(region, ARROWS)
     p = points[inside.ravel()]
     w = wind(p)
-    top = float(np.hypot(w[:, 0], w[:, 1]).max())
+    top = float(np.hypot(w[:, 0], w[:, 1]).max(initial=0.0))
     if top == 0:
         return
-    x0, _, x1, _ = region.bounds
-    scale = top / ((x1 - x0) / KM / ARROWS * 1.25)
-    axes.quiver(
-        *(p.T / KM), *w.T, color=colour, angles="xy", scale_units="xy", scale=scale, width=0.003, pivot="mid", zorder=2
-    )
+    x0, y0, x1, y1 = region.bounds
+    scale = top / (max(x1 - x0, y1 - y0) / KM / ARROWS * LONGEST)
+    arrows = axes.quiver(
+        *(p.T / KM), *w.T, facecolor=colour, edgecolor=edge, linewidth=0.35, angles="xy", scale_units="xy", scale=scale,
+        width=0.0055, headwidth=3.6, headlength=4.0, headaxislength=3.6, minshaft=1.3, pivot="mid", zorder=2,
+    )  # fmt: skip
+    speed = round_below(top)
+    key = {"labelpos": "W", "coordinates": "axes", "color": INK, "labelsep": 0.05, "fontproperties": {"size": 7.5}}
+    axes.set_title(axes.get_title() or " ")  # makes room for the key
+    axes.quiverkey(arrows, 0.96, 1.035, speed, f"{speed:g} m/s", **key)
+
+
+def round_below(value: float) -> float:
+    """Return the greatest of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not above `value` > 0."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(step for step in (power, 2 * power, 5 * power) if step <= value * (1 + 1e-9)))
 
 
 def _raster(region: Region, cells: int) -> tuple[Floats, Floats, Floats, Bools]:

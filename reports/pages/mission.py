@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import base64
-import io
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from markupsafe import Markup
-from matplotlib import colormaps
-from matplotlib.image import imsave
 
 from instances.arrays import Floats
 from instances.moving_cost import CostKind
 from reports import numbers
 from reports.columns import FLIGHT, TOURS, survey
-from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER, draw_field
-from reports.figures.flight import colour_of, draw_flight, draw_plans
+from reports.figures.field import draw_field
+from reports.figures.flight import draw_flight, draw_plans
 from reports.figures.heights import draw_heights
-from reports.figures.map import draw_judged, draw_stages, signal_range
+from reports.figures.map import draw_judged, draw_stages
 from reports.figures.mission import draw_comparison, draw_progress
 from reports.figures.svg import Drawn
 from reports.figures.verdicts import draw_verdicts
@@ -29,7 +24,8 @@ from reports.figures.wind import draw_wind
 from reports.kinds import is_number
 from reports.pages.blocks import Beside, Block, Facts, Lines, Section, Source, Table, table_of
 from reports.pages.exported import exported
-from reports.pages.page import Page, fragment, write_page
+from reports.pages.film import film, player
+from reports.pages.page import Page, write_page
 from reports.products import Products
 from reports.verdicts import MISSION, Verdict, difference, sentence, verdicts
 
@@ -65,7 +61,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
         Lines([sentence(verdict, unit, products.over) for verdict in judged_plans]),
         Section("Environment", [Beside(given)], "given"),
         Section("Tasks, routes and flight", planned, "plan", "Plan"),
-        Section("The map as it grows", [_player(products, data), Beside([stages, list(judged)])], "map", "Map"),
+        Section("The map as it grows", [player(products, data), Beside([stages, list(judged)])], "map", "Map"),
         Section("Against what a person would fly otherwise", [plans, Beside(compared)], "compared", "Compared"),
         _made(said),
     ]
@@ -104,59 +100,6 @@ COST_NAMES = {CostKind.ENERGY: "energy cost", CostKind.TIME: "flight time"}
 def scenario_tasks(products: Products) -> Floats:
     """Return the tasks (n, 2) [m]."""
     return products.table("place", "tasks.csv")[["x", "y"]].to_numpy()
-
-
-def film(products: Products, flown: pd.DataFrame, samples: pd.DataFrame, ticks: pd.DataFrame) -> dict[str, Any]:
-    """Return the growing map for the slider: a picture of estimate and uncertainty a kept tick, and the tracks."""
-    maps = products.maps
-    low, high = signal_range(maps)
-    most = float(np.nanmax(maps.sd[0]))
-    judged = ticks.set_index("time")
-    tracks = [
-        {
-            "colour": colour_of(int(str(k))),
-            "points": np.column_stack([track["x"] / 1e3, track["y"] / 1e3, track["time"]])[::6].round(3).tolist(),
-        }
-        for k, track in flown.groupby("uav")
-    ]
-    frames = [
-        {
-            "time": float(t),
-            "mean": _picture(maps.mean[k], low, high, SIGNAL),
-            "sd": _picture(maps.sd[k] ** UNCERTAINTY_POWER, 0.0, most**UNCERTAINTY_POWER, UNCERTAINTY),
-            "rmse": round(float(judged.loc[t, "rmse"]), 3),
-            "samples": int(judged.loc[t, "samples"]),
-        }
-        for k, t in enumerate(maps.time)
-    ]
-    west, east, south, north = maps.extent
-    box = {"west": west, "south": south, "width": east - west, "height": north - south}
-    dots = samples[["x", "y", "time"]].to_numpy() / np.array([1e3, 1e3, 1.0])
-    return {"frames": frames, "tracks": tracks, "samples": dots.round(3).tolist(), "unit": products.unit, "box": box}
-
-
-def _player(products: Products, data: dict[str, Any]) -> Markup:
-    """Return the slider and its two maps, as they are before the script runs: the last ones."""
-    low, high = signal_range(products.maps)
-    most, ramp = float(np.nanmax(products.maps.sd[0])), np.linspace(0, 1, 128)[None, :]
-    last = data["frames"][-1]
-    panels = [
-        {"key": key, "words": words, "bar": _picture(ramp, 0.0, 1.0, colours), "ends": ends, "last": last[key]}
-        for key, words, colours, ends in (
-            ("mean", "Estimated field", SIGNAL, (low, high)),
-            ("sd", "Uncertainty, square-root scale", UNCERTAINTY, (0.0, most)),
-        )
-    ]
-    return fragment("film.html.j2", panels=panels, box=data["box"], unit=data["unit"])
-
-
-def _picture(values: Floats, low: float, high: float, colours: str) -> str:
-    """Return a raster as a PNG data URI, a pixel a cell, north up; cells outside the region are clear."""
-    shades = colormaps[colours](np.clip((values - low) / (high - low or 1.0), 0, 1), bytes=True)
-    shades[~np.isfinite(values)] = 0
-    buffer = io.BytesIO()
-    imsave(buffer, np.ascontiguousarray(shades[::-1]), format="png")
-    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
 
 
 def _about(products: Products, ticks: pd.DataFrame, table: pd.DataFrame) -> str:

@@ -3,7 +3,7 @@ const film = JSON.parse(document.getElementById("data").textContent);
 const slider = document.getElementById("tick"), said = document.getElementById("said"), play = document.getElementById("play");
 const panels = ["mean", "sd"].map((kind) => {
   const svg = document.getElementById("film-" + kind);
-  return { kind, picture: svg.querySelector("image"), layer: svg.querySelector("g") };
+  return { kind, picture: svg.querySelector("image"), layer: svg.querySelector("g.flown") };
 });
 const size = Math.max(film.box.width, film.box.height);
 const showFrame = (number) => {
@@ -21,7 +21,7 @@ const showFrame = (number) => {
       layer.append(draw("circle", { cx: last[0], cy: last[1], r: size / 70, fill: track.colour, stroke: "#fff", "stroke-width": size / 300 }));
     }
     for (const [x, y, time] of film.samples) {
-      if (time <= frame.time) layer.append(draw("circle", { cx: x, cy: y, r: size / 260, fill: "#111" }));
+      if (time <= frame.time) layer.append(draw("circle", { cx: x, cy: y, r: size / 230, fill: "#111", stroke: "#fff", "stroke-width": size / 900 }));
     }
   }
   said.textContent = `${frame.time} s, ${frame.samples} samples, RMSE ${frame.rmse.toFixed(2)} ${film.unit}`;

@@ -4,23 +4,31 @@ from __future__ import annotations
 
 import base64
 import io
+import re
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.image import imread
+from matplotlib.quiver import QuiverKey
 from shapely.geometry import Polygon
 
 from instances.environment.region import Region
 from instances.environment.terrain import Terrain
+from instances.environment.wind import Uniform
 from instances.errors import InputError
+from instances.scenario import Scenario
+from reports.figures.flight import draw_flight, draw_plans
 from reports.figures.heights import draw_heights
 from reports.figures.map import draw_judged, draw_stages
 from reports.figures.mission import draw_comparison, draw_progress
+from reports.figures.wind import draw_wind, round_below
 from reports.pages.exported import exported
-from reports.pages.mission import _picture
-from reports.products import Maps
+from reports.pages.film import _picture, film, player
+from reports.products import Maps, Products
 
 
 def test_a_picture_has_a_pixel_a_cell_north_up_and_nothing_outside() -> None:
@@ -95,3 +103,68 @@ def test_files_of_a_mission_are_linked_and_their_names_escaped(tmp_path: Path) -
     (folders["flight"] / "exports.json").write_text('{"heights": 1}')
     with pytest.raises(InputError, match=r"exports\.json: does not describe exports"):
         exported(folders)
+
+
+SQUARE = Region(Polygon([(0, 0), (1000, 0), (1000, 800), (0, 800)]))
+FLOWN = pd.DataFrame({"uav": [0, 0, 2, 2], "time": [0.0, 40.0] * 2, "x": [0.0, 900.0] * 2, "y": [0.0, 700.0] * 2})
+
+
+def test_the_growing_map_has_axes_a_scale_and_a_legend(maps: Maps) -> None:
+    scenario = Scenario("s", SQUARE, np.array([[100.0, 100.0]]), 10.0, n_tasks=1)
+    products = Products({})
+    vars(products).update(maps=maps, scenario=scenario, unit="dBm")  # as if they had been read
+    ticks = pd.DataFrame({"time": maps.time, "rmse": 1.0, "samples": 1})
+    samples = pd.DataFrame({"time": [10.0], "x": [10.0], "y": [5.0]})
+    data = film(products, FLOWN, samples, ticks)
+    root = ET.fromstring(f"<page>{re.sub(r'<input[^>]*>', '', player(products, data))}</page>".replace('alt="">', "/>"))
+    pictures = [svg for svg in root.iter("svg") if svg.get("id")]
+    assert [svg.get("id") for svg in pictures] == ["film-mean", "film-sd"]
+    for svg in pictures:
+        texts = [text.text for text in svg.iter("text")]
+        assert {"x, east [km]", "y, north [km]", "0", "0.4", "0.8"} <= set(texts)
+        x, y, width, height = map(float, svg.get("viewBox", "").split())
+        assert x < 0.0 < 1.0 < x + width  # room for the axes
+        assert y < -0.8 < 0.0 < y + height
+    said = "".join(root.itertext())
+    assert "UAV 0UAV 2depotsample" in said
+    ends = [span.text for span in root.iter("span") if not len(span)]
+    assert {"Estimated field [dBm]", "0"} <= set(ends)
+
+
+def wind_key(axes: Axes) -> QuiverKey:
+    (key,) = [artist for artist in axes.artists if isinstance(artist, QuiverKey)]
+    return key
+
+
+def test_arrows_of_the_wind_have_heads_and_a_key_with_its_speed() -> None:
+    axes = draw_wind(Uniform((-7.0, 0.0)), SQUARE).figure.axes[0]
+    key = wind_key(axes)
+    assert key.text.get_text() == "5 m/s"
+    assert key.U == 5.0
+    arrows = key.Q
+    assert arrows.headwidth > 3
+    longest = 7.0 / arrows.scale  # in kilometres
+    assert 0.5 * 1.0 / 15 < longest < 1.0 / 15
+    assert not draw_wind(Uniform((0.0, 0.0)), SQUARE).figure.axes[0].artists
+
+
+@pytest.mark.parametrize(("speed", "key"), [(10.0, 10.0), (9.99, 5.0), (0.37, 0.2), (1.0, 1.0), (123.0, 100.0)])
+def test_the_key_is_a_round_speed_that_the_wind_reaches(speed: float, key: float) -> None:
+    assert round_below(speed) == pytest.approx(key)
+
+
+def test_tours_have_a_legend_of_uavs(maps: Maps) -> None:
+    scenario = Scenario("s", SQUARE, np.array([[100.0, 100.0]]), 10.0, wind=Uniform((1.0, 0.0)), n_tasks=1)
+    samples = pd.DataFrame({"time": [10.0], "x": [10.0], "y": [5.0]})
+    table = pd.DataFrame({"name": ["mission"], "length": [1e3], "rmse": [1.0], "verdict": [""]})
+    drawn = [
+        draw_flight(scenario, np.array([[500.0, 500.0]]), FLOWN, FLOWN),
+        draw_stages(maps, SQUARE, scenario.depots, FLOWN, samples, "dBm"),
+        draw_plans(SQUARE, scenario.depots, FLOWN.assign(name="mission"), table, "dBm"),
+    ]
+    for each in drawn:
+        (legend,) = each.figure.legends
+        texts = [text.get_text() for text in legend.get_texts()]
+        assert texts[:2] == ["UAV 0", "UAV 2"]
+        assert texts[-1] == "depot"
+    assert wind_key(drawn[0].figure.axes[0]).text.get_text() == "1 m/s"

@@ -14,6 +14,8 @@ from instances.arrays import Floats
 
 SOLVER = "ruin-recreate"
 ITERATIONS = 20_000
+PATIENCE = 2_000
+"""Iterations a task of the search for an open path, which is drawn and should not cross itself."""
 
 
 def closed_tour(points: Floats, *, seed: int = 0) -> list[int]:
@@ -25,7 +27,7 @@ def closed_tour(points: Floats, *, seed: int = 0) -> list[int]:
     places = points[order]
     distance = np.linalg.norm(places[:, None] - places[None], axis=2)
     instance = Instance("tour", distance, n - 1, 1, places)
-    return [0, *(int(order[task]) for task in _route(instance, seed, ITERATIONS))]
+    return [0, *(int(order[task]) for task in _route(instance, seed, SOLVER, ITERATIONS))]
 
 
 def open_path(points: Floats, *, seed: int = 0) -> list[int]:
@@ -38,12 +40,12 @@ def open_path(points: Floats, *, seed: int = 0) -> list[int]:
     distance[:n, :n] = np.linalg.norm(points[:, None] - points[None], axis=2)
     if n < 2:
         return list(range(n))
-    return list(_route(Instance("path", distance, n, 1), seed, max(ITERATIONS, 600 * n)))
+    return list(_route(Instance("path", distance, n, 1), seed, "memetic", PATIENCE * n))
 
 
-def _route(instance: Instance, seed: int, iterations: int) -> tuple[int, ...]:
+def _route(instance: Instance, seed: int, solver: str, iterations: int) -> tuple[int, ...]:
     """Return a short route of the one UAV of `instance`."""
-    method = make_solver(SOLVER)
+    method = make_solver(solver)
     method.prepare(instance)
     result = method.solve(instance, limits=Limits(time=20.0, iterations=iterations), seed=seed)
     assert result.routes is not None

@@ -76,7 +76,7 @@ costs = { method = "dijkstra" }
 routes = { solver = "greedy", time_limit = 100.0 }
 sensing = { period = 6.0 }
 map = { length_scale = 1500.0, cells = 20, frames = 4 }
-compare = { time_limit = 100.0, draws = 2 }
+compare = { time_limit = 100.0, seeds = 2 }
 """
 
 STUDY = """

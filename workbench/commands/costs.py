@@ -34,6 +34,9 @@ def command(
 ) -> None:
     """Compute the moving cost and path between every pair of nodes of SCENARIO.toml.
 
+    The scenario says cost = "energy" (the paper's, the default, with a ground_speed [m/s] such as 20.0) or cost =
+    "time" (flight time, with an airspeed [m/s]).
+
     Writes the instance, and the paths beside it (NAME.paths.json.gz); prints how much the wind matters.
     """
     from formulations.moving_cost.effect import WindEffect

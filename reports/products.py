@@ -50,6 +50,8 @@ NUMBERS: dict[str, tuple[str, ...]] = {
     "compare-draws.csv": ("draw", "length", *_SCORES),
     "compare-ticks.csv": ("flown", *_SCORES),
     "tracks.csv": ("uav", "x", "y"),
+    "calm.csv": ("longest", "total"),
+    "calm-paths.csv": ("uav", "x", "y"),
 }  # fmt: skip
 """Table → its columns of numbers that are read."""
 NAMED = ("compare.csv", "compare-draws.csv", "compare-ticks.csv", "tracks.csv")

@@ -171,12 +171,15 @@ def costs(scenario: Scenario | Path | str, method: str = "refined", **options: A
     return plan(scenario if isinstance(scenario, Scenario) else read_scenario(scenario), method, options)[0]
 
 
-def mission(file: Path | str | None = None, out: Path | str = "mission") -> Path:
-    """Run a whole mission, by default the paper's numerical example, and return its page; products lie beside it."""
-    from workbench.mission.file import read_mission, shipped_mission
+def mission(file: Path | str = "paper", out: Path | str = "mission") -> Path:
+    """Run a whole mission and return its page; products lie beside it.
+
+    file : a mission file, or the name of one that comes along: paper, the paper's numerical example, or lee.
+    """
+    from workbench.mission.file import read_mission, shipped_missions
     from workbench.mission.pipeline import run_mission
 
-    run_mission(read_mission(shipped_mission() if file is None else Path(file)), Path(out))
+    run_mission(read_mission(shipped_missions().get(str(file), Path(file))), Path(out))
     return Path(out) / "report.html"
 
 

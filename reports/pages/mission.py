@@ -23,6 +23,7 @@ from reports.figures.verdicts import draw_verdicts
 from reports.figures.wind import draw_wind
 from reports.kinds import is_number
 from reports.pages.blocks import Beside, Block, Facts, Lines, Section, Source, Table, table_of
+from reports.pages.calm import calm_twin
 from reports.pages.exported import exported
 from reports.pages.film import film, player
 from reports.pages.page import Page, write_page
@@ -55,6 +56,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     data = film(products, flown, samples, ticks)
     planned: list[Block] = [_placed(products), _routed(products), *_tours(products), flight, heights]
     planned += [_checks(products), exported(folders)]
+    worth, twin = calm_twin(products, scenario_tasks(products))
     plans = _plans(table, judged_plans, unit)
     blocks: list[Block] = [
         Facts(_headline(products, ticks), large=True),
@@ -63,11 +65,12 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
         Section("Tasks, routes and flight", planned, "plan", "Plan"),
         Section("The map as it grows", [player(products, data), Beside([stages, list(judged)])], "map", "Map"),
         Section("Against what a person would fly otherwise", [plans, Beside(compared)], "compared", "Compared"),
+        *([Section("What planning in the wind is worth", worth, "calm", "Wind")] if worth else []),
         _made(said),
     ]
     about = _about(products, ticks, table)
     write_page(Page(said["title"], about, blocks, "Lengths in metres, costs in seconds.", "film.js", data), path)
-    return [*given, flight, heights, stages, *judged, *compared]
+    return [*given, flight, heights, stages, *judged, *compared, *twin]
 
 
 WORDS = [

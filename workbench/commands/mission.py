@@ -32,7 +32,7 @@ def _print_template(context: click.Context, parameter: click.Parameter, wanted: 
 
 
 @click.command("mission", cls=MissionCommand)
-@click.argument("mission_file", metavar="[MISSION.toml]", required=False, type=click.Path(path_type=Path))
+@click.argument("mission_file", metavar="[MISSION.toml | NAME]", default="paper", type=click.Path(path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the products.")
 @click.option(
     "--stage",
@@ -52,10 +52,11 @@ def _print_template(context: click.Context, parameter: click.Parameter, wanted: 
     help="Print a MISSION.toml with every key, commented, and exit.",
 )
 @click.option("--no-plugins", is_flag=True, help="Refuse a mission that names code which is not built in.")
-def command(mission_file: Path | None, out: Path, stage: str | None, force_from: str | None, no_plugins: bool) -> None:
+def command(mission_file: Path, out: Path, stage: str | None, force_from: str | None, no_plugins: bool) -> None:
     """Run a whole mission: environment, place, costs, routes, flight, map, compare, report.
 
-    Without MISSION.toml, the paper's numerical example. Each stage keeps its products in its own folder below OUT and
+    NAME is a mission that comes with the workbench: paper, the paper's numerical example, which is the default; or lee,
+    in a wind worth planning for. Each stage keeps its products in its own folder below OUT and
     is skipped where they are up to date; the page is OUT/report.html.
 
     A mission that would fly beyond the region's border, into a no-fly zone or nearer to the ground than
@@ -65,14 +66,14 @@ def command(mission_file: Path | None, out: Path, stage: str | None, force_from:
     --no-plugins refuses it.
     """
     from instances.errors import InputError
-    from workbench.mission.file import read_mission, shipped_mission
+    from workbench.mission.file import read_mission, shipped_missions
     from workbench.mission.fitting import refuse_plugins
     from workbench.mission.pipeline import run_mission
 
     if stage is not None and force_from is not None:
         raise InputError("mission: --stage and --from answer different questions; give one of them")
     began = time.perf_counter()
-    mission = read_mission(shipped_mission() if mission_file is None else mission_file)
+    mission = read_mission(shipped_missions().get(str(mission_file), mission_file))
     if no_plugins:
         refuse_plugins(mission)
     run_mission(mission, out, only=stage, force_from=force_from, tell=lambda words: click.echo(words, err=True))

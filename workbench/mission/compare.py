@@ -5,7 +5,8 @@ Every plan is flown over the mission's own field and, `[compare] seeds` times in
 (`workbench.mission.baselines`): only measuring and mapping is repeated. What nobody may fly is told and does not count.
 
 Products: compare.csv (a row a plan, the mission first: means over the draws, and the verdict), compare-draws.csv (a row
-a plan and draw), compare.json (over what the draws are), compare-ticks.csv and tracks.csv (of the first draw).
+a plan and draw), compare.json (over what the draws are), compare-ticks.csv and tracks.csv (of the first draw);
+those of the calm twin (calm.py).
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
 from reports.verdicts import named, plans, sentence, verdicts
 from workbench.mission.baselines import Baselines, Plan
+from workbench.mission.calm import write_calm_twin
 from workbench.mission.flight import kept_flights, track_frame
 from workbench.mission.map import sensing_of, survey_of, ticks_frame
 from workbench.mission.redraw import conditions, redrawn_words
@@ -62,6 +64,8 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
     write_aside(out / "compare-ticks.csv", pd.concat(ticks).to_csv(index=False))
     tracks = [track_frame(way[0].flights).assign(name=way[0].name)[::20] for way in ways]
     write_aside(out / "tracks.csv", pd.concat(tracks).to_csv(index=False))
+    tell("the calm twin")
+    write_calm_twin(mission, scenario, folders, out)
     judged = verdicts(draws)
     for verdict in judged:
         tell(sentence(verdict, field.unit, redrawn_words(mission)))

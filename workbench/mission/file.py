@@ -27,9 +27,13 @@ KEYS = ("scenario", *SCENARIO_KEYS, *TABLES)
 """Every key of a mission file."""
 
 
-def shipped_mission() -> Path:
-    """Return the mission file that comes with the workbench: the paper's numerical example."""
-    return Path(str(files("workbench") / "missions" / "paper.toml"))
+def shipped_missions() -> dict[str, Path]:
+    """Return the mission files that come with the workbench, by name.
+
+    paper : the paper's numerical example. lee : one in a wind worth planning for.
+    """
+    folder = Path(str(files("workbench") / "missions"))
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
 
 
 def read_mission(path: Path | str) -> Mission:

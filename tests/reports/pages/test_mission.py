@@ -26,6 +26,7 @@ from reports.figures.heights import draw_heights
 from reports.figures.map import draw_judged, draw_stages
 from reports.figures.mission import draw_comparison, draw_progress
 from reports.figures.wind import draw_wind, round_below
+from reports.pages.calm import verdict as worth
 from reports.pages.exported import exported
 from reports.pages.film import _picture, film, player
 from reports.products import Maps, Products
@@ -168,3 +169,15 @@ def test_tours_have_a_legend_of_uavs(maps: Maps) -> None:
         assert texts[:2] == ["UAV 0", "UAV 2"]
         assert texts[-1] == "depot"
     assert wind_key(drawn[0].figure.axes[0]).text.get_text() == "1 m/s"
+
+
+@pytest.mark.parametrize(
+    ("better", "words"),
+    [
+        (250.0, r"costs 260\.0 s\. Planning in the wind saves 23\.1% of it, 20\.0% where .* better way .*, 33\.3% the"),
+        (200.2, r"This wind is hardly worth planning for: planning in it saves 0\.1% where"),
+    ],
+)
+def test_what_planning_in_the_wind_is_worth(better: float, words: str) -> None:
+    longest = pd.Series({"wind": 200.0, "calm": 260.0, "better": better, "worse": 300.0, "promised": 240.0})
+    assert pd.Series([worth(longest)]).str.contains(words)[0]

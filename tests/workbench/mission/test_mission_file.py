@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from instances.errors import InputError
 from instances.formats.mavlink_items import Vehicle
-from workbench.mission.file import mission_of, read_mission, shipped_mission
+from workbench.mission.file import mission_of, read_mission, shipped_missions
 
 TABLE = {
     "airspeed": 100.0,
@@ -24,13 +25,25 @@ def changed(**changes: object) -> dict:
 
 
 def test_the_shipped_mission_is_the_papers_example() -> None:
-    mission = read_mission(shipped_mission())
+    mission = read_mission(shipped_missions()["paper"])
     assert mission.scenario.n_tasks == 40
     assert mission.scenario.n_depots == 3
     assert mission.scenario.region.bounds == (0.0, 0.0, 20000.0, 20000.0)
     assert (mission.speed, mission.flight.turning_radius, mission.flight.altitude) == (100.0, 50.0, 3000.0)
     assert (mission.sensing.period, mission.sensing.noise_sd) == (10.0, 1.0)
     assert (mission.map.signal_sd, mission.map.length_scale) == (30.0, 4000.0)
+
+
+def test_the_second_shipped_mission_has_a_wind_of_vortices_below_its_speed() -> None:
+    scenario = read_mission(shipped_missions()["lee"]).scenario
+    assert scenario.wind is not None
+    speeds = np.hypot(*scenario.wind(scenario.region.cell_centres(40, 40)).T)
+    assert 9.0 < speeds.max() < 0.6 * scenario.airspeed
+
+
+def test_a_shipped_mission_goes_by_its_name(cli) -> None:
+    code, _, err = cli("mission", "lee", "--out", "made", "--stage", "flihgt")
+    assert (code, "did you mean 'flight'" in err) == (2, True)
 
 
 def test_speed_is_the_airspeed_and_clearance_two_radii_unless_given() -> None:

@@ -147,6 +147,13 @@ def test_chosen_tours_show_time_energy_and_calm_air_beside_each_other(made: Path
         assert words in page
 
 
+def test_a_mission_in_wind_has_a_calm_twin(made: Path) -> None:
+    cost = pd.read_csv(made / "7-compare/calm.csv").set_index("plan")["longest"]
+    assert cost["better"] <= min(cost["calm"], cost["worse"])
+    assert cost["wind"] == pytest.approx(json.loads((made / "4-routes/run.json").read_text())["objective"], rel=1e-6)
+    assert "What planning in the wind is worth" in (made / "report.html").read_text()
+
+
 def test_flights_keep_the_radius_pass_the_tasks_and_stay_out_of_the_zone(made: Path) -> None:
     checks = pd.read_csv(made / "5-flight/flight-check.csv")
     assert (checks["least_radius"] >= 50.0 - 1e-6).all()

@@ -45,18 +45,19 @@ def calm_twin(products: Products, tasks: Floats) -> tuple[list[Block], list[Draw
         (f"planned for calm air: longest {longest['calm']:.0f} s", products.table("compare", "calm-paths.csv")),
     ]
     figure = draw_calm_twin(products.scenario, tasks, plans)
-    more = (longest / longest["wind"] - 1).drop(["wind", "promised"])
+    own = float(longest["wind"])
+    more = (longest / own - 1 if own > 0 else longest * 0).drop(["wind", "promised"])
     shown = table.assign(name=table.index.map(NAMES), more=more)
     return [verdict(longest), table_of(shown, COLUMNS, key="calm"), figure], [figure]
 
 
 def verdict(longest: pd.Series) -> str:
     """Return in words what planning in the wind is worth. longest : cost of the longest tour [s], by plan."""
-    own, better, worse = longest["wind"], longest["better"], longest["worse"]
-    saved = f"{1 - own / better:.1%} where each tour is flown the better way round, {1 - own / worse:.1%} the worse"
+    share = {plan: 1 - longest["wind"] / cost if cost > 0 else 0.0 for plan, cost in longest.items()}
+    saved = f"{share['better']:.1%} where each tour is flown the better way round, {share['worse']:.1%} the worse"
     judged = (
-        f"Planning in the wind saves {1 - own / longest['calm']:.1%} of it, {saved}"
-        if 1 - own / better > NO_MATTER
+        f"Planning in the wind saves {share['calm']:.1%} of it, {saved}"
+        if share["better"] > NO_MATTER
         else f"This wind is hardly worth planning for: planning in it saves {saved}"
     )
     return (

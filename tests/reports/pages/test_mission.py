@@ -181,3 +181,7 @@ def test_tours_have_a_legend_of_uavs(maps: Maps) -> None:
 def test_what_planning_in_the_wind_is_worth(better: float, words: str) -> None:
     longest = pd.Series({"wind": 200.0, "calm": 260.0, "better": better, "worse": 300.0, "promised": 240.0})
     assert pd.Series([worth(longest)]).str.contains(words)[0]
+
+
+def test_tours_that_cost_nothing_save_nothing() -> None:
+    assert "saves 0.0% where" in worth(pd.Series(dict.fromkeys(["wind", "calm", "better", "worse", "promised"], 0.0)))

@@ -13,7 +13,7 @@ Lagrangian as λ_f ∇²I. Unknowns are in length scales, z = x / l.
 
 A start from nothing seldom ends highest; the best end so far with two tasks put elsewhere does more often (basin
 hopping, Wales & Doye 1997, by relocations). In a rectangle such hops are many and cheap: each ascends by L-BFGS-B,
-which knows the box, and IPOPT only ends the best. Elsewhere every ascent is IPOPT's, from random starts first.
+which knows the box, and IPOPT only ends the best. Elsewhere IPOPT ascends from random starts, then ends good hops.
 
 Wächter & Biegler (2006), IPOPT; Andersson et al. (2019), CasADi.
 """
@@ -44,8 +44,6 @@ QUASI_NEWTON = quasi_newton(500, ftol=1e-7)
 """How each is made; what it leaves to gain is IPOPT's."""
 RANDOM_STARTS = 12
 """From nothing, the greedy one included, where the region is no rectangle: only these find the right arms."""
-MOST_HOPS, FEWEST_HOPS = 36, 6
-"""After them 36 − 2 n hops, at least 6."""
 ALIKE = 1e-6
 """IPOPT ends a little inside the border [nats], where a task on it is worth more: that is the same end."""
 SNAPPED = 1.0
@@ -57,7 +55,7 @@ class Nlp(PlacementMethod):
     """casadi and IPOPT with closed-form gradient and Hessian.
 
     starts : number of ascents, the first from the greedy choice after exchanges; 0 for 80 − 2 n, at least 16, in a
-        rectangle; elsewhere 12 and then 36 − 2 n hops, at least 6.
+        rectangle; elsewhere 12, and then half as many hops as there.
     iterations : at most so many a start.
     tolerance : IPOPT's scaled optimality error.
     """
@@ -103,16 +101,17 @@ class Nlp(PlacementMethod):
         return best
 
     def _starts(self, problem: PlacementProblem, progress: Progress, rng: np.random.Generator) -> Iterator[Floats]:
-        """Yield the greedy start, random ones, and hops from the best so far."""
+        """Yield the greedy start, random ones, and the ends of hops by L-BFGS-B, snapped, that are the best so far."""
         yield greedy_start(problem, progress.remaining)
-        hops = max(FEWEST_HOPS, MOST_HOPS - 2 * problem.n_tasks)
-        for start in range(1, self.starts or RANDOM_STARTS + hops):
+        for _ in range(1, self.starts or RANDOM_STARTS):
             progress.check()
-            if start < RANDOM_STARTS:
-                yield problem.region.sample(problem.n_tasks, rng)
-            else:
-                assert progress.best is not None
-                yield relocated(problem.region, progress.best, rng)
+            yield problem.region.sample(problem.n_tasks, rng)
+        for _ in range(0 if self.starts else max(FEWEST, MOST - 2 * problem.n_tasks) // 2):
+            assert progress.best is not None
+            begin = relocated(problem.region, progress.best, rng)
+            end = problem.region.snap(ascend(problem, begin, progress, QUASI_NEWTON)[0])
+            if problem.criterion.value(end) > progress.value:
+                yield end
 
 
 class Model:

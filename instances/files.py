@@ -4,6 +4,7 @@
 |---|---|---|---|
 | .json, .json.gz | native (`formats.native`) | yes | yes |
 | .tsp .atsp .mtsp .mdm .vrp | TSPLIB, LKH, VRPLIB (`formats.tsplib`) | yes | .atsp |
+| .txt | team orienteering (`formats.team_orienteering`) | yes | |
 | .sol | routes (`formats.sol`) | yes | yes |
 """
 
@@ -31,6 +32,7 @@ FORMATS: Registry[Format] = Registry(
         ".mtsp": _TSPLIB,
         ".mdm": _TSPLIB,
         ".vrp": _TSPLIB,
+        ".txt": ("instances.formats.team_orienteering:TEAM_ORIENTEERING", "team orienteering: prizes and tmax"),
     },
     group="mmmdmtsp_workbench.formats",
     having=("read", "write"),

@@ -26,11 +26,12 @@ def as_routes(routes: Iterable[Iterable[int]]) -> Routes:
     return tuple(tuple(map(index, route)) for route in routes)
 
 
-def check_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> list[str]:
+def check_routes(instance: Instance, routes: Sequence[Sequence[int]], *, all_tasks: bool = True) -> list[str]:
     """Return what is wrong with `routes`, a sentence each; an empty list means feasible.
 
     Feasible: one route per depot, and every task on exactly one route exactly once (eqs. const1–const4, const6), on
-    legs its UAV can fly and within its endurance. Routes are called #1 to #m, as in ``.sol`` files.
+    legs its UAV can fly and within its endurance; without `all_tasks` a task may be left out. Routes are called #1 to
+    #m, as in ``.sol`` files.
     """
     faults = []
     if len(routes) != instance.n_depots:
@@ -44,7 +45,7 @@ def check_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> list[st
                 faults.append(
                     f"Route #{k + 1} visits {node}, which is not a task (tasks are 0 to {instance.n_tasks - 1})."
                 )
-    faults += [f"Task {task} is visited by no route." for task, times in visits.items() if times == 0]
+    faults += [f"Task {task} is visited by no route." for task, times in visits.items() if times == 0 and all_tasks]
     faults += [f"Task {task} is visited {times} times." for task, times in visits.items() if times > 1]
     return faults or _unflyable(instance, routes)
 

@@ -87,3 +87,10 @@ def test_a_uav_that_stays_home_costs_nothing():
     instance = Instance("x", [[0, 2, 5], [3, 0, 1], [7, 1, 0]], 1, 2)
     assert tour_costs(instance, [[0], []]).tolist() == [5.0, 0.0]
     assert tour_costs(instance, [[], [0]]).tolist() == [0.0, 12.0]
+
+
+def test_tasks_may_be_left_out_where_that_is_said():
+    instance = Instance("left-out", np.ones((4, 4)) - np.eye(4), 3, 1)
+    assert check_routes(instance, [(2,)], all_tasks=False) == []
+    assert len(check_routes(instance, [(2,)])) == 2
+    assert check_routes(instance, [(2, 2)], all_tasks=False) == ["Task 2 is visited 2 times."]

@@ -26,6 +26,7 @@ COMMANDS = {
     "compare": "run solvers on instances and report",
     "report": "make pages and tables from stored runs",
     "convert": "translate between file formats",
+    "select": "choose the tasks worth flying within endurance",
     "place": "choose task locations of most information",
     "costs": "compute moving costs of a scenario in wind",
     "bound": "print lower bounds of an instance",

@@ -12,12 +12,16 @@ from workbench.terminal import say
 
 @click.command("check")
 @click.argument("target", metavar="INSTANCE|RUNS-DIR|NAME.paths.json.gz", type=click.Path(path_type=Path))
-@click.argument("routes_file", metavar="[ROUTES.sol|SCENARIO.toml]", required=False, type=click.Path(path_type=Path))
+@click.argument(
+    "routes_file", metavar="[ROUTES.sol|SELECTION.json|SCENARIO.toml]", required=False, type=click.Path(path_type=Path)
+)
 @click.pass_context
 def command(context: click.Context, target: Path, routes_file: Path | None) -> None:
     """Verify the routes of INSTANCE, or every run stored in RUNS-DIR. Exit code 1 where a problem is found.
 
     A ROUTES file that does not visit every task once is unusable input: one sentence, exit code 2.
+
+    A SELECTION (workbench select --out) is made out from scratch: tasks, classes, endurance, prizes or information.
 
     Planned paths (NAME.paths.json.gz) are flown again in their scenario: length, wind, collisions.
     """
@@ -32,7 +36,8 @@ def command(context: click.Context, target: Path, routes_file: Path | None) -> N
     else:
         if routes_file is None:
             raise InputError(f"{target}: give the routes to check as well (ROUTES.sol), or a folder of runs")
-        looked_at, problems = _check_routes(target, routes_file)
+        check_file = _check_selection if routes_file.suffix == ".json" else _check_routes
+        looked_at, problems = check_file(target, routes_file)
     for problem in problems:
         say(problem)
     say(f"{looked_at}: " + (f"{len(problems)} problem(s) found" if problems else "all right"))
@@ -50,6 +55,13 @@ def _check_routes(instance_file: Path, routes_file: Path) -> tuple[str, list[str
     actual = makespan(instance, routes)
     wrong = "" if claimed is None else refute_cost(claimed, actual)
     return f"feasible, longest tour {actual!r} s", [f"{routes_file}: {wrong}"] if wrong else []
+
+
+def _check_selection(instance_file: Path, selection_file: Path) -> tuple[str, list[str]]:
+    from formulations.selection.selection_files import check_selection
+    from instances.files import read_instance
+
+    return check_selection(selection_file, read_instance(instance_file))
 
 
 def _check_store(folder: Path) -> tuple[str, list[str]]:

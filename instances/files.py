@@ -62,16 +62,18 @@ def write_instance(instance: Instance, path: Path | str) -> None:
     write(instance, Path(path))
 
 
-def read_routes(path: Path | str, instance: Instance) -> Routes:
-    """Read the routes of `instance`; InputError where they are not feasible for it."""
+def read_routes(path: Path | str, instance: Instance, *, all_tasks: bool = True) -> Routes:
+    """Read the routes of `instance`; InputError where they are not feasible for it. See `routes.check_routes`."""
     _ending(path, (".sol",), "routes")
-    return sol.read_solution(Path(path), instance)[0]
+    return sol.read_solution(Path(path), instance, all_tasks=all_tasks)[0]
 
 
-def write_routes(routes: Sequence[Sequence[int]], instance: Instance, path: Path | str) -> None:
+def write_routes(
+    routes: Sequence[Sequence[int]], instance: Instance, path: Path | str, *, all_tasks: bool = True
+) -> None:
     """Write feasible routes of `instance` with their cost."""
     _ending(path, (".sol",), "routes")
-    sol.write_solution(routes, instance, Path(path))
+    sol.write_solution(routes, instance, Path(path), all_tasks=all_tasks)
 
 
 def _format(path: Path | str, *, written: bool = False) -> str:

@@ -22,25 +22,26 @@ _ROUTE = re.compile(r"route\s*#?\s*(\d{1,9})\s*:(.*)", re.IGNORECASE)
 _COST = re.compile(r"cost\s*:?\s*(\S+)", re.IGNORECASE)
 
 
-def read_solution(path: Path, instance: Instance) -> tuple[Routes, float | None]:
+def read_solution(path: Path, instance: Instance, *, all_tasks: bool = True) -> tuple[Routes, float | None]:
     """Return the routes for `instance` in the file, and the cost [s] it claims (None where it claims none).
 
-    Raises InputError where it is not a ``.sol``, or its routes do not visit every task of `instance` exactly once.
+    Raises InputError where it is not a ``.sol``, or its routes do not visit every task of `instance` exactly once;
+    without `all_tasks` some may be left out.
     """
     text = read_text(path)
     with naming(path):
         routes, claimed = _parse(text, instance)
-        faults = check_routes(instance, routes)
+        faults = check_routes(instance, routes, all_tasks=all_tasks)
         if faults:
             more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
             raise InputError(faults[0].rstrip(".") + more)
         return routes, claimed
 
 
-def write_solution(routes: Sequence[Sequence[int]], instance: Instance, path: Path) -> None:
+def write_solution(routes: Sequence[Sequence[int]], instance: Instance, path: Path, *, all_tasks: bool = True) -> None:
     """Write `routes` of `instance` with their cost C_max [s], recomputed here; InputError where they are infeasible."""
     with naming(path):
-        faults = check_routes(instance, routes)
+        faults = check_routes(instance, routes, all_tasks=all_tasks)
         if faults:
             raise InputError(faults[0].rstrip("."))
     lines = [

@@ -24,13 +24,16 @@ from instances.moving_cost import CostMeasure
 from instances.paths import Paths
 from instances.scenario import Scenario
 from workbench.mission.costs import kept_costs, moving_costs
-from workbench.mission.routes import solve
+from workbench.mission.routes import SELECTION_FILE, solve
 from workbench.mission.settings import Mission
 
 
 def write_calm_twin(mission: Mission, scenario: Scenario, folders: dict[str, Path], out: Path) -> None:
-    """Plan the twin and write its products; nothing where the mission has no wind, or UAVs that are not alike."""
-    if scenario.wind is None or not scenario.fleet.alike:
+    """Plan the twin and write its products; nothing where the mission has no wind.
+
+    Nor where UAVs are not alike, or tasks were left out.
+    """
+    if scenario.wind is None or not scenario.fleet.alike or (folders["routes"] / SELECTION_FILE).exists():
         return
     instance, paths = kept_costs(folders["costs"])
     assert instance.coordinates is not None

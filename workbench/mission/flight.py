@@ -26,7 +26,6 @@ from instances.arrays import Floats
 from instances.disk import read_json, write_aside
 from instances.environment.terrain import Terrain
 from instances.errors import InputError
-from instances.files import read_routes
 from instances.moving_cost import CostKind
 from instances.paths import Paths
 from instances.scenario import Scenario
@@ -34,6 +33,7 @@ from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
 from workbench.mission.export import export, tours_of
 from workbench.mission.place import zones_of
+from workbench.mission.routes import kept_routes
 from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground, room_to_fly
 from workbench.mission.settings import Mission
 
@@ -70,7 +70,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     """Write the flights."""
     scenario = kept_scenario(folders["environment"])
     instance, paths = kept_costs(folders["costs"])
-    routes = read_routes(folders["routes"] / "routes.sol", instance)
+    routes = kept_routes(folders["routes"], instance)
     fleet = fly(mission, scenario, instance, paths, routes, room_to_fly(mission, scenario))
     refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
     ground = kept_terrain(folders["environment"])

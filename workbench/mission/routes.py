@@ -1,23 +1,27 @@
 """Stage 4, routes: the min-max multi-depot multiple TSP (sub-problem 3) by a registered solver, in its own process.
 
-Then a lower bound is sought, so that the routes carry a gap: no tours can be better by more.
+Where endurance does not suffice for all tasks, those that fit and tell most are selected first, and the solver routes
+these (`workbench.mission.selection`). Then a lower bound is sought, so that the routes carry a gap: no tours can be
+better by more.
 
 Products: routes.sol, run.json, tours.csv (what each tour takes and costs along its reference path), bound.json (the
-bounds found, the best of them and the gap to it).
+bounds found, the best of them and the gap to it) and, where tasks are left out, selection.json.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from formulations.routing.short_bounds import short_bounds
-from instances import Instance
+from formulations.selection.part import only
+from instances import Instance, Routes, check_routes
 from instances.disk import write_aside
 from instances.errors import InputError
 from instances.files import read_routes, write_routes
@@ -31,10 +35,14 @@ from workbench.mission.costs import kept_costs
 from workbench.mission.settings import Mission
 from workbench.problems.routing import ROUTING
 
+SELECTION_FILE = "selection.json"
+
 
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
-    return asdict(mission.routes)
+    own = asdict(mission.routes)
+    limited = mission.flight.endurance is not None
+    return own | ({"endurance": mission.flight.endurance, "place": asdict(mission.place)} if limited else {})
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
@@ -42,14 +50,23 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     instance, paths = kept_costs(folders["costs"])
     scenario = kept_scenario(folders["environment"])
     tell(f"{mission.routes.solver} for {mission.routes.time_limit:g} s")
-    found = solve(mission, instance, mission.routes.time_limit, mission.routes.seed)
+    found = attempt(mission, instance, mission.routes.time_limit, mission.routes.seed)
+    limits = np.minimum(instance.limits, mission.flight.endurance or np.inf)
+    left_out = ""
+    if not flies_all(replace(instance, endurance=limits), found):
+        from workbench.mission.selection import route_what_fits  # here: most missions need none of it
+
+        found, selection = route_what_fits(mission, instance, limits, tell)
+        write_aside(out / SELECTION_FILE, selection.text)
+        left_out = f"; {selection.said}"
     assert found.objective is not None
-    bounds = short_bounds(instance, found.objective, mission.routes.bound_time_limit)
-    write_routes(found.own["routes"], instance, out / "routes.sol")
+    visited = sorted(task for route in found.own["routes"] for task in route)
+    bounds = short_bounds(only(instance, visited), found.objective, mission.routes.bound_time_limit)
+    write_routes(found.own["routes"], instance, out / "routes.sol", all_tasks=not left_out)
     write_aside(out / "run.json", found.to_json())
     certified = certificate(found, bounds)
     write_aside(out / "bound.json", json.dumps(certified))
-    routes = read_routes(out / "routes.sol", instance)
+    routes = kept_routes(out, instance)
     rows = tour_figures(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
     write_aside(out / "tours.csv", pd.DataFrame([asdict(row) for row in rows]).to_csv(index=False))
     tours = ", ".join(f"{c:.1f}" for c in found.own["tour_costs"])
@@ -58,18 +75,31 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         f"{found.status} by {found.label}, longest tour {found.objective:.2f} s (tours {tours} s, {scenario.cost}), at "
         f"most {certified['gap']:.1%} above any possible (bound {certified['bound']:.2f} s by {certified['by']}); at "
         f"most {longest['flight_time']:.1f} s of flight at airspeed {scenario.speed:g} m/s, an energy cost of "
-        f"{longest['energy']:.1f} s at that ground speed, {longest['calm']:.1f} s in calm air"
+        f"{longest['energy']:.1f} s at that ground speed, {longest['calm']:.1f} s in calm air{left_out}"
     )
+
+
+def flies_all(instance: Instance, found: Run) -> bool:
+    """Say whether a run's routes are ones that the UAVs of `instance` can fly; InputError where it had to have some."""
+    routes = found.own["routes"]
+    if routes is None and instance.endurance is None:
+        raise InputError(f"routes.solver: {found.label} found no routes ({found.status}: {found.message})")
+    return routes is not None and not check_routes(instance, routes)
 
 
 def solve(mission: Mission, instance: Instance, time_limit: float, seed: int) -> Run:
     """Return a run of the mission's solver with routes; InputError where it found none."""
+    found = attempt(mission, instance, time_limit, seed)
+    if found.own["routes"] is None:
+        raise InputError(f"routes.solver: {mission.routes.solver} found no routes ({found.status}: {found.message})")
+    return found
+
+
+def attempt(mission: Mission, instance: Instance, time_limit: float, seed: int, start: Routes | None = None) -> Run:
+    """Return a run of the mission's solver, with or without routes."""
     wanted = mission.routes
     job = Job("", wanted.solver, wanted.options, seed, time_limit, wanted.threads)
-    found = run(ROUTING, job, instance)
-    if found.own["routes"] is None:
-        raise InputError(f"routes.solver: {wanted.solver} found no routes ({found.status}: {found.message})")
-    return found
+    return run(ROUTING, job, instance, start=start)
 
 
 def certificate(found: Run, bounds: dict[str, float]) -> dict[str, Any]:
@@ -82,3 +112,8 @@ def certificate(found: Run, bounds: dict[str, float]) -> dict[str, Any]:
         raise InputError(f"routes: {by} claims that no tours are below {bound!r} s, but {objective!r} s were flown")
     gap = max(0.0, objective - bound) / objective if objective > 0 else 0.0
     return {"objective": objective, "bound": bound, "by": by, "gap": gap, "bounds": known}
+
+
+def kept_routes(folder: Path, instance: Instance) -> Routes:
+    """Read the routes this stage wrote; where it made a selection, they leave tasks out."""
+    return read_routes(folder / "routes.sol", instance, all_tasks=not (folder / SELECTION_FILE).exists())

@@ -111,6 +111,13 @@ class FlightSettings:
     border_clearance: float = keys.not_negative(
         0.0, "m", meaning="what flown tracks keep from the region's border and from no-fly zones"
     )
+    endurance: float | None = keys.positive(
+        None,
+        "s",
+        meaning="most that the costs of a UAV's tour may add up to; where that is too little for all tasks, those that "
+        "fit and tell most are flown",
+        example=3600.0,
+    )
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,12 @@ import shapely
 from geojson_pydantic import FeatureCollection
 from rasterio.warp import transform_bounds
 
+from formulations.selection.selection_files import check_selection
 from instances.errors import InputError
 from instances.files import read_instance, read_routes
 from instances.formats.netcdf import read_grids
 from instances.geodesy import TangentPlane
-from instances.routes import check_routes
+from instances.routes import check_routes, makespan
 from workbench.mission import environment
 from workbench.mission.file import mission_of, read_mission
 from workbench.mission.pipeline import FOLDERS, NAMES, STAGES, run_mission
@@ -384,3 +385,26 @@ def test_without_the_extra_geo_a_mission_says_that_it_writes_no_geotiff(
     assert "map: no GeoTIFFs: they need the extra 'geo'" in told
     assert {"maps.nc", "map.csv"} <= {path.name for path in (copied / "6-map").iterdir()}
     assert not list((copied / "6-map").glob("*.tif"))
+
+
+def test_where_endurance_does_not_suffice_the_tasks_that_tell_most_are_flown(mission_file: Path, copied: Path) -> None:
+    instance = read_instance(copied / "3-costs/instance.json")
+    all_of_them = makespan(instance, read_routes(copied / "4-routes/routes.sol", instance))
+    text = SMALL.replace("[sensing]", f"[flight]\nendurance = {0.7 * all_of_them}\n\n[sensing]")
+    assert again(mission_file, copied, text, only="routes") == ["routes"]
+    found = json.loads((copied / "4-routes/selection.json").read_text())
+    assert 0 < len(found["tasks"]) < instance.n_tasks
+    assert check_selection(copied / "4-routes/selection.json", instance)[1] == []
+    routes = read_routes(copied / "4-routes/routes.sol", instance, all_tasks=False)
+    assert sorted(task for route in routes for task in route) == found["tasks"]
+    assert makespan(instance, routes) <= 0.7 * all_of_them * (1 + 1e-9)
+    assert again(mission_file, copied, text, only="flight") == ["flight"]
+    enough = SMALL.replace("[sensing]", f"[flight]\nendurance = {1.1 * all_of_them}\n\n[sensing]")
+    assert again(mission_file, copied, enough, only="routes") == ["routes"]
+    assert not (copied / "4-routes/selection.json").exists()
+
+
+def test_an_endurance_in_which_nothing_can_be_flown(mission_file: Path, copied: Path) -> None:
+    text = SMALL.replace("[sensing]", "[flight]\nendurance = 1.0\n\n[sensing]")
+    with pytest.raises(InputError, match=r"flight\.endurance: no task can be flown within the endurance"):
+        again(mission_file, copied, text, only="routes")

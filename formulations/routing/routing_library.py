@@ -6,23 +6,29 @@ for min-max:
 
     minimise  Σ_arcs c_ij + w · (max_k d_end(k) − min_k d_start(k)),   d_start(k) = 0.
 
-Search: guided local search, the documentation's advice, from the greedy routes (or `start`). A search ended by
-``limits.iterations`` is deterministic.
+Every UAV has the transit of its class and the capacity of its endurance on that dimension. A leg that it cannot fly is
+longer than any capacity.
+
+Search: guided local search, the documentation's advice, from the greedy routes (or `start`), or from the library's own
+where there are none that the UAVs can fly. A search ended by ``limits.iterations`` is deterministic.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
 from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
-from formulations.routing.model_solver import ModelSolver
+from formulations.routing.model_solver import ModelSolver, cutoff
 from formulations.routing.recorder import Recorder
-from formulations.routing.scaling import scale_costs
+from formulations.routing.scaling import ScaledCosts, scale_costs
 from formulations.routing.solver import Result
 from instances import InputError
 from instances.arrays import Ints
+from instances.routes import ENDURANCE_ROUNDING
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,7 @@ class RoutingLibrary(ModelSolver):
     """
 
     proves: ClassVar[bool] = False
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
     counters: ClassVar[tuple[str, ...]] = ("solutions",)
 
     span_weight: int = 100
@@ -46,12 +53,14 @@ class RoutingLibrary(ModelSolver):
         asked = recorder.limits.iterations
         if asked == 0:
             return recorder.result("iterations", solutions=0)
-        scaled = scale_costs(recorder.instance, recorder.objective)
-        table = _table(scaled.cost, recorder)
-        if table is None:
+        scaled = scale_costs(recorder.instance, cutoff(recorder))
+        horizon = (scaled.upper + 1) * (recorder.instance.n_tasks + 1)
+        scaled.costs[np.isinf(recorder.instance.class_costs)] = horizon + 1
+        tables = [table for cost in scaled.costs if (table := _table(cost, recorder)) is not None]
+        if len(tables) < len(scaled.costs):
             return recorder.result("time", solutions=0)
-        search = _Search(self, recorder, seed, scaled.upper, table)
-        del table  # the library has its own now; this one takes several times the memory
+        search = _Search(self, recorder, seed, scaled, horizon, tables)
+        del tables  # the library has its own now; these take several times the memory
         solutions = search.run()
         if asked is not None and solutions >= asked:
             return recorder.result("iterations", solutions=solutions)
@@ -76,7 +85,13 @@ class _Search:
     """One search of the library from the recorder's routes; every accepted solution is offered to the recorder."""
 
     def __init__(
-        self, options: RoutingLibrary, recorder: Recorder, seed: int, longest: int, table: list[list[int]]
+        self,
+        options: RoutingLibrary,
+        recorder: Recorder,
+        seed: int,
+        scaled: ScaledCosts,
+        horizon: int,
+        tables: list[list[list[int]]],
     ) -> None:
         self.recorder = recorder
         self.solutions = 0
@@ -84,10 +99,13 @@ class _Search:
         depots = list(instance.depots)
         self.manager = pywrapcp.RoutingIndexManager(instance.n_nodes, len(depots), depots, depots)
         self.routing = pywrapcp.RoutingModel(self.manager)
-        transit = self.routing.RegisterTransitMatrix(table)
-        self.routing.SetArcCostEvaluatorOfAllVehicles(transit)
-        horizon = (longest + 1) * (instance.n_tasks + 1)
-        self.routing.AddDimension(transit, 0, horizon, True, "distance")
+        of_class = [self.routing.RegisterTransitMatrix(table) for table in tables]
+        transits = [of_class[g] for g in scaled.classes]
+        for k, transit in enumerate(transits):
+            self.routing.SetArcCostEvaluatorOfVehicle(transit, k)
+        limits = np.minimum(instance.limits * (1 + ENDURANCE_ROUNDING), math.ldexp(horizon, -scaled.exponent))
+        capacities = np.ldexp(limits, scaled.exponent).astype(np.int64).tolist()
+        self.routing.AddDimensionWithVehicleTransitAndCapacity(transits, 0, capacities, True, "distance")
         self.routing.GetDimensionOrDie("distance").SetGlobalSpanCostCoefficient(options.span_weight)
         self.routing.AddAtSolutionCallback(self._on_solution)
         self.routing.solver().ReSeed(seed % 2**31)
@@ -99,9 +117,13 @@ class _Search:
         if self.recorder.limits.iterations is not None:
             parameters.solution_limit = self.recorder.limits.iterations
         self.routing.CloseModelWithParameters(parameters)
-        first = self.routing.ReadAssignmentFromRoutes([list(route) for route in self.recorder.routes or ()], True)
+        known = self.recorder.routes
+        first = known and self.routing.ReadAssignmentFromRoutes([list(route) for route in known], True)
         parameters.time_limit.FromMilliseconds(max(1, int(1000 * self.recorder.remaining)))
-        self.routing.SolveFromAssignmentWithParameters(first, parameters)
+        if first:
+            self.routing.SolveFromAssignmentWithParameters(first, parameters)
+        else:
+            self.routing.SolveWithParameters(parameters)
         return self.solutions
 
     def _on_solution(self) -> None:

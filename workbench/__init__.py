@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from instances import Instance, Routes
-    from workbench.facade import compare, costs, generate, instance, load, mission, place, plot, solve
+    from workbench.facade import compare, costs, generate, instance, load, mission, place, plot, select, solve
     from workbench.result import Result
 
 __all__ = [
@@ -28,6 +28,7 @@ __all__ = [
     "mission",
     "place",
     "plot",
+    "select",
     "solve",
 ]
 

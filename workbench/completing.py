@@ -27,6 +27,7 @@ SOLVER = names("formulations.routing.registry:SOLVERS")
 SOLVERS = names("formulations.routing.registry:SOLVERS", listed=True)
 FAMILY = names("instances.families:FAMILIES")
 PLACEMENT_METHOD = names("formulations.task_location.registry:METHODS")
+SELECTION_METHOD = names("formulations.selection.registry:METHODS")
 COST_METHOD = names("formulations.moving_cost.registry:METHODS")
 
 

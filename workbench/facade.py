@@ -16,11 +16,12 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from formulations.selection.selection import Selection
     from formulations.task_location.placement import Placement
     from instances.environment.region import Region
     from instances.scenario import Scenario
 
-__all__ = ["compare", "costs", "generate", "instance", "load", "mission", "place", "plot", "solve"]
+__all__ = ["compare", "costs", "generate", "instance", "load", "mission", "place", "plot", "select", "solve"]
 
 
 def solve(
@@ -169,6 +170,57 @@ def costs(scenario: Scenario | Path | str, method: str = "refined", **options: A
     from workbench.planning import plan
 
     return plan(scenario if isinstance(scenario, Scenario) else read_scenario(scenario), method, options)[0]
+
+
+def select(
+    problem: Source,
+    *,
+    depots: int | Sequence[Any] | None = None,
+    endurance: float | Sequence[float] | None = None,
+    prizes: Sequence[float] | None = None,
+    criterion: str = "ig",
+    signal_sd: float = 30.0,
+    length_scale: float = 4000.0,
+    noise_sd: float = 1.0,
+    method: str = "exact",
+    time_limit: float = 60.0,
+    seed: int = 0,
+    **options: Any,
+) -> Selection:
+    """Choose the tasks that fit within the UAVs' endurance and are worth most, routed, with an upper bound.
+
+    problem, depots : as `instance` takes them. endurance [s] : of all UAVs or each, by default the instance's own.
+    prizes : what each task is worth, shape (n,); without them, what readings at the tasks tell of a field, in nats,
+        under `criterion` and the planning kernel. `options` are the method's.
+    """
+    import numpy as np
+
+    from formulations.selection.registry import make_method
+    from formulations.selection.selection import SelectionProblem
+    from formulations.selection.selection import select as selected
+    from formulations.selection.selection_files import limited, own_prizes
+    from formulations.selection.worth import Worth, worth_of
+    from formulations.task_location.setting import criterion_of, region_of
+
+    item = instance(problem, depots=depots)
+    if endurance is not None:
+        item = limited(item, np.broadcast_to(np.asarray(endurance, dtype=float), item.n_depots))
+    given = own_prizes(item) if prizes is None else list(prizes)
+    if given is not None:
+        worth = worth_of({"prizes": given}, item.n_tasks, item.coordinates)
+    elif item.coordinates is None:
+        raise InputError(f"{item.name} has no coordinates, so information cannot be told: give prizes")
+    else:
+        setting: dict[str, Any] = {
+            "signal_sd": signal_sd,
+            "length_scale": str(length_scale),
+            "noise_sd": noise_sd,
+            "test_noise_sd": None,
+        }
+        about = criterion_of(region_of(None), tests="20x20", criterion=criterion, **setting)
+        worth = Worth.of_information(about, item.coordinates[: item.n_tasks])
+    asked = SelectionProblem(item, worth)
+    return selected(asked, make_method(method, options), method, seed=seed, limits=Limits(time=time_limit))
 
 
 def mission(file: Path | str = "paper", out: Path | str = "mission") -> Path:

@@ -78,6 +78,15 @@ def test_what_cannot_be_used_is_told(problem: object, depots: object, sentence: 
         wb.instance(problem, depots=depots)  # type: ignore[arg-type]
 
 
+def test_what_fits_is_selected() -> None:
+    places = [[0.0, 0.0], [0.0, 10.0], [0.0, 300.0], [0.0, 5.0]]
+    best = wb.select(places, depots=1, endurance=40.0, prizes=[1.0, 1.0, 50.0], method="subset-dp")
+    assert best.tasks == (0, 1)
+    assert best.bound == pytest.approx(2.0)
+    told = wb.select(places, depots=1, endurance=40.0, method="subset-dp")
+    assert told.tasks == (0, 1)
+
+
 def test_a_solver_that_lies_is_refuted(monkeypatch: pytest.MonkeyPatch) -> None:
     from formulations.routing.greedy import Greedy
     from formulations.routing.solver import Result, Status

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from instances.errors import InputError, shown
+from workbench.completing import SELECTION_METHOD
 from workbench.options import ITERATIONS, POSITIVE, SECONDS, SEED
 
 if TYPE_CHECKING:
@@ -34,7 +35,13 @@ Examples:
 @click.option("--endurance", metavar="L[,L...]", help="[s], for all UAVs or each.  [default: the instance's]")
 @click.option("--prizes", type=click.Path(path_type=Path), help="CSV: task, prize.  [default: the instance's]")
 @click.option("--information", is_flag=True, help="What the tasks tell of the field, in nats, instead of prizes.")
-@click.option("--method", default="exact", show_default=True, help="exact, subset-dp, branch-and-price, ruin-recreate.")
+@click.option(
+    "--method",
+    default="exact",
+    show_default=True,
+    shell_complete=SELECTION_METHOD,
+    help="exact, subset-dp, branch-and-price, ruin-recreate.",
+)
 @click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
 @click.option("--criterion", default="ig", show_default=True, help="ig information gain, b both noisy, a latent tests.")
 @click.option("--signal-sd", type=POSITIVE, default=30.0, show_default=True, help="σ_f, in the unit of the signal.")

@@ -44,7 +44,9 @@ RIVALS = 2
 """Paths a pair that pass vortex cores on other sides than the best does, at most."""
 AROUND = 6.0
 """Nodes so many spacings from a core at most are where its rivals lead through."""
-CLEARLY = 1e-5
+JUDGED = 3e-4
+"""Precision at which a rival is compared: the final one takes most of the polish's time."""
+CLEARLY = 1e-4
 """Share of the cost by which a rival must be cheaper: the same path comes out of the polish a little different."""
 ROUNDS = 3
 """Rounds of the triangle inequality at most."""
@@ -77,7 +79,7 @@ class Refined(MovingCostMethod):
         progress(0.3, f"{len(found) + len(rivals)} candidates found")
         polish = _Polish(query, field, space, lattice.spacing)
         pool = polish.best(polish.polished(found))
-        pool = polish.better(pool, rivals, self.precision)
+        pool = polish.better(pool, rivals)
         pool = polish.best(pool.plus(polish.polished(pool.reversed())))
         for _ in range(ROUNDS):
             shorter = polish.shortcuts(pool)
@@ -112,7 +114,7 @@ class _Polish:
         """Return the cheapest candidate of each pair."""
         return pool.take(pool.best(self.costs(pool)))
 
-    def better(self, pool: Pool, rivals: Pool, precision: float) -> Pool:
+    def better(self, pool: Pool, rivals: Pool) -> Pool:
         """Return `pool`, one candidate a pair, with those of `rivals` that prove cheaper in their place."""
         rivals = self.best(self.polished(rivals))
         n = len(self.query.terminals)
@@ -122,7 +124,7 @@ class _Polish:
         near = np.flatnonzero(self.costs(rivals) < self.costs(own))
         if len(near) == 0:
             return pool
-        cost, fine = (self.costs(self.polished(each.take(near), precision)) for each in (own, rivals))
+        cost, fine = (self.costs(self.polished(each.take(near), JUDGED)) for each in (own, rivals))
         return self.best(pool.plus(rivals.take(near[fine < cost - CLEARLY * np.abs(cost)])))
 
     def polished(self, pool: Pool, precision: float = 0.0) -> Pool:

@@ -7,6 +7,7 @@ import pytest
 
 from instances import Instance
 from instances.environment.wind import Rotation, Uniform, WindField
+from instances.moving_cost import CostKind, CostMeasure
 from instances.paths import Paths
 from workbench.mission.calm import judged, tour_costs
 
@@ -20,7 +21,7 @@ ROUND, BACK = ((0, 1, 2), (3,)), ((2, 1, 0), (3,))
 
 def longest(wind: WindField) -> dict[str, float]:
     """Judge a mission that flies anticlockwise beside a twin that came out clockwise."""
-    table = judged(wind, V0, (INSTANCE, STRAIGHT, ROUND), (STRAIGHT, BACK))
+    table = judged(CostMeasure(CostKind.ENERGY, wind, V0), (INSTANCE, STRAIGHT, ROUND), (STRAIGHT, BACK))
     return dict(zip(table["plan"], table["longest"], strict=True))
 
 
@@ -37,4 +38,5 @@ def test_with_a_rotating_wind_is_cheaper_than_against_it() -> None:
 
 
 def test_a_uav_that_stays_home_costs_nothing() -> None:
-    assert tour_costs(Uniform((1.0, 0.0)), V0, [NODES[[0, 4, 0]], np.empty((0, 2))])[1] == 0.0
+    measure = CostMeasure(CostKind.ENERGY, Uniform((1.0, 0.0)), V0)
+    assert tour_costs(measure, [NODES[[0, 4, 0]], np.empty((0, 2))])[1] == 0.0

@@ -38,7 +38,7 @@ def test_the_second_shipped_mission_has_a_wind_of_vortices_below_its_speed() -> 
     scenario = read_mission(shipped_missions()["lee"]).scenario
     assert scenario.wind is not None
     speeds = np.hypot(*scenario.wind(scenario.region.cell_centres(40, 40)).T)
-    assert 9.0 < speeds.max() < 0.6 * scenario.airspeed
+    assert 9.0 < speeds.max() < 0.6 * scenario.speed
 
 
 def test_a_shipped_mission_goes_by_its_name(cli) -> None:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 )
 @click.option("--max-sd", type=POSITIVE, help="Fewest tasks that leave a posterior sd of at most this everywhere.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
-@click.option("--out", type=click.Path(path_type=Path), help="Write .geojson, .json or .csv.")
+@click.option("--out", type=click.Path(path_type=Path), help="Write .geojson, .json or .csv; with --study a folder.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw a picture (.svg).")
 def command(
     region_file: Path | None,
@@ -77,8 +77,9 @@ def command(
     if study is not None and max_sd is not None:
         raise InputError("place: --study and --max-sd answer different questions; give one of them")
     _refuse_unused(study is not None, max_sd is not None)
-    check_target(out, (".json", ".csv") if study is not None else ENDINGS)
-    check_target(plot, (".svg",))
+    if study is None:
+        check_target(out, ENDINGS)
+        check_target(plot, (".svg",))
     chosen = make_method(method, key_values(options, "--option"))
     site = site_of(region_file)
     region = site.region

@@ -25,6 +25,7 @@ from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.errors import InputError, shown
 from instances.geodesy import TangentPlane
+from workbench.settings import check_target, make_folder
 
 COLUMNS = (
     "n", "length", "mutual_information", "mi1", "mi2", "lawnmower", "per_km", "planning_noise", "uncovered",
@@ -69,16 +70,31 @@ def run_study(
     """Try every n, tell each on stderr, recommend one, and write what was asked for."""
     numbers = numbers_from(text)
     PlacementProblem(region, criterion, max(numbers))  # refuse a number that does not fit before the first is placed
+    tables, pictures = study_files(asked.out, asked.plot)
     spacing = min(criterion.kernel.length_scales) / 4
     given: dict[str, Any] = {"seed": asked.seed, "sd_limit": sd_limit, "spacing": spacing}
     done = trials(region, criterion, numbers, method, name, observe=_tell, **given)
     advice = recommend(done)
     answer = _answer(done, advice, sd_limit, spacing)
-    if asked.out is not None:
-        write_aside(asked.out, _csv(done) if asked.out.suffix == ".csv" else json.dumps(answer))
-    if asked.plot is not None:
-        _draw_trials(region, criterion, done, advice, spacing, asked.plot)
+    for path in tables:
+        write_aside(path, _csv(done) if path.suffix == ".csv" else json.dumps(answer))
+    for path in pictures:
+        _draw_trials(region, criterion, done, advice, spacing, path)
     click.echo(json.dumps(answer) if asked.as_json else _text(done, advice))
+
+
+def study_files(out: Path | None, plot: Path | None) -> tuple[list[Path], list[Path]]:
+    """Return the tables and pictures to write: a name without an ending is a folder, made here, that gets one of each.
+
+    InputError where one of them could not be written.
+    """
+    tables, pictures = ([] if path is None else [path] for path in (out, plot))
+    if out is not None and not out.suffix:
+        make_folder(out)
+        tables, pictures = [out / "study.csv", out / "study.json"], [*pictures, out / "study.svg"]
+    for path in (*tables, *pictures):
+        check_target(path, (".json", ".csv") if path in tables else (".svg",))
+    return tables, pictures
 
 
 def run_fewest(region: Region, criterion: Criterion, max_sd: float, asked: Asked) -> None:

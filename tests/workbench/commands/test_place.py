@@ -209,6 +209,15 @@ def test_study_recommends_a_number_with_the_reason(tmp_path, capsys):
     assert plot.stat().st_size > 10_000
 
 
+def test_a_study_goes_into_a_folder(tmp_path, monkeypatch):
+    """As the README has it: a name without an ending is a folder."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        main(["place", "--study", "n=2..3", "--tests", "3x3", "--method", "grid", "--out", "study/"])
+    assert ended.value.code in (0, None)
+    assert {path.name for path in (tmp_path / "study").iterdir()} == {"study.csv", "study.json", "study.svg"}
+
+
 def test_numbers_of_a_study():
     assert numbers_from("n=5..8") == [5, 6, 7, 8]
     assert numbers_from("5..20:5") == [5, 10, 15, 20]

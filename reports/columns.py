@@ -70,7 +70,7 @@ def texts(columns: Sequence[Column], table: pd.DataFrame) -> list[list[str]]:
     return [list(row) for row in zip(*([c.text(value) for value in table[c.key]] for c in columns), strict=True)]
 
 
-_STORED = stored("status", "value", "bound", "elapsed", "time_limit", "stopped_by")
+_STORED = stored("status", "value", "bound", "elapsed", "time_limit", "stopped_by", "utilisation", "endurance_margin")
 
 FAILED = Column("failed", "Failed", "", numbers.count, "runs that were killed or ended in error")
 COUNT = Column("runs", "Runs", "", numbers.count, "stored runs of the method")
@@ -133,8 +133,16 @@ RUNS = [
     Column("elapsed", "Time", "s", numbers.seconds, _STORED["elapsed"].meaning),
     Column("time_limit", "Limit", "s", numbers.cost, _STORED["time_limit"].meaning),
     Column("stopped_by", "Stopped by", meaning=_STORED["stopped_by"].meaning),
+    Column("utilisation", "Utilisation", "", numbers.gap, _STORED["utilisation"].meaning),
+    Column("endurance_margin", "Endurance left", "", numbers.gap, _STORED["endurance_margin"].meaning),
 ]
 """Of `metrics.with_gaps`, a row a run, as listed on the study's page."""
+
+
+def listed_runs(runs: pd.DataFrame) -> list[Column]:
+    """Return the columns of a list of `runs`: endurance only where it is limited in any."""
+    return [column for column in RUNS if column.key != "endurance_margin" or runs[column.key].notna().any()]
+
 
 PLACEMENTS = [
     Column("instance", "Problem"),

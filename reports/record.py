@@ -70,6 +70,8 @@ DERIVED = (
     Column("gap", "number", "", "(objective − bound) / objective"),
     Column("value", "number", "s", "C_max re-computed from the routes; nothing where there are none or it is wrong"),
     Column("proved", "flag", "", "whether the run proved its routes optimal, as far as the stored figures can tell"),
+    Column("utilisation", "number", "", "mean of C_k / C_max over the UAVs: 1 where all fly equally long"),
+    Column("endurance_margin", "number", "", "least of 1 − C_k / L_k over the UAVs; nothing where none is limited"),
     Column("recomputed", "number", "s", "C_max of the stored routes, right or wrong"),
     Column("fault", "text", "", "what is wrong with the stored routes"),
     Column("stale", "flag", "", "whether other code than today's made it"),

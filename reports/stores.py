@@ -21,6 +21,7 @@ from instances import InputError, Instance, check_routes, tour_costs
 from instances.code import code_digest
 from instances.errors import one_line
 from instances.files import read_instance
+from instances.utilisation import endurance_margins, utilisation
 from reports.proofs import holds
 from reports.record import ITEM_FILES, RUN, Run, described, read_json, read_run
 from reports.tolerances import RELATIVE_ROUNDING
@@ -30,7 +31,7 @@ FRAME = (
     "label", "options", "proves", "seed", "time_limit", "threads", "iterations", "status", "objective", "bound", "gap",
     "value", "proved", "elapsed", "stopped_by", "message", "tolerance", "claimed_objective", "recomputed", "fault",
     "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory", "environment", "code", "revision", "stale",
-    "created", "routes", "tour_costs", "trace", "statistics", "path",
+    "created", "routes", "tour_costs", "utilisation", "endurance_margin", "trace", "statistics", "path",
 )  # fmt: skip
 """Columns of the frame, in order; `COLUMNS` says what each holds."""
 COLUMNS = described(*FRAME)
@@ -196,8 +197,9 @@ def _number(value: Any) -> float:
 
 
 def _recomputed(run: Run, instance: Instance | None) -> dict[str, Any]:
-    """Return value, recomputed, fault and tour costs of a run."""
-    nothing = {"value": math.nan, "recomputed": math.nan, "fault": "", "tour_costs": np.empty(0)}
+    """Return value, recomputed, fault and tour costs of a run, and how much of its fleet it uses."""
+    unknown = ("value", "recomputed", "utilisation", "endurance_margin")
+    nothing = dict.fromkeys(unknown, math.nan) | {"fault": "", "tour_costs": np.empty(0)}
     routes, objective = run.own["routes"], _number(run.objective)
     if routes is None:
         return nothing
@@ -210,7 +212,10 @@ def _recomputed(run: Run, instance: Instance | None) -> dict[str, Any]:
     costs = tour_costs(instance, routes)
     cost = float(costs.max())
     right = solved and math.isclose(cost, objective, rel_tol=RELATIVE_ROUNDING)
-    return {"value": cost if right else math.nan, "recomputed": cost, "fault": "", "tour_costs": costs}
+    used = {"utilisation": float(utilisation(costs).mean())}
+    if instance.endurance is not None:
+        used["endurance_margin"] = float(endurance_margins(instance, costs).min())
+    return nothing | used | {"value": cost if right else math.nan, "recomputed": cost, "tour_costs": costs}
 
 
 def short_labels(labels: Iterable[str]) -> dict[str, str]:

@@ -15,9 +15,10 @@ import numpy as np
 from formulations.limits import Limits
 from formulations.routing.greedy import Greedy
 from formulations.routing.recorder import RecordedSolver, Recorder
+from formulations.routing.simple_bounds import worst_makespan
 from formulations.routing.solver import Result
 from instances import Instance
-from instances.routes import ENDURANCE_ROUNDING, past_endurance, tour_costs
+from instances.routes import past_endurance, tour_costs
 
 
 class ModelSolver(RecordedSolver):
@@ -52,18 +53,6 @@ class ModelSolver(RecordedSolver):
 def cutoff(recorder: Recorder) -> float:
     """Return the cost [s], > 0, of the routes to beat, or `worst_makespan` where there are none."""
     return recorder.objective if recorder.routes is not None else worst_makespan(recorder.instance)
-
-
-def worst_makespan(instance: Instance) -> float:
-    """Return a cost [s], > 0, that no routes exceed which can be flown: what an engine starts from that knows none.
-
-    A UAV leaves every task and its depot at most once, at the cost of the dearest leg, and flies L_k at most.
-    """
-    n = instance.n_tasks
-    flown = np.where(np.isfinite(instance.class_costs), instance.class_costs, 0.0)
-    tours = flown[:, :n].max(axis=2).sum(axis=1) + flown[:, n:, :n].max(axis=(1, 2))
-    longest = np.minimum(tours[instance.classes], instance.limits).max()
-    return float(longest) * (1 + 2 * ENDURANCE_ROUNDING) or 1.0
 
 
 def too_long(instance: Instance, tours: Sequence[Sequence[int]]) -> list[int]:

@@ -20,7 +20,7 @@ from instances.arrays import Floats
 from instances.errors import one_line
 from instances.files import read_instance
 from reports import numbers
-from reports.columns import INSTANCES, RUNS, Column, shown
+from reports.columns import INSTANCES, Column, listed_runs, shown
 from reports.figures.routes import surroundings
 from reports.figures.style import COLOURS
 from reports.metrics import instance_table
@@ -65,7 +65,7 @@ def payload(runs: pd.DataFrame, instance_files: dict[str, Path]) -> dict[str, An
         "colours": COLOURS,
         "statuses": STATUSES["routing"],
         "families": sorted(runs["family"].unique()),
-        "columns": {"instances": _described(listed), "runs": _described(RUNS)},
+        "columns": {"instances": _described(listed), "runs": _described(listed_runs(runs))},
         "instances": {c.key: _values(table[c.key]) for c in INSTANCES} | {"digest": list(table.index)},
         "maps": {i: places for i, (places, _) in maps.items()},
         "walls": {i: found for i, (_, found) in maps.items() if found},
@@ -80,7 +80,7 @@ def _described(columns: list[Column]) -> list[tuple[str, str, str, str]]:
 
 def _rows(runs: pd.DataFrame, number: dict[Any, int], methods: list[str]) -> dict[str, list[Any]]:
     """Return the runs column by column, what repeats as a number: of the instance, the method, the status."""
-    keys = [c.key for c in RUNS if c.key not in ("instance", "method", "status")]
+    keys = [c.key for c in listed_runs(runs) if c.key not in ("instance", "method", "status")]
     return {
         "instance": [number[d] for d in runs["digest"]],
         "method": runs["method"].map({method: i for i, method in enumerate(methods)}).tolist(),

@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from instances import InputError
 from reports import numbers
-from reports.columns import INSTANCES, RUNS
+from reports.columns import INSTANCES, listed_runs
 from reports.compare import Comparison, compare_stores
 from reports.example import example_routes
 from reports.figures import study_figures
@@ -85,7 +85,9 @@ def _blocks(runs: pd.DataFrame, report: Report, embedded: int) -> list[Block]:
         significance(runs),
         groups(runs),
         Section("Instances", [Note(opens), _list("instances-list"), *column_help(INSTANCES), *example], "instances"),
-        Section("Runs", [Note(_held(embedded, len(runs))), _list("runs-list"), *column_help(RUNS)], "runs"),
+        Section(
+            "Runs", [Note(_held(embedded, len(runs))), _list("runs-list"), *column_help(listed_runs(runs))], "runs"
+        ),
         limits_and_machines(runs, report.stores.environments),
     ]
 

@@ -1,14 +1,16 @@
 """Reading stores: what is there becomes a frame, what is damaged is named and left alone."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from instances import InputError, makespan
+from instances import InputError, Instance, makespan, tour_costs
 from instances.files import read_instance
 from reports import load
+from reports.columns import listed_runs
 from reports.stores import COLUMNS, read_stores, short_labels
 
 
@@ -24,6 +26,22 @@ def test_a_row_a_run_with_recomputed_value(make_store):
         assert run.value == makespan(instance, record["routes"])
         assert run.trace.shape == (len(record["trace"]), 3)
     assert set(runs["method"]) == {"greedy", "ga", "memetic", "milp", "milp (cuts=false)"}
+
+
+def test_how_much_of_its_fleet_a_run_uses(make_store):
+    store = make_store()
+    instance = Instance("unlimited", 9.0 - 9.0 * np.eye(6), 4, 2, provenance={"family": "even"})
+    routes = ((0, 1, 2), (3,))
+    long, short = tour_costs(instance, routes)
+    for case, endurance in ((instance, None), (replace(instance, name="limited"), [2 * long, np.inf])):
+        flown = replace(case, endurance=endurance)
+        store.put(flown, store.record(flown, "ga", 0, routes))
+    runs = load(store.root).set_index("instance")
+    assert runs["utilisation"].tolist() == pytest.approx([(1 + short / long) / 2] * 2)
+    assert np.isnan(runs.loc[instance.name, "endurance_margin"])
+    assert runs.loc["limited", "endurance_margin"] == pytest.approx(0.5)
+    assert "endurance_margin" in [column.key for column in listed_runs(runs)]
+    assert "endurance_margin" not in [column.key for column in listed_runs(runs.drop("limited"))]
 
 
 def test_damaged_and_foreign_files_are_named_and_left_alone(make_store):

@@ -59,11 +59,6 @@ class ScaledCosts:
     tolerance: float
     rounding: float
 
-    @property
-    def cost(self) -> Ints:
-        """The least cost of each leg over the classes, shape (n+m, n+m)."""
-        return self.costs[0] if len(self.costs) == 1 else self.costs.min(axis=0)
-
     def uav_cost(self, k: int) -> Ints:
         """Return the costs of UAV k (0..m−1), shape (n+m, n+m)."""
         return self.costs[self.classes[k]]

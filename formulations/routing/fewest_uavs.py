@@ -9,7 +9,8 @@ no, and any exact method that takes endurance decides (`Decision` ends it at the
   are needed, and nothing smaller need be looked at.
 * **Interchangeable UAVs** (`strengthening.shared_depots`: one depot, class and endurance) are counted, not named: K
   takes the first of them. Identical fleets at one depot thus have one K of each size.
-* **Length**: the arcs of any routes cost Σ_k C_k ≥ m·(assignment bound), and K flies Σ_{k∈K} min(L, L_k) at most.
+* **Length**: the arcs of any routes cost Σ_k C_k ≥ m·(assignment bound at the least costs of all UAVs), and K flies
+  Σ_{k∈K} min(L, L_k) at most.
 
 All UAVs are asked first. Then one UAV fewer than the best routes so far use is tried, those that fly least left out
 first, until no K of that size can: this is the proof. Where the clock ends decisions, smaller sizes, which are easier
@@ -118,7 +119,7 @@ class _Search:
         self.best: Routes | None = None
         self.refuted: list[frozenset[int]] = []
         self.decided = 0
-        total = assignment(limited, float(limited.cost.max()) * limited.n_nodes or 1.0) * limited.n_depots
+        total = least_length(limited)
         reach = np.cumsum(np.sort(limited.limits)[::-1])
         self.at_least = max(1, int(np.searchsorted(reach, total * (1 - 1e-9))) + 1)
         self.solver.prepare(limited)
@@ -157,8 +158,7 @@ class _Search:
         if self.clock.remaining <= 0:
             return None
         part = of_uavs(self.instance, uavs)
-        total = assignment(part, float(part.cost.max()) * part.n_nodes or 1.0) * part.n_depots
-        if total * (1 - 1e-9) > part.limits.sum():
+        if least_length(part) * (1 - 1e-9) > part.limits.sum():
             self.refuted.append(frozenset(uavs))
             return False
         self.decided += 1
@@ -205,6 +205,12 @@ def sets_of(groups: list[list[int]], size: int) -> Iterator[Uavs]:
     for count in range(min(len(first), size), max(0, size - room) - 1, -1):
         for rest in sets_of(others, size - count):
             yield (*first[:count], *rest)
+
+
+def least_length(instance: Instance) -> float:
+    """Return what the arcs of any routes cost together at least [s], whoever flies them."""
+    alike = Instance(instance.name, instance.cost, instance.n_tasks, instance.n_depots)
+    return assignment(alike, float(alike.cost.max()) * alike.n_nodes or 1.0) * alike.n_depots
 
 
 def of_uavs(instance: Instance, uavs: Uavs) -> Instance:

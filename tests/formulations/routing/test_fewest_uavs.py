@@ -11,11 +11,11 @@ import pytest
 
 from formulations.limits import Limits
 from formulations.routing.circuit import Circuit
-from formulations.routing.fewest_uavs import fewest_uavs, of_uavs, sets_of
+from formulations.routing.fewest_uavs import fewest_uavs, least_length, of_uavs, sets_of
 from formulations.routing.milp import Milp
 from formulations.routing.solver import Result, Status
 from formulations.routing.subset_dp import SubsetDp
-from instances import InputError, Instance, Routes, check_routes
+from instances import InputError, Instance, Routes, Travel, check_routes
 
 Oracle = Callable[[Instance], tuple[float, Routes]]
 LIMITS = Limits(time=60)
@@ -61,6 +61,16 @@ def test_like_uavs_are_counted(windy: Callable[..., Instance]) -> None:
     assert found.status is Status.OPTIMAL
     assert 1 < (found.fewest or 0) <= 6
     assert found.decided <= 6
+
+
+def test_a_slow_uav_that_cannot_fly_long_refutes_nothing(windy: Callable[..., Instance], held_karp: Oracle) -> None:
+    """Lengths are counted at the fastest UAV's costs: bounds weighted by speed say nothing of the sum of all tours."""
+    cost = windy(5, 2, 0).cost
+    instance = Instance.of_travel("fleet", Travel.of_uavs([30 * cost, cost]), 5, endurance=[1.0, np.inf])
+    alone, _ = held_karp(of_uavs(instance, (1,)))
+    found = fewest_uavs(instance, alone, SubsetDp(), limits=LIMITS)
+    assert (found.status, found.uavs) == (Status.OPTIMAL, (1,))
+    assert least_length(instance) <= alone
 
 
 def test_sets_take_the_first_of_each_group() -> None:

@@ -97,6 +97,7 @@ def fewest_uavs(
     limited = replace(instance, endurance=np.minimum(instance.limits, limit))
     if reason := refusal(solver, limited):
         raise InputError(reason)
+    solver.prepare(limited)  # before the clock begins
     return _Search(limited, limit, solver, limits, seed, observe).run()
 
 
@@ -122,7 +123,6 @@ class _Search:
         total = least_length(limited)
         reach = np.cumsum(np.sort(limited.limits)[::-1])
         self.at_least = max(1, int(np.searchsorted(reach, total * (1 - 1e-9))) + 1)
-        self.solver.prepare(limited)
 
     def run(self) -> FewestUavs:
         """Ask for all UAVs, then for ever fewer, then refute smaller sets where larger ones stay open."""

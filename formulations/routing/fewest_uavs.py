@@ -9,8 +9,7 @@ no, and any exact method that takes endurance decides (`Decision` ends it at the
   are needed, and nothing smaller need be looked at.
 * **Interchangeable UAVs** (`strengthening.shared_depots`: one depot, class and endurance) are counted, not named: K
   takes the first of them. Identical fleets at one depot thus have one K of each size.
-* **Length**: the arcs of any routes cost Σ_k C_k ≥ m·(assignment bound at the least costs of all UAVs), and K flies
-  Σ_{k∈K} min(L, L_k) at most.
+* **Length**: the arcs of any routes cost Σ_k C_k ≥ their cheapest choice, and K flies Σ_{k∈K} min(L, L_k) at most.
 
 All UAVs are asked first. Then one UAV fewer than the best routes so far use is tried, those that fly least left out
 first, until no K of that size can: this is the proof. Where the clock ends decisions, smaller sizes, which are easier
@@ -28,7 +27,7 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.recorder import LinkedRecorder, RecordedSolver, Recorder
-from formulations.routing.simple_bounds import assignment
+from formulations.routing.simple_bounds import least_sum
 from formulations.routing.solver import Status, ignore, refusal
 from formulations.routing.strengthening import shared_depots
 from instances import InputError, Instance, Routes, Travel, objective, tour_costs
@@ -120,7 +119,7 @@ class _Search:
         self.best: Routes | None = None
         self.refuted: list[frozenset[int]] = []
         self.decided = 0
-        total = least_length(limited)
+        total = least_sum(limited, float(limited.cost.max()) * limited.n_nodes or 1.0)
         reach = np.cumsum(np.sort(limited.limits)[::-1])
         self.at_least = max(1, int(np.searchsorted(reach, total * (1 - 1e-9))) + 1)
 
@@ -158,7 +157,8 @@ class _Search:
         if self.clock.remaining <= 0:
             return None
         part = of_uavs(self.instance, uavs)
-        if least_length(part) * (1 - 1e-9) > part.limits.sum():
+        total = least_sum(part, float(part.cost.max()) * part.n_nodes or 1.0)
+        if total * (1 - 1e-9) > part.limits.sum():
             self.refuted.append(frozenset(uavs))
             return False
         self.decided += 1
@@ -205,12 +205,6 @@ def sets_of(groups: list[list[int]], size: int) -> Iterator[Uavs]:
     for count in range(min(len(first), size), max(0, size - room) - 1, -1):
         for rest in sets_of(others, size - count):
             yield (*first[:count], *rest)
-
-
-def least_length(instance: Instance) -> float:
-    """Return what the arcs of any routes cost together at least [s], whoever flies them."""
-    alike = Instance(instance.name, instance.cost, instance.n_tasks, instance.n_depots)
-    return assignment(alike, float(alike.cost.max()) * alike.n_nodes or 1.0) * alike.n_depots
 
 
 def of_uavs(instance: Instance, uavs: Uavs) -> Instance:

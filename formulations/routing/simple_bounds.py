@@ -39,14 +39,28 @@ def farthest(instance: Instance, upper: float) -> float:
 
 def assignment(instance: Instance, upper: float) -> float:
     """Return the cheapest choice of one arc into and one out of every task, a UAV's share of it [s]."""
-    n, (cost, weight) = instance.n_tasks, _weighted(instance, upper)
+    cost, weight = _weighted(instance, upper)
+    return _down(_cheapest_arcs(cost, instance, upper) / weight, instance, upper)
+
+
+def least_sum(instance: Instance, upper: float) -> float:
+    """Return the cheapest choice of one arc into and one out of every task [s]: Σ_k C_k of no routes is less.
+
+    upper : a cost [s] that the sum need not pass.
+    """
+    return _down(_cheapest_arcs(np.minimum(instance.cost, 2 * upper), instance, upper), instance, upper)
+
+
+def _cheapest_arcs(cost: Floats, instance: Instance, upper: float) -> float:
+    """Return the cost [s] of the cheapest choice of arcs at `cost` (N, N) ≤ 2·upper, which is overwritten."""
+    n = instance.n_tasks
     never = 4.0 * upper * instance.n_nodes
     cost[:n, :n][np.diag_indices(n)] = never
     between_depots = cost[n:, n:]
     between_depots[:] = never
     np.fill_diagonal(between_depots, 0.0)
     rows, columns = linear_sum_assignment(cost)
-    return _down(float(cost[rows, columns].sum()) / weight, instance, upper)
+    return float(cost[rows, columns].sum())
 
 
 def arborescence(instance: Instance, upper: float) -> float:

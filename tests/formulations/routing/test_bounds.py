@@ -19,12 +19,13 @@ from formulations.routing.simple_bounds import (
     assignment,
     cheapest_arborescence,
     farthest,
+    least_sum,
     ways_between_tasks,
     ways_from_depot,
     worst_makespan,
 )
 from formulations.routing.subset_dp import SubsetDp
-from instances import Instance, Routes, Travel, makespan
+from instances import Instance, Routes, Travel, makespan, tour_costs
 
 Fleets = Callable[..., Instance]
 Oracle = Callable[[Instance], tuple[float, Routes]]
@@ -135,7 +136,8 @@ def test_no_simple_bound_of_a_fleet_is_above_its_optimum(fleets: Fleets, held_ka
     for upper in (optimum, most):
         for name, bound in SIMPLE.items():
             assert 0 <= bound(instance, upper) <= optimum, name
-    assert np.isinf(held_karp(instance)[0]) or optimum < most
+    routes = held_karp(instance)[1]
+    assert not routes or (optimum < most and least_sum(instance, 10 * most) <= tour_costs(instance, routes).sum())
 
 
 def test_of_uavs_that_differ_in_speed_alone_the_length_is_shared_by_speed() -> None:
@@ -144,6 +146,8 @@ def test_of_uavs_that_differ_in_speed_alone_the_length_is_shared_by_speed() -> N
     for bound in (assignment, arborescence):
         of_length = 2 * bound(Instance("length", length, 7, 2), 1e5)
         assert bound(fleet, 1e4) == pytest.approx(of_length / sum(speeds), rel=1e-9)
+    by_the_fastest = assignment(Instance("length", length, 7, 2), 1e5) * 2 / max(speeds)
+    assert least_sum(fleet, 1e4) == pytest.approx(by_the_fastest, rel=1e-9)
 
 
 @pytest.mark.parametrize("share", [1.0, 0.9])

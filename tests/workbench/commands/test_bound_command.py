@@ -1,6 +1,7 @@
 """`workbench bound`: what it prints, and that it notices a contradiction."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -8,7 +9,7 @@ from formulations.routing import bounds
 from formulations.routing.bounds import Bound
 from instances import makespan
 from instances.best_known import BestKnown
-from instances.files import write_routes
+from instances.files import write_instance, write_routes
 from workbench.commands import bound as bound_command
 
 NAMES = [*bounds.SIMPLE, "relaxation", "branch-and-cut", "capped-tours", "destructive"]
@@ -61,6 +62,20 @@ def test_the_best_known_value_is_used_where_there_is_one(cli, monkeypatch, insta
     assert code == 0
     assert json.loads(out)["best"] == 12345.0
     assert json.loads(out)["best_from"] == "best known, a paper"
+
+
+def test_where_no_routes_are_found_there_are_no_gaps(cli, tmp_path, instance):
+    """Batteries for next to nothing: the bounds hold of whatever routes there are."""
+    path = tmp_path / "limited.json"
+    write_instance(replace(instance, endurance=[1.0, 1.0]), path)
+    code, out, _ = cli("bound", path, "--json")
+    assert code == 0
+    told = json.loads(out)
+    assert told["best"] is None
+    assert told["gap"] is None
+    assert [row["name"] for row in told["bounds"]] == NAMES
+    assert {row["gap"] for row in told["bounds"]} == {None}
+    assert "no routes known (a search of 0.2 s)" in cli("bound", path)[1].splitlines()[1]
 
 
 def test_a_bound_above_the_routes_is_a_problem(cli, monkeypatch, instance_file, routes_file):

@@ -24,8 +24,11 @@ from instances.kernels import njit
 
 _ROUND = 500
 """Iterations between two looks at the clock."""
-_HOT = 0.02
-"""Threshold at the start, of the best worth: what an iteration may lose; it falls to nothing."""
+_HOT = 0.1
+"""Threshold at the start, of the best worth: what an iteration may lose; it falls to nothing.
+
+At 0.02 three of four runs of 4 s end 4 % below the optimum of Chao's p3.2.j (31 tasks), at 0.1 none does.
+"""
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from formulations.selection.pricing import Pricer
 from formulations.selection.ruin_recreate import RuinRecreate
 from formulations.selection.selection import Record, SelectionMethod, SelectionProblem
 from formulations.selection.tree import Tree
+from formulations.selection.worth import Worth
 from instances import Instance
 
 MOST_TASKS = 300
@@ -71,7 +72,7 @@ class BranchAndPrice(SelectionMethod):
         duals = Duals(np.ones(6), np.ones(1), np.zeros(1), rho, (none,), cuts)
         pricer = Pricer(groups, Effort(2, 10, 1, 2), store, never)
         at = DualBound(6.0, duals, np.array([pricer.price(0, duals, 0.0).least]))
-        pool = pricer.listing(at, 3.0, 10_000, 10_000)
+        pool = pricer.listing(at, 3.0, Worth.of_prizes(np.ones(6)), 10_000, 10_000)
         assert pool is not None
         pool.needed(at, 3.0).price(0, duals, 0.0)
 

@@ -3,18 +3,21 @@
 With y_i = 1 where task i is selected, λ_p = 1 where tour p is flown by a UAV of its group g, overestimates
 (a_A, w_A) of the worth (`overestimates.py`) and subset-row cuts S (`routing/columns/cuts.py`):
 
-    max θ      θ ≤ a_A + Σ_i w_Ai y_i                       every overestimate A      dual α_A ≥ 0, Σ α_A = 1
+    max θ      θ ≤ a_A + Σ_i w_Ai y_i                       every overestimate A      dual α_A ≥ 0
+               θ ≤ Σ_p f(p) λ_p                             where f is subadditive    dual β ≥ 0, β + Σ α_A = 1
                Σ_p a_ip λ_p = y_i ∈ [lo_i, hi_i]            every task i              dual v_i, any sign
                Σ_{p∈g} λ_p ≤ m_g                            every group g             dual μ_g ≥ 0
                Σ_p ⌊|S∩p|/2⌋ λ_p ≤ 1                        every cut S               dual ρ_S ≥ 0
 
-For any α in the simplex, any v and any ρ ≥ 0, every selection that the node allows is worth at most
+The second row knows that the tasks of one tour tell some things twice, which fractional y do not show; it needs the
+tours listed, as f(p) is no sum over tasks. For any such α and β, any v and any ρ ≥ 0, every selection that the node
+allows is worth at most
 
     U = Σ_A α_A a_A + Σ_i max_{y_i} (Σ_A α_A w_Ai − v_i) y_i + Σ_S ρ_S + Σ_g m_g max(0, −r_g),
 
-r_g a lower bound on the reduced cost −Σ_{i∈p} v_i + Σ_S ρ_S ⌊|S∩p|/2⌋ of the tours of group g. So the duals need not be
-optimal or exact; rounding enters only in these sums, and `margin` covers it. With tour p in it a selection is worth at
-most U + min(0, r_g) − r(p): tours beyond are in no better selection.
+r_g a lower bound on the reduced cost −β f(p) − Σ_{i∈p} v_i + Σ_S ρ_S ⌊|S∩p|/2⌋ of the tours of group g. So the duals
+need not be optimal or exact; rounding enters only in these sums, and `Duals.bound` covers it. With tour p in it a
+selection is worth at most U + min(0, r_g) − r(p): tours beyond are in no better selection.
 """
 
 from __future__ import annotations
@@ -40,7 +43,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Duals:
-    """`price` v (n,), `alpha` of the overestimates, `rent` μ of the groups, `rho` of the cuts; both lists only grow."""
+    """`price` v (n,), `alpha` of the overestimates, `rent` μ of the groups, `rho` of the cuts, `beta` of the tour row.
+
+    Overestimates and cuts are only ever appended.
+    """
 
     price: Floats
     alpha: Floats
@@ -48,6 +54,7 @@ class Duals:
     rho: Floats
     overestimates: tuple[Overestimate, ...]
     cuts: tuple[Cut, ...]
+    beta: float = 0.0
 
     @cached_property
     def by_task(self) -> TaskCuts:
@@ -68,7 +75,8 @@ class Duals:
         """Return the point `step` of the way from these duals to `other` (a convex combination, so again duals)."""
         pairs = ((self.price, other.price), (self.alpha, other.alpha), (self.rent, other.rent), (self.rho, other.rho))
         price, alpha, rent, rho = ((1 - step) * _padded(a, b) + step * b for a, b in pairs)
-        return Duals(price, alpha, rent, rho, other.overestimates, other.cuts)
+        beta = (1 - step) * self.beta + step * other.beta
+        return Duals(price, alpha, rent, rho, other.overestimates, other.cuts, beta)
 
     def bound(self, least: Floats, counts: Sequence[int], lo: Floats, hi: Floats) -> float:
         """Return U for lower bounds `least` (G,) on reduced costs, raised by more than all rounding."""

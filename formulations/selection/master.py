@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from formulations.routing.columns.cuts import Cut
 from formulations.selection.duals import Column, Duals
 from formulations.selection.overestimates import Overestimate
+from formulations.selection.worth import Worth
 from instances.arrays import Floats
 
 _INFINITY = highspy.kHighsInf
@@ -34,9 +35,12 @@ class Master:
     """A growing linear programme over columns, cuts and overestimates.
 
     counts : m_g of each group; lo, hi : bounds of y (n,); missing : price of missing a task that must be visited.
+    worth : subadditive worth that bounds θ by the tours as well, or None.
     """
 
-    def __init__(self, counts: Sequence[int], lo: Floats, hi: Floats, missing: float) -> None:
+    def __init__(
+        self, counts: Sequence[int], lo: Floats, hi: Floats, missing: float, worth: Worth | None = None
+    ) -> None:
         self.n, self.groups = lo.size, len(counts)
         self.columns: list[Column] = []
         self._known: set[Column] = set()
@@ -44,6 +48,8 @@ class Master:
         self._cuts: list[Cut] = []
         self._over_rows: list[int] = []
         self._cut_rows: list[int] = []
+        self._tour_row: int | None = None
+        self._worth = worth
         self._lp = lp = highspy.Highs()
         for option, value in (("output_flag", False), ("threads", 1), ("random_seed", 0)):
             lp.setOptionValue(option, value)
@@ -58,6 +64,9 @@ class Master:
         for i in range(self.n):
             lp.addCol(missing, 0.0, float(lo[i]), 1, np.array([i], dtype=np.int32), np.array([1.0]))
         self._first = 1 + 2 * self.n
+        if worth is not None:
+            self._tour_row = lp.getNumRow()
+            lp.addRow(-_INFINITY, 0.0, 1, np.array([0], dtype=np.int32), np.ones(1))
 
     def add(self, columns: Sequence[Column]) -> int:
         """Add those columns that are new; return how many."""
@@ -65,17 +74,21 @@ class Master:
         if new:
             self._known.update(new)
             self.columns += new
-            rows = [self._rows(column) for column in new]
+            rows, values = zip(*(self._entries(column) for column in new), strict=True)
             start = np.cumsum([0] + [part.size for part in rows[:-1]], dtype=np.int32)
             zeros, size = np.zeros(len(new)), int(sum(part.size for part in rows))
-            upper = np.full(len(new), _INFINITY)
-            self._lp.addCols(len(new), zeros, zeros, upper, size, start, np.concatenate(rows), np.ones(size))
+            upper, entries = np.full(len(new), _INFINITY), (np.concatenate(rows), np.concatenate(values))
+            self._lp.addCols(len(new), zeros, zeros, upper, size, start, *entries)
         return len(new)
 
-    def _rows(self, column: Column) -> NDArray[np.int32]:
+    def _entries(self, column: Column) -> tuple[NDArray[np.int32], Floats]:
         held = set(column.tasks)
-        paid = (row for cut, row in zip(self._cuts, self._cut_rows, strict=True) if len(held.intersection(cut)) >= 2)
-        return np.array([*sorted(held), self.n + column.group, *paid], dtype=np.int32)
+        paid = [row for cut, row in zip(self._cuts, self._cut_rows, strict=True) if len(held.intersection(cut)) >= 2]
+        rows, values = [*sorted(held), self.n + column.group, *paid], [1.0] * (len(held) + 1 + len(paid))
+        if self._worth is not None and self._tour_row is not None:
+            rows.append(self._tour_row)
+            values.append(-self._worth.value(column.tasks))
+        return np.array(rows, dtype=np.int32), np.array(values)
 
     def cut_off(self, cuts: Sequence[Cut]) -> None:
         """Add subset-row cuts."""
@@ -102,8 +115,11 @@ class Master:
         alpha = np.maximum(0.0, -row[self._over_rows])
         rent = np.maximum(0.0, -row[self.n : self.n + self.groups])
         rho = np.maximum(0.0, -row[self._cut_rows]) if self._cut_rows else np.zeros(0)
-        alpha = alpha / alpha.sum() if alpha.sum() > 0 else np.full(alpha.size, 1 / alpha.size)
-        duals = Duals(row[: self.n].copy(), alpha, rent, rho, tuple(self.overestimates), tuple(self._cuts))
+        beta = 0.0 if self._tour_row is None else max(0.0, -float(row[self._tour_row]))
+        total = float(alpha.sum()) + beta
+        alpha, beta = (alpha / total, beta / total) if total > 0 else (np.full(alpha.size, 1 / alpha.size), 0.0)
+        lists = tuple(self.overestimates), tuple(self._cuts)
+        duals = Duals(row[: self.n].copy(), alpha, rent, rho, *lists, beta)
         value = -float(self._lp.getInfo().objective_function_value)
         return Optimum(value, duals, col[self._first :].copy(), col[1 : 1 + self.n].copy())
 

@@ -27,6 +27,7 @@ from formulations.routing.columns.labelling import (
 from formulations.routing.columns.pricing import Effort
 from formulations.selection.duals import Column, DualBound, Duals
 from formulations.selection.fleet import Group
+from formulations.selection.worth import Worth
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
@@ -81,8 +82,11 @@ class Pricer:
         columns = [Column(g, path(self.store, int(found.ends[t]))) for t in chosen]
         return Priced(least, columns, found.complete)
 
-    def listing(self, at: DualBound, wanted: float, labels: int, tours: int) -> Pool | None:
-        """Return all tours that can be in a selection worth `wanted`; None where they are too many."""
+    def listing(self, at: DualBound, wanted: float, worth: Worth, labels: int, tours: int) -> Pool | None:
+        """Return all tours that can be in a selection worth `wanted`; None where they are too many.
+
+        `at` must be a bound of label pricing, which knows no row by tour.
+        """
         lists, allowed = [], at.allowed(wanted)
         for g in range(len(self.groups)):
             problem, threshold = self.subproblem(g, at.duals), float(np.nextafter(allowed[g], np.inf))
@@ -92,21 +96,31 @@ class Pricer:
             s, ends = self.store, found.ends
             bits = np.unpackbits(s.visited[ends].view(np.uint8), axis=1, bitorder="little", count=at.duals.price.size)
             orders = Orders(s.last[: found.labels].copy(), s.parent[: found.labels].copy())
-            lists.append(Listed(bits.astype(np.bool_), ends.copy(), orders))
+            holds = bits.astype(np.bool_)
+            told = worth.of_sets(holds) + worth.rounding if worth.subadditive else np.zeros(len(holds))
+            lists.append(Listed(holds, ends.copy(), orders, told))
         return Pool(tuple(lists))
 
 
 @dataclass(frozen=True)
 class Listed:
-    """The tours of one group: `holds` (p, n), the labels they end in, and the orders of labels."""
+    """The tours of one group: `holds` (p, n), the labels they end in, the orders of labels, and what each is `worth`.
+
+    The worth (p,) is 0 where the row by tour is not used.
+    """
 
     holds: Bools
     label: Ints
     orders: Orders
+    worth: Floats
 
     def only(self, keep: Bools) -> Listed:
         """Return those chosen."""
-        return self if keep.all() else Listed(self.holds[keep], self.label[keep], self.orders)
+        return self if keep.all() else Listed(self.holds[keep], self.label[keep], self.orders, self.worth[keep])
+
+    def reduced(self, duals: Duals) -> Floats:
+        """Return the reduced costs (p,)."""
+        return np.asarray(_reduced(self.holds, duals.price, duals.by_task) - duals.beta * self.worth)
 
 
 @dataclass(frozen=True)
@@ -123,7 +137,7 @@ class Pool:
     def price(self, g: int, duals: Duals, threshold: float) -> Priced:
         """Return group g's best columns of reduced cost below `threshold` ≤ 0, and the least of all."""
         part = self.lists[g]
-        values = _reduced(part.holds, duals.price, duals.by_task)
+        values = part.reduced(duals)
         best = np.argsort(values, kind="stable")[:_WANTED]
         columns = [Column(g, path(part.orders, int(part.label[p]))) for p in best if values[p] < threshold]
         return Priced(float(values.min(initial=0.0)), columns, True)
@@ -132,8 +146,7 @@ class Pool:
         """Drop the tours that cannot be in a selection worth `wanted`."""
         allowed = np.nextafter(at.allowed(wanted), np.inf)
         pairs = zip(self.lists, allowed, strict=True)
-        cuts = at.duals.by_task
-        return Pool(tuple(part.only(_reduced(part.holds, at.duals.price, cuts) <= most) for part, most in pairs))
+        return Pool(tuple(part.only(part.reduced(at.duals) <= most) for part, most in pairs))
 
     def without(self, task: int, groups: Sequence[int]) -> Pool:
         """Drop the tours in which one of `groups` visits `task`."""

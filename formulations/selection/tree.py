@@ -141,7 +141,9 @@ class Tree:
         return children
 
     def _relax(self, branch: Branch, best: DualBound | None) -> Relaxation:
-        master = Master(self.counts, branch.lo, branch.hi, 2 * abs(self.record.upper) + 1)
+        worth = self.record.problem.worth
+        by_tour = worth if branch.pool is not None and worth.subadditive else None
+        master = Master(self.counts, branch.lo, branch.hi, 2 * abs(self.record.upper) + 1, by_tour)
         master.overestimate(self.overestimates)
         master.cut_off(branch.cuts)
         master.add(branch.columns)
@@ -149,7 +151,6 @@ class Tree:
         if branch.pool is None:
             wanted = self.cutting if branch.cuts else self.plain
             pricers += [Pricer(branch.groups, effort, self.store, self.out_of_time) for effort in wanted.pricing]
-        worth = self.record.problem.worth
         tangent_at = None if worth.modular else partial(tangent, worth)
         node = Node(self.counts, branch.lo, branch.hi)
         relaxed = relax(master, node, pricers, self._wanted, tangent_at, best, self.out_of_time)
@@ -165,7 +166,8 @@ class Tree:
         if gap > _AGAIN * branch.failed_gap and room <= _FIRST_ROOM:
             return branch
         effort = self.cutting.thorough if branch.cuts else self.plain.thorough
-        pool = Pricer(branch.groups, effort, self.store, self.out_of_time).listing(best, wanted, room, self.tours)
+        pricer, worth = Pricer(branch.groups, effort, self.store, self.out_of_time), self.record.problem.worth
+        pool = pricer.listing(best, wanted, worth, room, self.tours)
         return replace(branch, failed_gap=gap) if pool is None else replace(branch, pool=pool)
 
     def _cuts(self, branch: Branch, relaxed: Relaxation) -> list[Cut]:

@@ -24,11 +24,13 @@ from numpy.typing import ArrayLike
 
 from formulations.kernel import SquaredExponential
 from formulations.task_location.criterion import Convention, Criterion, convention
-from instances.arrays import Floats
+from instances.arrays import Bools, Floats
 from instances.errors import InputError, shown
 
 LARGEST_PRIZE = 1e15
 """Sums of whole prizes stay exact in float64 up to about here."""
+_STACKED = 20_000
+"""Matrices whose determinants are taken at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +84,11 @@ class Worth:
         return self.prior is None
 
     @property
+    def subadditive(self) -> bool:
+        """Whether the worth of a set is at most the sum of the worths of its parts, and not simply that sum."""
+        return self.prior is not None and self.posterior is None
+
+    @property
     def unit(self) -> str:
         """What it is measured in."""
         return "prize" if self.modular else "nats"
@@ -110,6 +117,19 @@ class Worth:
             if matrix is not None and chosen:
                 worth += sign * float(np.linalg.slogdet(matrix[np.ix_(chosen, chosen)])[1])
         return worth
+
+    def of_sets(self, holds: Bools) -> Floats:
+        """Return f of sets given as rows, `holds` (p, n), shape (p,): those of one size at a time."""
+        worth, sizes = holds @ self.prizes, holds.sum(axis=1)
+        for size in np.unique(sizes[sizes > 0]):
+            rows = np.flatnonzero(sizes == size)
+            for part in np.array_split(rows, len(rows) // _STACKED + 1):
+                chosen = np.nonzero(holds[part])[1].reshape(len(part), size)
+                for sign, matrix in ((0.5, self.prior), (-0.5, self.posterior)):
+                    if matrix is not None:
+                        stacked = matrix[chosen[:, :, None], chosen[:, None, :]]
+                        worth[part] += sign * np.linalg.slogdet(stacked)[1]
+        return np.asarray(worth, dtype=float)
 
     def of_all_sets(self) -> Floats:
         """Return f(S) for every set S (bit i is task i), shape (2ⁿ,); memory grows like 2ⁿ."""

@@ -55,3 +55,16 @@ def test_step_of_prizes():
 def test_prizes_that_cannot_be_used(prizes, sentence):
     with pytest.raises(InputError, match=sentence):
         Worth.of_prizes(prizes)
+
+
+def test_sets_as_rows(worth):
+    assert worth.of_sets(SETS.astype(bool)) == pytest.approx(worth.of_all_sets(), abs=1e-9)
+
+
+def test_information_gain_of_a_set_is_at_most_that_of_its_parts(problems):
+    worth = problems(N, 2, 3, "ig").worth
+    values = worth.of_all_sets()
+    numbers = np.arange(2**N)
+    assert worth.subadditive
+    for mask in (0b1010101, 0b0000111, 0b1100011):
+        assert (values <= values[numbers & mask] + values[numbers & ~mask] + 1e-9).all()

@@ -146,6 +146,10 @@ def _recreate(data: Data, gains: Gains, tours: Tours, rng: Rng) -> None:
     noise = np.empty(n)
     for i in range(n):
         noise[i] = 0.7 + 0.6 * uniform(rng)
+    dislike = np.ones(m)  # of UAVs, half of the time: the cheapest for a task may be the only one for another
+    if uniform(rng) < 0.5:
+        for k in range(m):
+            dislike[k] += 4.0 * uniform(rng) ** 2
     more, place = np.empty((n, m)), np.empty((n, m), np.int64)
     for i in range(n):
         for k in range(m):
@@ -155,7 +159,7 @@ def _recreate(data: Data, gains: Gains, tours: Tours, rng: Rng) -> None:
         for i in range(n):
             if tours.tour[i] >= 0:
                 continue
-            k = int(np.argmin(more[i]))
+            k = int(np.argmin(more[i] * dislike))
             if more[i, k] < np.inf:
                 worth = gain(data, gains, i) * noise[i]
                 if worth <= 0.0:

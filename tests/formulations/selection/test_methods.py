@@ -43,7 +43,7 @@ def test_brute_force(problems, brute_force, n, m, seed, kind):
         assert found.status is Status.OPTIMAL, name
         assert found.worth == pytest.approx(best, rel=2e-6, abs=1e-9), name
         assert found.bound >= best
-    found = checked(select(problem, RuinRecreate(), "ruin-recreate", limits=Limits(20.0, iterations=200)))
+    found = checked(select(problem, RuinRecreate(), "ruin-recreate", limits=Limits(20.0, iterations=2000)))
     assert best * 0.99 <= found.worth <= best + 1e-9 <= found.bound + 2e-9
 
 

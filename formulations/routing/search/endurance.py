@@ -22,6 +22,8 @@ from instances.routes import ENDURANCE_ROUNDING
 
 _LARGEST = 1e100
 """Largest scale: products of it and a cost stay finite."""
+_ROUNDING = 1e-12
+"""Share by which tours scaled and scaled back may differ."""
 
 
 class Endurance:
@@ -54,7 +56,7 @@ class Endurance:
         if not isinstance(self.costs, FleetCosts) or (self.costs.scale == 1.0).all():
             return False
         longest = float((lengths / self.costs.scale).max())
-        if longest >= self.reference or lengths.max() > self.reference:
+        if longest >= (1.0 - _ROUNDING) * self.reference or lengths.max() > self.reference:
             return False
         self.refer(longest)
         return True

@@ -9,7 +9,8 @@ Words of our own, and options whose names differ from the field's:
 * options of `memetic`: cuts, share of steps that are moves of long segments (moves.py); powers, number of guides;
   focuses, share of stages that are decompositions; reliefs, share of perturbations; kicks, number of double bridges.
 
-From the bottom up: problem_data and tours hold the data; energy measures it; ruin, recreate, moves (by concatenation)
-and local_search change it; annealing under a schedule is `ruin_recreate`; decomposition, perturbation and crossover
-make a population of a strategy, which is `memetic`; parameters has all that was tuned.
+From the bottom up: costs, problem_data and tours hold the data, and endurance scales costs to what can be flown; energy
+measures tours; ruin, recreate, moves (by concatenation) and local_search change them; annealing under a schedule is
+`ruin_recreate`; decomposition, perturbation and crossover make a population of a strategy, which is `memetic`;
+parameters has all that was tuned.
 """

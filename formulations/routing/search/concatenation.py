@@ -9,42 +9,89 @@ makes the move.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
+from numba.extending import overload
 
-from formulations.routing.search.costs import Costs, leg, leg_into, uavs_differ
+from formulations.routing.search.costs import Costs, FleetCosts, leg, leg_into, uavs_differ
 from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.tours import Tours, join
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
 
-class Segments(NamedTuple):
-    """A tour from which the cost of any segment is known.
+class AlikeSegments(NamedTuple):
+    """A tour from which the cost of any segment is known, where UAVs are alike.
 
-    nodes (n+2,): the tour's nodes by position; forward, backward (n+2,): prefix sums [s]; given_forward,
-    given_backward: those over the tasks by another UAV, which may take segments; the same arrays where UAVs are alike;
+    nodes (n+2,): the tour's nodes by position; forward, backward (n+2,): prefix sums [s];
     shape (2,): tour number k and its number of tasks L.
     """
 
     nodes: Nodes
     forward: Floats
     backward: Floats
-    given_forward: Floats
-    given_backward: Floats
     shape: Ints
 
 
-@njit(cache=True, nogil=True)
+class FleetSegments(NamedTuple):
+    """The same where they differ, with the prefix sums over the tasks of another UAV, which may take segments."""
+
+    nodes: Nodes
+    forward: Floats
+    backward: Floats
+    shape: Ints
+    others_forward: Floats
+    others_backward: Floats
+
+
+Segments = AlikeSegments | FleetSegments
+
+
 def empty_segments(costs: Costs, n_tasks: int) -> Segments:
     """Return room for a tour of up to n_tasks tasks."""
     size = n_tasks + 2
-    forward, backward = np.empty(size), np.empty(size)
-    nodes, shape = np.empty(size, np.int32), np.zeros(2, np.int64)
-    if uavs_differ(costs):
-        return Segments(nodes, forward, backward, np.empty(size), np.empty(size), shape)
-    return Segments(nodes, forward, backward, forward, backward, shape)
+    own = AlikeSegments(np.empty(size, np.int32), np.empty(size), np.empty(size), np.zeros(2, np.int64))
+    return FleetSegments(*own, np.empty(size), np.empty(size)) if uavs_differ(costs) else own
+
+
+def given_forward(segments: Segments) -> Floats:
+    """Return the prefix sums of the UAV to which segments may be given."""
+    return segments.others_forward if isinstance(segments, FleetSegments) else segments.forward
+
+
+def given_backward(segments: Segments) -> Floats:
+    """Return the prefix sums of the way back of the UAV to which segments may be given."""
+    return segments.others_backward if isinstance(segments, FleetSegments) else segments.backward
+
+
+@overload(empty_segments, strict=False)
+def _empty_segments(costs: Any, n_tasks: Any) -> Callable[..., Any]:
+    def alike(costs, n_tasks):  # type: ignore[no-untyped-def]
+        size = n_tasks + 2
+        return AlikeSegments(np.empty(size, np.int32), np.empty(size), np.empty(size), np.zeros(2, np.int64))
+
+    def fleet(costs, n_tasks):  # type: ignore[no-untyped-def]
+        size, shape = n_tasks + 2, np.zeros(2, np.int64)
+        nodes, forward, backward = np.empty(size, np.int32), np.empty(size), np.empty(size)
+        return FleetSegments(nodes, forward, backward, shape, np.empty(size), np.empty(size))
+
+    return fleet if costs.instance_class is FleetCosts else alike
+
+
+@overload(given_forward, strict=False)
+def _given_forward(segments: Any) -> Callable[..., Any]:
+    if segments.instance_class is FleetSegments:
+        return lambda segments: segments.others_forward
+    return lambda segments: segments.forward
+
+
+@overload(given_backward, strict=False)
+def _given_backward(segments: Any) -> Callable[..., Any]:
+    if segments.instance_class is FleetSegments:
+        return lambda segments: segments.others_backward
+    return lambda segments: segments.backward
 
 
 @njit(cache=True, nogil=True)
@@ -74,7 +121,7 @@ def read_tour(costs: Costs, tours: Tours, k: int, h: int, segments: Segments, po
 @njit(cache=True, nogil=True)
 def _price_given(costs: Costs, segments: Segments, h: int) -> None:
     """Write the prefix sums of UAV h over the tasks."""
-    nodes, forward, backward = segments.nodes, segments.given_forward, segments.given_backward
+    nodes, forward, backward = segments.nodes, given_forward(segments), given_backward(segments)
     forward[1] = backward[1] = 0.0
     for i in range(2, segments.shape[1] + 1):
         forward[i] = forward[i - 1] + leg(costs, h, nodes[i - 1], nodes[i])
@@ -132,12 +179,13 @@ def or_opt_changes(costs: Costs, a: Segments, i: int, j: int, b: Segments, q: in
     """
     u, first, last, w = a.nodes[i - 1], a.nodes[i], a.nodes[j], a.nodes[j + 1]
     left = leg(costs, a.shape[0], u, w) - (a.forward[j + 1] - a.forward[i - 1])
-    given = uavs_differ(costs) and a.shape[0] != b.shape[0]
-    forward, backward = (a.given_forward, a.given_backward) if given else (a.forward, a.backward)
-    inner = forward[j] - forward[i]
+    inner = a.forward[j] - a.forward[i]
     if turned:
         first, last = last, first
-        inner = backward[j] - backward[i]
+        inner = a.backward[j] - a.backward[i]
+    if uavs_differ(costs) and a.shape[0] != b.shape[0]:
+        sums = given_backward(a) if turned else given_forward(a)
+        inner = sums[j] - sums[i]
     k, gap = b.shape[0], b.forward[q + 1] - b.forward[q]
     return left, leg_into(costs, k, first, b.nodes[q]) + inner + leg(costs, k, last, b.nodes[q + 1]) - gap
 
@@ -170,7 +218,7 @@ def _head_and_tail(costs: Costs, a: Segments, i: int, b: Segments, j: int) -> fl
     k, depot, last = a.shape[0], a.nodes[0], b.shape[1]
     if j > last:
         return a.forward[i] + leg(costs, k, a.nodes[i], depot)
-    tail = b.given_forward[last] - b.given_forward[j]
+    tail = given_forward(b)[last] - given_forward(b)[j]
     return a.forward[i] + leg(costs, k, a.nodes[i], b.nodes[j]) + tail + leg(costs, k, b.nodes[last], depot)
 
 
@@ -198,13 +246,13 @@ def reversed_two_opt_star_costs(costs: Costs, a: Segments, i: int, b: Segments, 
     k_a, k_b = a.shape[0], b.shape[0]
     cost_a = a.forward[i]
     if j > 0:
-        turned = b.given_backward[j] - b.given_backward[1]
+        turned = given_backward(b)[j] - given_backward(b)[1]
         cost_a += leg(costs, k_a, a.nodes[i], b.nodes[j]) + turned + leg(costs, k_a, b.nodes[1], depot_a)
     else:
         cost_a += leg(costs, k_a, a.nodes[i], depot_a)
     cost_b = b.forward[n_b + 1] - b.forward[j + 1]
     if i < n_a:
-        turned = a.given_backward[n_a] - a.given_backward[i + 1]
+        turned = given_backward(a)[n_a] - given_backward(a)[i + 1]
         cost_b += leg(costs, k_b, depot_b, a.nodes[n_a]) + turned + leg(costs, k_b, a.nodes[i + 1], b.nodes[j + 1])
     else:
         cost_b += leg(costs, k_b, depot_b, b.nodes[j + 1])

@@ -75,7 +75,8 @@ def test_prefix_sums_are_the_costs_of_flying_there_and_back(seed):
         assert a.backward[i] == pytest.approx(sum(cost[stops[q + 1], stops[q]] for q in range(i)))
     assert all(table.workspace.position[v] == i for i, v in enumerate(stops[1:-1], 1))
     tasks, cost = stops[1:-1], table.instance.uav_cost(table.k_b)
-    there, back = np.diff(a.given_forward[1 : len(tasks) + 1]), np.diff(a.given_backward[1 : len(tasks) + 1])
+    within = slice(1, len(tasks) + 1)
+    there, back = (np.diff(of(a)[within]) for of in (concatenation.given_forward, concatenation.given_backward))
     assert there == pytest.approx(cost[tasks[:-1], tasks[1:]])
     assert back == pytest.approx(cost[tasks[1:], tasks[:-1]])
 

@@ -195,6 +195,18 @@ class Products:
                 raise InputError("must hold finite numbers")
             return said | {"by": str(said["by"])}
 
+    @cached_property
+    def selection(self) -> dict[str, Any] | None:
+        """What was left out because endurance does not suffice; None where all tasks are flown."""
+        path = self.folders["routes"] / "selection.json"
+        if not path.exists():
+            return None
+        with reading(path, "a selection"):
+            said: dict[str, Any] = read_json(path)
+            if not all(is_number(said[name]) for name in ("worth", "bound", "everything")):
+                raise InputError("must hold finite numbers")
+            return said | {"left_out": [int(task) for task in said["left_out"]]}
+
     def table(self, stage: str, file: str) -> pd.DataFrame:
         """Return a CSV product as a frame, its `NUMBERS` being numbers."""
         path = self.folders[stage] / file

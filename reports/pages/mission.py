@@ -153,7 +153,20 @@ def _routed(products: Products) -> str:
     return (
         f"Routes by {run.label} ({run.status}): longest tour {run.objective:.2f} s; none can be below "
         f"{bound['bound']:.2f} s (by {bound['by']}), so that is at most {bound['gap']:.1%} too long. Costs differ by "
-        f"direction by {asymmetry:.1%}; {matters}."
+        f"direction by {asymmetry:.1%}; {matters}.{_left_out(products)}"
+    )
+
+
+def _left_out(products: Products) -> str:
+    """Return what endurance leaves out and what it would have told."""
+    said = products.selection
+    if said is None:
+        return ""
+    left, lost = said["left_out"], said["everything"] - said["worth"]
+    return (
+        f" Endurance does not suffice for all tasks: {numbers.counted(len(left), 'task')} left out "
+        f"({', '.join(map(str, left))}) would have told {lost:.2f} of {said['everything']:.2f} nats; no selection that "
+        f"can be flown tells more than {said['bound']:.2f}, this one tells {said['worth']:.2f}."
     )
 
 

@@ -399,6 +399,8 @@ def test_where_endurance_does_not_suffice_the_tasks_that_tell_most_are_flown(mis
     assert sorted(task for route in routes for task in route) == found["tasks"]
     assert makespan(instance, routes) <= 0.7 * all_of_them * (1 + 1e-9)
     assert again(mission_file, copied, text, only="flight") == ["flight"]
+    assert again(mission_file, copied, text, only="report") == ["report"]
+    assert "Endurance does not suffice for all tasks" in (copied / "8-report/report.html").read_text()
     enough = SMALL.replace("[sensing]", f"[flight]\nendurance = {1.1 * all_of_them}\n\n[sensing]")
     assert again(mission_file, copied, enough, only="routes") == ["routes"]
     assert not (copied / "4-routes/selection.json").exists()

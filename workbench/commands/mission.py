@@ -5,10 +5,14 @@ from __future__ import annotations
 import time
 from itertools import groupby
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from workbench.completing import STAGE
+
+if TYPE_CHECKING:
+    from workbench.mission.template import Described
 
 
 class MissionCommand(click.Command):
@@ -20,7 +24,13 @@ class MissionCommand(click.Command):
 
         for table, keys in groupby(described(), key=lambda key: key.table):
             with formatter.section(f"Keys of [{table}]" if table else "Keys of MISSION.toml"):
-                formatter.write_dl([("; ".join(key.lines), f"{key.meaning} ({key.wanted})") for key in keys], 44)
+                formatter.write_dl([(key.lines[0], _said(key)) for key in keys], 44)
+
+
+def _said(key: Described) -> str:
+    """Return what a key means and takes, and what goes with its example."""
+    more = f", with {'; '.join(key.lines[1:])}" if len(key.lines) > 1 else ""
+    return f"{key.meaning} ({key.wanted}){more}"
 
 
 def _print_template(context: click.Context, parameter: click.Parameter, wanted: bool) -> None:

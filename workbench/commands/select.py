@@ -23,10 +23,12 @@ EXAMPLES = """
 Examples:
 
 \b
-  workbench select p1.2.b.txt                              # a team-orienteering file: its prizes, its tmax
-  workbench select a.json --endurance 1200 --prizes p.csv  # columns task, prize
-  workbench select a.json --endurance 1200,1500 --information --out selection.json
-  workbench check a.json selection.json                    # again, from scratch
+  a team-orienteering file, its prizes and its tmax; a CSV of task, prize;
+  what tasks tell of a field; and a check from scratch:
+  workbench select p1.2.b.txt
+  workbench select a.json --endurance 1200 --prizes p.csv
+  workbench select a.json --endurance 1200,1500 --information --out s.json
+  workbench check a.json s.json
 """
 
 

@@ -35,7 +35,7 @@ KML = """<?xml version="1.0" encoding="UTF-8"?>
 
 MISSION = """# A survey of the ground around the Jacksboro fault. Positions are longitude, latitude.
 name = "jacksboro"
-airspeed = 30.0
+ground_speed = 30.0
 region = "area.kml"
 terrain = "dem.tif"
 depots = [[-84.340, 36.520], [-84.150, 36.530], [-84.250, 36.660]]

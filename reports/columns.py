@@ -191,7 +191,7 @@ SCALING = [
 
 TOURS = [
     Column("uav", "UAV"),
-    Column("tasks", "Tasks"),
+    Column("tasks", "Tasks", "", numbers.count),
     Column("length", "Reference path", "km", numbers.fixed(2, 1e-3)),
     Column("flight_time", "Flight time", "s", numbers.cost, "at constant airspeed, by the wind triangle"),
     Column("energy", "Energy cost", "s", numbers.cost, "drag energy at the same ground speed, as calm-air seconds"),

@@ -1,12 +1,14 @@
 """The code that makes a number: a digest of the sources, so that a stored number knows whether today's code made it.
 
-It stands in the lowest room because all need it: numba's cache (`instances.kernels`) lives under the digest of the
-rooms that hold kernels, every run and every mission stamp names the digest of all four, and reports count stale runs.
+It stands in the lowest room because all need it: numba's cache (`instances.kernels`) lives under the digest of what a
+kernel's module can see, every run and every mission stamp names the digest of all four rooms, and reports count stale
+runs.
 """
 
 from __future__ import annotations
 
 import hashlib
+import re
 import subprocess
 from functools import cache
 from pathlib import Path
@@ -16,6 +18,9 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = ("formulations", "instances", "reports", "workbench")
 KERNEL_PACKAGES = ("formulations", "instances")
 """Where numba kernels and everything they import are: nothing in these imports from the other two."""
+_IMPORT = re.compile(
+    r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n#]*)|import[ \t]+([\w., \t]+))", re.M
+)
 
 
 @cache
@@ -27,6 +32,38 @@ def code_digest(packages: tuple[str, ...] = PACKAGES) -> str:
             content = path.read_bytes()
             found.update(f"{path.relative_to(ROOT).as_posix()} {len(content)}\n".encode() + content)
     return found.hexdigest()[:12]
+
+
+@cache
+def closure_digest(source: Path) -> str:
+    """Return 12 hexadecimal digits of the SHA-256 of `source`, relative to `ROOT`, and all it imports of our packages.
+
+    Imports are read off the text, those inside functions and those of other imports' packages included: a source too
+    many costs a compilation, one too few would keep machine code that is wrong.
+    """
+    seen, waiting = {source}, [source]
+    while waiting:
+        new = _imported(waiting.pop()) - seen
+        seen |= new
+        waiting += new
+    parts = [f"{path.as_posix()} {hashlib.sha256((ROOT / path).read_bytes()).hexdigest()}" for path in sorted(seen)]
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:12]
+
+
+@cache
+def _imported(source: Path) -> frozenset[Path]:
+    """Return the sources of ours that the text of `source` imports, with the ``__init__`` of each package passed."""
+    modules = set()
+    for package, names, plain in _IMPORT.findall((ROOT / source).read_text(encoding="utf-8")):
+        modules |= {package, *(f"{package}.{name}" for name in re.findall(r"\w+", names))} if package else set()
+        modules |= set(re.findall(r"[\w.]+", plain))
+    found = set()
+    for module in modules:
+        parts = module.split(".")
+        for end in range(1, len(parts) + 1) if parts[0] in KERNEL_PACKAGES else ():
+            stem = Path(*parts[:end])
+            found |= {path for path in (stem.with_suffix(".py"), stem / "__init__.py") if (ROOT / path).is_file()}
+    return frozenset(found)
 
 
 @cache

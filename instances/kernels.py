@@ -1,10 +1,10 @@
 """numba, with the machine code it keeps under the digest of the sources: an edited kernel always takes effect.
 
 numba looks at the file of a kernel when it decides whether kept machine code is still good, not at the kernels and
-constants that the file imports. So machine code lives in the user's cache folder, below the digest of every source a
-kernel can come from (`instances.code`); folders of other digests that nobody used for a week are removed. Below that
-numba would go by where the sources lie; here a second checkout or installation of the same ones finds what is there.
-Every kernel takes `njit` from here.
+constants that the file imports. So machine code lies in the user's cache folder, below the digest of the file and of
+every source it imports, directly or not (`instances.code.closure_digest`): an edit compiles again what can see it and
+nothing else. Folders that nobody used for a week are removed. Below that numba would go by where the sources lie; here
+a second checkout or installation of the same ones finds what is there. Every kernel takes `njit` from here.
 """
 
 from __future__ import annotations
@@ -22,17 +22,18 @@ from numba import njit
 from numba.core.caching import UserProvidedCacheLocator
 from platformdirs import user_cache_path
 
-from instances.code import KERNEL_PACKAGES, ROOT, code_digest
+from instances.code import KERNEL_PACKAGES, ROOT, closure_digest, code_digest
 
 __all__ = ["njit"]
 
 KEPT = 7 * 24 * 3600.0
 """Seconds after its last use that machine code of other sources is kept: several checkouts may be in use."""
-PREFIX = "kernels-"
+PREFIX, MODULE_PREFIX = "kernels-", "kernels-of-"
+"""Of the folder of plug-ins' kernels, which may call any of ours; and of the folder of each of our modules."""
 
 
 def cache_folder() -> Path:
-    """Return the folder of machine code of today's sources, made where it is not there yet."""
+    """Return the folder of machine code of others' kernels with today's sources, made where it is not there yet."""
     name = PREFIX + code_digest(KERNEL_PACKAGES)
     asked = os.environ.get("NUMBA_CACHE_DIR")
     if asked and Path(asked).name.startswith(PREFIX):  # set by the process that started this one
@@ -55,12 +56,15 @@ def remove_old(parent: Path) -> None:
 
 
 class KernelLocator(UserProvidedCacheLocator):
-    """Keeps the machine code of a kernel of ours by its module and numba's version, wherever the sources lie."""
+    """Keeps the machine code of a kernel of ours by what its module sees and numba's version, wherever that lies."""
 
     def __init__(self, py_func: Any, py_file: str) -> None:
         super().__init__(py_func, py_file)
-        inside = Path(py_file).parent.relative_to(ROOT)
-        self._cache_path = str(Path(self._cache_path).parent / numba.__version__ / inside)
+        source = Path(py_file).relative_to(ROOT)
+        folder = Path(self._cache_path).parents[1] / (MODULE_PREFIX + closure_digest(source))
+        with contextlib.suppress(OSError):  # not there yet
+            os.utime(folder)
+        self._cache_path = str(folder / numba.__version__ / source.parent)
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> KernelLocator | None:

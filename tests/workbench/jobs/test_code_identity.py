@@ -48,8 +48,32 @@ def test_a_changed_constant_in_an_imported_kernel_takes_effect(checkout):
     for step in (1, 2, 1):
         inner.write_text(KERNEL.replace("STEP", str(step)))
         assert python("from formulations.outer import outer; print(outer(1))").strip() == str(10 * (1 + step))
-    kept = list((checkout.parent / "machine-code").glob("kernels-*/*/formulations/outer.*.nbc"))
+    kept = list((checkout.parent / "machine-code").glob("kernels-of-*/*/formulations/outer.*.nbc"))
     assert len(kept) == 2  # the third time is the first again
+
+
+def test_an_edit_that_a_kernel_cannot_see_compiles_nothing_again(checkout):
+    (checkout / "formulations" / "inner.py").write_text(KERNEL.replace("STEP", "1"))
+    program = "from formulations.inner import inner; inner(1)"
+    python(program)
+    kept = {path: path.stat().st_mtime_ns for path in checkout.parent.glob("machine-code/**/inner.*")}
+    (checkout / "formulations" / "routing" / "greedy.py").write_text("# nothing of it is left\n")
+    python(program)
+    assert {path: path.stat().st_mtime_ns for path in checkout.parent.glob("machine-code/**/inner.*")} == kept
+
+
+def test_all_that_a_kernel_imports_is_seen():
+    program = (
+        "import sys, pathlib, formulations.routing.search.annealing as a, instances.code as c\n"
+        "start = pathlib.Path(a.__file__).relative_to(c.ROOT)\n"
+        "seen, waiting = {start}, [start]\n"
+        "while waiting:\n"
+        "    new = c._imported(waiting.pop()) - seen; seen |= new; waiting += new\n"
+        "files = {pathlib.Path(m.__file__).relative_to(c.ROOT) for name, m in sys.modules.items()\n"
+        "         if name.split('.')[0] in c.KERNEL_PACKAGES}\n"
+        "print(sorted(map(str, files - seen - {pathlib.Path('formulations/__init__.py')})))\n"
+    )
+    assert python(program).strip() == "[]"
 
 
 def test_another_checkout_of_the_same_sources_compiles_nothing_again(checkout, monkeypatch):

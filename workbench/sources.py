@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import glob
+import gzip
+import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -67,7 +69,8 @@ def plugin_family(name: str) -> str:
 def instance_files(given: Path) -> list[Path]:
     """Return the instance files meant by a file, a folder (searched through) or a pattern; InputError if none.
 
-    JSON files without the field n_tasks at their head, as others keep beside instances, are left out of a search.
+    JSON files without the field n_tasks at their head, such as planned paths beside an instance, are left out of a
+    search through a folder, and planned paths of a pattern.
     """
     try:
         found = _found(given)
@@ -82,15 +85,17 @@ def _found(given: Path) -> list[Path]:
     if given.is_dir():
         return sorted(path for path in given.rglob("*") if path.name.endswith(ENDINGS) and _may_be_instance(path))
     if any(sign in str(given) for sign in "*?["):
-        return sorted(Path(path) for path in glob.glob(str(given), recursive=True))
+        named = (Path(path) for path in glob.glob(str(given), recursive=True))
+        return sorted(path for path in named if not path.name.endswith(".paths.json.gz"))
     return [given] if given.is_file() else []
 
 
 def _may_be_instance(path: Path) -> bool:
-    if path.suffix != ".json" or not path.is_file():  # a pipe would be waited for
+    packed = path.name.endswith(".json.gz")
+    if not (packed or path.suffix == ".json") or not path.is_file():  # a pipe would be waited for
         return path.is_file()
     try:
-        with path.open("rb") as file:
+        with gzip.open(path) if packed else path.open("rb") as file:
             return b'"n_tasks"' in file.read(4096)
-    except OSError:
-        return False
+    except (OSError, EOFError, zlib.error):
+        return packed and not path.name.endswith(".paths.json.gz")  # a damaged instance is told, not passed over

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 from pathlib import Path
 
@@ -129,3 +130,15 @@ def test_a_folder_is_searched_for_instances(instance_folder):
     assert [path.name for path in instance_files(instance_folder / "*-1.json")] == ["r4-2-1.json"]
     with pytest.raises(InputError, match="nothing"):
         instance_files(instance_folder / "nothing")
+
+
+def test_planned_paths_beside_an_instance_are_no_instances(cli, tmp_path):
+    cli("generate", "corridor", "--tasks", "4", "--depots", "2", "--out", tmp_path)
+    assert len(list(tmp_path.glob("*.paths.json.gz"))) == 1
+    (instance,) = instance_files(tmp_path)
+    packed = tmp_path / "packed.json.gz"
+    packed.write_bytes(gzip.compress(instance.read_bytes()))
+    assert instance_files(tmp_path) == [instance, packed]
+    assert instance_files(tmp_path / "*.json*") == [instance, packed]
+    packed.write_bytes(packed.read_bytes()[:40])
+    assert packed in instance_files(tmp_path)  # damage is told when it is read

@@ -1,118 +1,74 @@
-"""Hyperparameters by maximum likelihood (paper, eq. GPR2), the sensor's σ_n held fixed.
+"""Hyperparameters by restricted maximum likelihood (paper, eq. GPR2), the sensor's σ_n held fixed.
 
-    (σ_f, Σ_l) = argmax log p(y | X),   log p = −½ rᵀ C⁻¹ r − ½ log det C − ½ N log 2π,   C = K_II + σ_n² I
+The samples y at X are y = Hβ + f + noise: a mean of q known columns with unknown coefficients (`trend`), a field of
+covariance k, and of each reading a nugget τ, what the field does within less than the distance of two samples. With
+β = b + β′, β′ ~ N(0, B), where B is infinite for the level and s² for a coefficient of which something is believed,
 
-with r = y − μ̂ 1 and μ̂ the generalised-least-squares mean: data near −90 dBm under a zero mean would push σ_f up to
-explain the level. By the envelope theorem ∂/∂θ = ½ rᵀC⁻¹ (∂C/∂θ) C⁻¹r − ½ tr(C⁻¹ ∂C/∂θ) also with μ̂ in r.
+    C = K_II + (σ_n² + τ²) I,   A = Hᵀ C⁻¹ H + B⁻¹,   u = y − H b,   β̂′ = A⁻¹ Hᵀ C⁻¹ u,   r = u − H β̂′
+    log p = −½ uᵀ C⁻¹ r − ½ log det C − ½ log det A − log s − ½ (N − 1) log 2π
 
-The likelihood of few samples has several peaks, and a search that begins where the last one ended stays on the wrong
-one for the rest of a survey. So it begins there and also at the best places of a coarse grid of length scales.
+This is the likelihood with β integrated out, that of the level under a flat prior of density 1 (Rasmussen & Williams
+2006, §2.7); maximum likelihood proper takes β̂ for known and so believes fields to be too smooth and too quiet. With
+θ = (log σ_f, log l_x, log l_y, log τ) and P = C⁻¹ − C⁻¹H A⁻¹ HᵀC⁻¹ its gradient is
+
+    ∂/∂θ = ½ Σ_ij (C⁻¹r rᵀC⁻¹ − P)_ij (∂C/∂θ)_ij
 """
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
-from numpy.typing import ArrayLike
-from scipy.linalg import LinAlgError, cho_solve, cholesky
+from scipy.linalg import cho_solve, cholesky
 from scipy.linalg.lapack import dpotri
-from scipy.optimize import minimize
 
-from formulations.kernel import SquaredExponential
+from formulations.kernel import Kernel
+from formulations.mapping.trend import Trend
 from instances.arrays import Floats
 
-FEWEST = 8
-"""With fewer samples nothing is fitted."""
-REACH = 50.0
-"""Each parameter stays within this factor of where the search begins."""
-SHARES = (0.03, 0.08, 0.2, 0.5)
-"""Length scales of the grid, in extents of the samples."""
-STARTS = 3
-"""Places of the grid from which the search begins, beside the kernel given."""
-TIE = 1e-6
-"""A peak must be higher by so much [nats] to be taken instead of an earlier one."""
 
+class RestrictedLikelihood:
+    """log p(y | X) of samples `y` (N,) at `X` (N, 2) [m] with the mean `trend`, as a function of θ.
 
-class Likelihood:
-    """log p(y | X) of samples `y` (N,) at `X` (N, 2) [m] as a function of θ = (log σ_f, log l_x, log l_y)."""
+    One object serves any kernel: what does not depend on θ is made once.
+    """
 
-    def __init__(self, noise_sd: float, X: Floats, y: Floats) -> None:
-        self.noise_sd, self.y = noise_sd, y
+    def __init__(self, noise_sd: float, X: Floats, y: Floats, trend: Trend) -> None:
+        self.noise_sd, self.H, self.precision = noise_sd, trend.columns(X), trend.prior_precision
+        self.u = y - self.H @ trend.prior_mean
+        believed = np.diagonal(self.precision)[1:]
+        self.constant = 0.5 * float(np.log(believed).sum()) - 0.5 * (len(y) - 1) * np.log(2 * np.pi)
         self.squares = [np.subtract.outer(x, x) ** 2 for x in X.T]
 
-    def __call__(self, theta: Floats) -> tuple[float, Floats]:
-        """Return log p [nats] and its gradient, shape (3,); LinAlgError where C is not positive in float64."""
-        signal, *scales = np.exp(theta)
-        near = [square / scale**2 for square, scale in zip(self.squares, scales, strict=True)]
-        K = signal**2 * np.exp(-0.5 * (near[0] + near[1]))
-        C = K.copy()
-        C[np.diag_indices_from(C)] += self.noise_sd**2
-        L = cholesky(C, lower=True, check_finite=False)
-        ones, values = cho_solve((L, True), np.column_stack([np.ones_like(self.y), self.y]), check_finite=False).T
-        a = values - (ones @ self.y) / ones.sum() * ones  # C⁻¹ r
-        value = -0.5 * self.y @ a - np.log(np.diagonal(L)).sum() - 0.5 * len(a) * np.log(2 * np.pi)
+    def value(self, kernel: type[Kernel], theta: Floats) -> float:
+        """Return log p [nats]; LinAlgError where C or A is not positive in float64."""
+        return self._solved(kernel, theta)[0]
+
+    def __call__(self, kernel: type[Kernel], theta: Floats) -> tuple[float, Floats]:
+        """Return log p [nats] and its gradient, shape (4,); LinAlgError where C or A is not positive in float64."""
+        signal, lx, ly, nugget = np.exp(theta)
+        value, L, CH, a, LA = self._solved(kernel, theta)
         inverse, _ = dpotri(L, lower=True)  # its lower triangle
-        inverse += np.tril(inverse, -1).T
-        weighted = (np.outer(a, a) - inverse) * K
-        gradient = [weighted.sum(), *(0.5 * np.vdot(weighted, square) for square in near)]
-        return float(value), np.array(gradient)
+        weighted = np.outer(a, a) - np.tril(inverse) - np.tril(inverse, -1).T
+        weighted += CH @ cho_solve((LA, True), CH.T, check_finite=False)
+        near = self._near(lx, ly)
+        along = 0.5 * signal**2 * weighted * kernel.steepness(near[0] + near[1])
+        quiet = np.trace(weighted) * nugget**2
+        by_signal = np.vdot(weighted, signal**2 * kernel.correlation(near[0] + near[1]))
+        return value, np.array([by_signal, *(np.vdot(along, square) for square in near), quiet])
 
+    def _near(self, lx: float, ly: float) -> list[Floats]:
+        return [square / scale**2 for square, scale in zip(self.squares, (lx, ly), strict=True)]
 
-def log_likelihood(kernel: SquaredExponential, noise_sd: float, X: Floats, y: Floats) -> tuple[float, Floats]:
-    """Return log p(y | X) [nats] and its gradient by log σ_f, log l_x, log l_y, shape (3,)."""
-    return Likelihood(noise_sd, X, y)(_theta(kernel))
-
-
-def fit_hyperparameters(
-    kernel: SquaredExponential, noise_sd: float, positions: ArrayLike, values: ArrayLike, most: int = 300
-) -> SquaredExponential:
-    """Return the kernel of greatest likelihood found by L-BFGS-B from `kernel` and from the best places of a grid.
-
-    At most `most` samples, evenly chosen over the record, are used: the cost grows with their cube. Each parameter
-    stays within REACH of `kernel`'s; with fewer than FEWEST samples `kernel` is returned.
-    """
-    X = np.asarray(positions, dtype=float).reshape(-1, 2)
-    y = np.asarray(values, dtype=float).reshape(-1)
-    if len(y) < FEWEST:
-        return kernel
-    if len(y) > most:
-        chosen = np.linspace(0, len(y) - 1, most).round().astype(int)
-        X, y = X[chosen], y[chosen]
-    likelihood, given = Likelihood(noise_sd, X, y), _theta(kernel)
-    low, high = given - np.log(REACH), given + np.log(REACH)
-
-    def negative(theta: Floats) -> tuple[float, Floats]:
-        try:
-            value, gradient = likelihood(theta)
-        except LinAlgError:
-            return np.inf, np.zeros(3)
-        return -value, -gradient
-
-    grid = [np.clip(theta, low, high) for theta in _grid(X, y)]
-    promising = sorted(grid, key=lambda theta: negative(theta)[0])[:STARTS]
-    best, least = given, np.inf
-    for start in (given, *promising):
-        found = minimize(negative, start, jac=True, method="L-BFGS-B", bounds=list(zip(low, high, strict=True)))
-        if found.fun < least - TIE:
-            best, least = found.x, found.fun
-    return _kernel(best)
-
-
-def _grid(X: Floats, y: Floats) -> list[Floats]:
-    """Return θ at which a search may begin: scales of SHARES of the samples' extent along x and y, σ_f their sd."""
-    extent = float(np.ptp(X, axis=0).max())
-    signal = float(y.std())
-    if extent == 0.0 or signal == 0.0:
-        return []
-    scales = np.log(extent * np.array(SHARES))
-    return [np.array([np.log(signal), lx, ly]) for lx, ly in product(scales, scales)]
-
-
-def _theta(kernel: SquaredExponential) -> Floats:
-    return np.log([kernel.signal_sd, *kernel.length_scales])
-
-
-def _kernel(theta: Floats) -> SquaredExponential:
-    signal, lx, ly = np.exp(theta)
-    return SquaredExponential(float(signal), (float(lx), float(ly)))
+    def _solved(self, kernel: type[Kernel], theta: Floats) -> tuple[float, Floats, Floats, Floats, Floats]:
+        """Return log p, the factor L of C, C⁻¹H, C⁻¹r and the factor of A."""
+        signal, lx, ly, nugget = np.exp(theta)
+        near = self._near(lx, ly)
+        C = kernel.correlation(near[0] + near[1])
+        C *= signal**2
+        C[np.diag_indices_from(C)] += self.noise_sd**2 + nugget**2
+        L = cholesky(C, lower=True, check_finite=False)
+        solved = cho_solve((L, True), np.column_stack([self.H, self.u]), check_finite=False)
+        CH, Cu = solved[:, :-1], solved[:, -1]
+        LA = cholesky(self.H.T @ CH + self.precision, lower=True, check_finite=False)
+        a = Cu - CH @ cho_solve((LA, True), self.H.T @ Cu, check_finite=False)
+        half_logs = np.log(np.diagonal(L)).sum() + np.log(np.diagonal(LA)).sum()
+        return float(self.constant - 0.5 * self.u @ a - half_logs), L, CH, a, LA

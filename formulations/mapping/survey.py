@@ -1,8 +1,8 @@
 """Survey: several UAVs fly, measure and map at the same time (paper, sub-problem 4 and §Numerical Example).
 
 Every `period` seconds each UAV still in the air measures the field with noise σ_n; the Gaussian process takes the
-samples in, and every `refit_every` ticks its (σ_f, l_x, l_y) are set anew by maximum likelihood (eq. GPR2). After
-each tick the map is judged against the truth, which only the judge sees.
+samples in, and every `refit_every` ticks its model (kernel, hyperparameters, mean) is chosen anew by likelihood (eq.
+GPR2, `formulations.mapping.map_model`). After each tick the map is judged against the truth, which only the judge sees.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from formulations.kernel import SquaredExponential
+from formulations.kernel import Kernel
 from formulations.mapping.flight import Flight
 from formulations.mapping.gaussian_process import GaussianProcess, Posterior
-from formulations.mapping.likelihood import fit_hyperparameters
+from formulations.mapping.map_model import EVERY_KERNEL, Fitted, MapModel, Offered, choose_model
 from instances import InputError
 from instances.arrays import Floats, Ints
 
@@ -67,7 +67,8 @@ class Tick:
     """The state of the map after one round of measurements.
 
     time [s]; samples so far; information IG gathered so far and entropy H(y) of the samples [nats], both under the
-    planning kernel; score; the kernel in use; posterior, kept for the ticks asked for, else None.
+    planning kernel; score; the model in use and the likelihoods it was chosen by; posterior, kept for the ticks asked
+    for, else None.
     """
 
     time: float
@@ -75,7 +76,7 @@ class Tick:
     information: float
     entropy: float
     score: Score
-    kernel: SquaredExponential
+    fitted: Fitted
     posterior: Posterior | None = None
 
 
@@ -98,8 +99,9 @@ def fly_survey(
     field: Field,
     points: Floats,
     *,
-    kernel: SquaredExponential,
-    planning: SquaredExponential | None = None,
+    model: MapModel,
+    offered: Offered = EVERY_KERNEL,
+    planning: Kernel | None = None,
     noise_sd: float = 1.0,
     period: float = 10.0,
     refit_every: int = 10,
@@ -108,22 +110,24 @@ def fly_survey(
 ) -> Survey:
     """Fly `flights` together, measure `field` and map it at `points` [m], shape (p, 2).
 
-    kernel : what is believed before the first measurement; planning : under which information and entropy are stated,
-    whatever is fitted (`kernel` unless given), so that those of several surveys compare. refit_every : ticks between
-    maximum-likelihood fits, 0 for none (a last fit is made at the end). keep(tick, last) says which ticks keep their
-    whole posterior. Raises InputError where no flight lasts a sensing period.
+    model : what is believed before the first measurement; offered : the kernels and means that fits choose from;
+    planning : under which information and entropy are stated, whatever is fitted (the kernel of `model` unless given),
+    so that those of several surveys compare. refit_every : ticks between fits, 0 for none (a last fit is made at the
+    end). keep(tick, last) says which ticks keep their whole posterior. Raises InputError where no flight lasts a
+    sensing period.
     """
     rounds = _measured(flights, field, noise_sd, period, seed)
     truth = field(points)
-    process, ledger = GaussianProcess(kernel, noise_sd, points), _ledger(planning or kernel, noise_sd)
-    ticks = []
+    process, ledger = GaussianProcess(model, noise_sd, points), _ledger(planning or model.kernel, noise_sd)
+    ticks, fitted = [], Fitted(model)
     for number, measured in enumerate(rounds):
         process.extend(measured.positions, measured.values)
         ledger.extend(measured.positions, measured.values)
         last = number == len(rounds) - 1
         if refit_every and ((number + 1) % refit_every == 0 or last):
-            process = process.refitted(fit_hyperparameters(process.kernel, noise_sd, *process.samples))
-        tick = _tick(measured.time, process, ledger, truth)
+            fitted = choose_model(fitted.model, offered, noise_sd, *process.samples)
+            process = process.refitted(fitted.model)
+        tick = _tick(measured.time, process, ledger, truth, fitted)
         ticks.append(tick if keep(number, len(rounds) - 1) else replace(tick, posterior=None))
     times = [np.full(len(measured.uavs), measured.time) for measured in rounds]
     uavs = np.concatenate([measured.uavs for measured in rounds])
@@ -135,8 +139,9 @@ def last_map(
     field: Field,
     points: Floats,
     *,
-    kernel: SquaredExponential,
-    planning: SquaredExponential | None = None,
+    model: MapModel,
+    offered: Offered = EVERY_KERNEL,
+    planning: Kernel | None = None,
     noise_sd: float = 1.0,
     period: float = 10.0,
     refit: bool = True,
@@ -148,11 +153,11 @@ def last_map(
     """
     rounds = _measured(flights, field, noise_sd, period, seed)
     positions, values = (np.concatenate([getattr(m, name) for m in rounds]) for name in ("positions", "values"))
-    fitted = fit_hyperparameters(kernel, noise_sd, positions, values) if refit else kernel
-    process, ledger = GaussianProcess(fitted, noise_sd, points), _ledger(planning or kernel, noise_sd)
+    fitted = choose_model(model, offered, noise_sd, positions, values) if refit else Fitted(model)
+    process, ledger = GaussianProcess(fitted.model, noise_sd, points), _ledger(planning or model.kernel, noise_sd)
     process.extend(positions, values)
     ledger.extend(positions, values)
-    return _tick(rounds[-1].time, process, ledger, field(points))
+    return _tick(rounds[-1].time, process, ledger, field(points), fitted)
 
 
 class _Round(NamedTuple):
@@ -173,21 +178,19 @@ def _measured(flights: Sequence[Flight], field: Field, noise_sd: float, period: 
     ]
 
 
-def _ledger(kernel: SquaredExponential, noise_sd: float) -> GaussianProcess:
+def _ledger(kernel: Kernel, noise_sd: float) -> GaussianProcess:
     """Return a process that maps nothing and keeps account of information."""
     return GaussianProcess(kernel, noise_sd, np.empty((0, 2)))
 
 
-def _tick(time: float, process: GaussianProcess, ledger: GaussianProcess, truth: Floats) -> Tick:
+def _tick(time: float, process: GaussianProcess, ledger: GaussianProcess, truth: Floats, fitted: Fitted) -> Tick:
     posterior = process.posterior()
     judged = score(posterior, truth, process.noise_sd)
     count = len(process.samples[1])
-    return Tick(time, count, ledger.information(), ledger.entropy(), judged, process.kernel, posterior)
+    return Tick(time, count, ledger.information(), ledger.entropy(), judged, fitted, posterior)
 
 
-def promised_sd(
-    flights: Sequence[Flight], points: Floats, *, kernel: SquaredExponential, noise_sd: float, period: float
-) -> float:
+def promised_sd(flights: Sequence[Flight], points: Floats, *, kernel: Kernel, noise_sd: float, period: float) -> float:
     """Return the mean posterior sd at `points` [m], shape (p, 2), that a survey by `flights` promises under `kernel`.
 
     It is known before take-off: the posterior sd (eq. GPR1) does not depend on what is measured.

@@ -28,9 +28,10 @@ from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
 from reports.verdicts import named, plans, sentence, verdicts
 from workbench.mission.baselines import Baselines, Plan
+from workbench.mission.belief import Belief, belief_of
 from workbench.mission.calm import write_calm_twin
 from workbench.mission.flight import kept_flights, track_frame
-from workbench.mission.map import sensing_of, survey_of, ticks_frame
+from workbench.mission.map import survey_of, ticks_frame
 from workbench.mission.redraw import conditions, redrawn_words
 from workbench.mission.settings import Mission
 
@@ -50,12 +51,13 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
     made = Baselines(mission, scenario, kept_terrain(folders["environment"]), own.length).made()
     ways = [[own], *made]
     tell(f"mapping {len(ways)} plans")
-    rows, ticks = _first_draw(mission, scenario, field, ways)
+    belief = belief_of(mission, folders["environment"])
+    rows, ticks = _first_draw(mission, belief, scenario, field, ways)
     points = MapGrid.over(scenario.region, mission.map.cells).points
     for draw, (redrawn, seed) in enumerate(conditions(mission, field)):
         for plan in (way[draw % len(way)] for way in ways if draw > 0):
             refit = mission.map.refit_every > 0
-            last = last_map(plan.flights, redrawn, points, **sensing_of(mission), refit=refit, seed=seed)
+            last = last_map(plan.flights, redrawn, points, **belief.sensing(mission), refit=refit, seed=seed)
             rows.append(_row(plan, draw, last, scenario))
     draws = pd.DataFrame(rows)
     write_aside(out / "compare.csv", plans(draws).to_csv(index=False))
@@ -73,12 +75,12 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
 
 
 def _first_draw(
-    mission: Mission, scenario: Scenario, field: RadioMap, ways: list[list[Plan]]
+    mission: Mission, belief: Belief, scenario: Scenario, field: RadioMap, ways: list[list[Plan]]
 ) -> tuple[list[dict[str, Any]], list[pd.DataFrame]]:
     """Return a row and the ticks of each plan over the mission's own field."""
     rows, ticks = [], []
     for plan in (way[0] for way in ways):
-        survey = survey_of(mission, scenario.region, field, plan.flights)
+        survey = survey_of(mission, belief, scenario.region, field, plan.flights)
         rows.append(_row(plan, 0, survey.ticks[-1], scenario))
         frame = ticks_frame(survey)
         flown = plan.length * frame["samples"] / frame["samples"].iloc[-1]

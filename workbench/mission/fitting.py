@@ -46,6 +46,8 @@ def check_mission(mission: Mission) -> None:
     _known("field.model", mission.field.model, MODELS)
     for name in mission.compare.baselines:
         _known("compare.baselines", name, BASELINES)
+    if mission.map.mean != "constant" and scenario.radio is None:
+        raise InputError(f'map.mean = "{mission.map.mean}" needs the transmitter: give a table [radio]')
     if mission.field.file is None:
         if scenario.radio is None:
             raise InputError('there is nothing to measure: give a table [radio], or [field] with file = "…"')

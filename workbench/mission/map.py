@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight
 from formulations.mapping.map_grid import MapGrid
 from formulations.mapping.survey import Survey, Tick, fly_survey
@@ -27,8 +26,8 @@ from instances.formats.geotiff import write_geotiff
 from instances.formats.netcdf import Variable, write_grids
 from instances.geodesy import TangentPlane
 from instances.scenario_folder import kept_field, kept_scenario
+from workbench.mission.belief import Belief, belief_of
 from workbench.mission.flight import kept_flights
-from workbench.mission.place import scales_of
 from workbench.mission.settings import Mission
 
 
@@ -45,7 +44,8 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     flights = kept_flights(folders["flight"])
     last = max(int(flight.duration / mission.sensing.period) for flight in flights)
     kept = frames(last, mission.map.frames)
-    survey = survey_of(mission, scenario.region, field, flights, kept)
+    belief = belief_of(mission, folders["environment"])
+    survey = survey_of(mission, belief, scenario.region, field, flights, kept)
     x, y = survey.positions.T
     samples = pd.DataFrame({"time": survey.times, "uav": survey.uavs, "x": x, "y": y, "value": survey.values})
     write_aside(out / "samples.csv", samples.round(6).to_csv(index=False))
@@ -55,11 +55,9 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     if mission.origin is not None:
         _write_rasters(survey, grid, field, mission.origin, out, tell)
     end = survey.ticks[-1]
-    kernel = end.kernel
     return (
         f"{end.samples} samples, RMSE {end.score.rmse:.2f} {field.unit}, NLPD {end.score.nlpd:.2f} nats, 95 % interval "
-        f"covers {end.score.coverage:.1%}; σ_f {kernel.signal_sd:.1f}, l {kernel.length_scales[0] / 1e3:.1f} and "
-        f"{kernel.length_scales[1] / 1e3:.1f} km"
+        f"covers {end.score.coverage:.1%}; {end.fitted.model}"
     )
 
 
@@ -69,39 +67,32 @@ def frames(last: int, count: int) -> set[int]:
 
 
 def survey_of(
-    mission: Mission, region: Region, field: RadioMap, flights: list[Flight], kept: Collection[int] = ()
+    mission: Mission, belief: Belief, region: Region, field: RadioMap, flights: list[Flight], kept: Collection[int] = ()
 ) -> Survey:
     """Fly, measure and map `field` under the mission's settings, keeping the maps of the ticks `kept`."""
     return fly_survey(
         flights,
         field,
         MapGrid.over(region, mission.map.cells).points,
-        **sensing_of(mission),
+        **belief.sensing(mission),
         refit_every=mission.map.refit_every,
         seed=mission.sensing.seed,
         keep=lambda tick, _: tick in kept,
     )
 
 
-def sensing_of(mission: Mission) -> dict[str, Any]:
-    """Return sensor and kernels as `formulations.mapping.survey` takes them; information is under the planning one."""
-    return {
-        "kernel": SquaredExponential(mission.map.signal_sd, scales_of(mission.map.length_scale)),
-        "planning": SquaredExponential(mission.place.signal_sd, scales_of(mission.place.length_scale)),
-        "noise_sd": mission.sensing.noise_sd,
-        "period": mission.sensing.period,
-    }
-
-
 def ticks_frame(survey: Survey) -> pd.DataFrame:
-    """Return a row a tick: time [s], samples, information and entropy [nats], scores, the kernel's parameters."""
+    """Return a row a tick: time [s], samples, information and entropy [nats], scores, the model and its parameters."""
     return pd.DataFrame([_row(tick) for tick in survey.ticks])
 
 
-def _row(tick: Tick) -> dict[str, float]:
-    lx, ly = tick.kernel.length_scales
+def _row(tick: Tick) -> dict[str, Any]:
+    model = tick.fitted.model
+    lx, ly = model.kernel.length_scales
     row = {name: getattr(tick, name) for name in ("time", "samples", "information", "entropy")}
-    return row | asdict(tick.score) | {"signal_sd": tick.kernel.signal_sd, "length_x": lx, "length_y": ly}
+    fitted = {"signal_sd": model.kernel.signal_sd, "length_x": lx, "length_y": ly}
+    chosen = {"nugget_sd": model.nugget_sd, "kernel": model.kernel.name, "mean_model": model.trend.name}
+    return row | asdict(tick.score) | fitted | chosen
 
 
 def _write_rasters(

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from formulations.kernel import KERNELS
 from formulations.limits import LONGEST, MOST_THREADS
 from formulations.mapping.heights import Altitude, Frame
 from instances.errors import InputError, shown, suggestion
@@ -16,6 +17,9 @@ from instances.formats.mavlink_items import FIRMWARE, KINDS, Vehicle
 from instances.geodesy import TangentPlane
 from instances.scenario import Scenario
 from workbench.mission import keys
+
+MEANS = ("constant", "path-loss", "propagation")
+"""What [map] mean may name beside auto, which offers all of them."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +141,19 @@ class MapSettings:
     length_scale: float | list[float] = keys.one_or_two(
         4000.0, "m", meaning="length scale believed at take-off, or two along x and y"
     )
-    refit_every: int = keys.count(10, 0, meaning="measuring rounds between maximum-likelihood fits; 0 for none")
+    kernel: str = keys.one_of(
+        "auto",
+        ("auto", *KERNELS),
+        meaning="covariance of the map: auto (chosen by likelihood), se, matern52, matern32 or matern12; planning is "
+        "always under se",
+    )
+    mean: str = keys.one_of(
+        "constant",
+        ("auto", *MEANS),
+        meaning="mean of the map: constant, path-loss (distance from the transmitter), propagation (diffraction over "
+        "the terrain) or auto; beside constant, physics is taken only where the likelihood says so",
+    )
+    refit_every: int = keys.count(10, 0, meaning="measuring rounds between fits of the map's model; 0 for none")
     cells: int = keys.count(100, 4, 1000, meaning="cells of the map along the longer side")
     frames: int = keys.count(30, 2, meaning="maps that are kept for the report")
 

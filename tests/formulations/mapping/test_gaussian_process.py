@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
-from formulations.kernel import SquaredExponential
+from formulations.kernel import Matern32, SquaredExponential
 from formulations.mapping.gaussian_process import GaussianProcess
-from formulations.mapping.likelihood import fit_hyperparameters, log_likelihood
+from formulations.mapping.map_model import MapModel
+from formulations.mapping.trend import path_loss
 
 KERNEL = SquaredExponential(30.0, (4000.0, 2500.0))
 
@@ -41,7 +42,7 @@ def test_incremental_is_the_batch_formula_of_eq_gpr1(size: int) -> None:
     unknown = (1 - K @ np.linalg.solve(C, ones)) ** 2 / weight
     variance = 900.0 - np.einsum("ij,ji->i", K, np.linalg.solve(C, K.T)) + unknown
     posterior = in_blocks(X, y, points, size, None).posterior()
-    assert posterior.level == pytest.approx(level, rel=1e-10)
+    assert posterior.coefficients == pytest.approx([level], rel=1e-10)
     np.testing.assert_allclose(posterior.mean, mean, rtol=1e-8)
     np.testing.assert_allclose(posterior.sd**2, variance, rtol=1e-8, atol=1e-8)
 
@@ -58,54 +59,25 @@ def test_agrees_with_scikit_learn() -> None:
     np.testing.assert_allclose(posterior.sd, sd, rtol=1e-8)
 
 
-def test_the_likelihood_agrees_with_scikit_learn_at_the_fitted_mean() -> None:
-    sklearn = pytest.importorskip("sklearn.gaussian_process")
-    X, y, _ = field(3, 80, 1)
-    value, gradient = log_likelihood(KERNEL, 1.0, X, y)
-    C = KERNEL(X, X) + np.eye(80)
-    w = np.linalg.solve(C, np.ones(80))
-    level = (w @ y) / w.sum()
-    reference = sklearn.GaussianProcessRegressor(
-        sklearn.kernels.ConstantKernel(900.0) * sklearn.kernels.RBF([4000.0, 2500.0]), alpha=1.0, optimizer=None
-    ).fit(X, y - level)
-    theirs, slope = reference.log_marginal_likelihood(np.log([900.0, 4000.0, 2500.0]), eval_gradient=True)
-    assert value == pytest.approx(theirs, rel=1e-8)
-    np.testing.assert_allclose(gradient, [2 * slope[0], *slope[1:]], rtol=1e-6)
-
-
-@pytest.mark.parametrize("scales", [(150.0, 150.0), (4000.0, 120.0), (120.0, 9000.0)])
-def test_the_fit_leaves_a_peak_on_which_one_start_stays(scales: tuple[float, float]) -> None:
-    """From 150 m a single search ends at log p = −98.9, as a refit of a mission did for good; −79.1 exists."""
-    rng = np.random.default_rng(8)
-    X = rng.uniform(0, 20e3, (30, 2))
-    smooth = SquaredExponential(8.0, (4000.0, 4000.0))
-    y = -70.0 + np.linalg.cholesky(smooth(X, X) + np.eye(30)) @ rng.normal(size=30)
-    found = fit_hyperparameters(SquaredExponential(8.0, scales), 1.0, X, y)
-    assert log_likelihood(found, 1.0, X, y)[0] == pytest.approx(-79.0763, abs=1e-3)
-
-
-@pytest.mark.parametrize(("X", "y"), [(np.zeros((9, 2)), np.arange(9.0)), (np.eye(9, 2), np.full(9, -70.0))])
-def test_samples_that_say_nothing_of_scales_still_give_a_kernel(X: np.ndarray, y: np.ndarray) -> None:
-    found = fit_hyperparameters(KERNEL, 1.0, X, y)
-    assert np.isfinite([found.signal_sd, *found.length_scales]).all()
-
-
-def test_maximum_likelihood_recovers_what_made_the_data() -> None:
-    rng = np.random.default_rng(5)
-    X = rng.uniform(0, 20000, (300, 2))
-    truth = SquaredExponential(10.0, (3000.0, 6000.0))
-    y = -80 + np.linalg.cholesky(truth(X, X) + 1.0 * np.eye(300)) @ rng.normal(size=300)
-    found = fit_hyperparameters(SquaredExponential(30.0, (4000.0, 4000.0)), 1.0, X, y)
-    assert found.signal_sd == pytest.approx(10.0, rel=0.35)
-    assert found.length_scales == pytest.approx((3000.0, 6000.0), rel=0.2)
-    best, gradient = log_likelihood(found, 1.0, X, y)
-    assert best >= log_likelihood(truth, 1.0, X, y)[0]
-    assert np.abs(gradient).max() < 0.1
-
-
-def test_few_samples_leave_the_kernel_as_it_is() -> None:
-    X, y, _ = field(6, 7, 1)
-    assert fit_hyperparameters(KERNEL, 1.0, X, y) is KERNEL
+@pytest.mark.parametrize("size", [5, 90])
+def test_universal_kriging_is_the_batch_formula(size: int) -> None:
+    """Notes: r = h_* − HᵀC⁻¹k_*, mean h_*ᵀβ̂ + k_*ᵀC⁻¹(y − Hβ̂), variance + rᵀ(HᵀC⁻¹H)⁻¹r; a nugget is in C and in f."""
+    X, y, points = field(4, 90, 40)
+    model = MapModel(Matern32(20.0, (5000.0, 3000.0)), 1.5, path_loss(9000.0, 8000.0, 2500.0))
+    process = GaussianProcess(model, 1.0, points)
+    for k in range(0, 90, size):
+        process.extend(X[k : k + size], y[k : k + size])
+    H, far = model.trend.columns(X), model.trend.columns(points)
+    inverse = np.linalg.inv(model.kernel(X, X) + (1.0 + 1.5**2) * np.eye(90))
+    A = H.T @ inverse @ H + np.diag([0.0, 1.0])  # the exponent is believed to be 3 ± 1
+    beta = np.linalg.solve(A, H.T @ inverse @ y + [0.0, 3.0])
+    K = model.kernel(points, X)
+    r = far - K @ inverse @ H
+    variance = 400.0 + 1.5**2 - np.einsum("ij,jk,ik->i", K, inverse, K) + np.einsum("ij,ij->i", r, r @ np.linalg.inv(A))
+    posterior = process.posterior()
+    np.testing.assert_allclose(posterior.coefficients, beta, rtol=1e-8)
+    np.testing.assert_allclose(posterior.mean, far @ beta + K @ inverse @ (y - H @ beta), rtol=1e-9)
+    np.testing.assert_allclose(posterior.sd**2, variance, rtol=1e-8)
 
 
 @settings(deadline=None, max_examples=25)

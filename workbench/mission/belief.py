@@ -1,0 +1,63 @@
+"""What a mission's map believes before take-off, and what its fits choose from: kernels, and means from physics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from formulations.kernel import KERNELS, Kernel, SquaredExponential
+from formulations.mapping.heights import Frame
+from formulations.mapping.map_model import MapModel, Offered
+from formulations.mapping.trend import CONSTANT, Trend, path_loss
+from instances.environment.radio import RadioSource
+from instances.environment.terrain import Terrain
+from instances.scenario import Scenario
+from instances.scenario_folder import kept_scenario, kept_terrain
+from workbench.mission.environment import field_of
+from workbench.mission.place import scales_of
+from workbench.mission.settings import MEANS, Mission
+
+
+@dataclass(frozen=True)
+class Belief:
+    """Model at take-off, what fits choose from, and the planning kernel, under which information is stated."""
+
+    model: MapModel
+    offered: Offered
+    planning: Kernel
+
+    def sensing(self, mission: Mission) -> dict[str, Any]:
+        """Return sensor and models as `formulations.mapping.survey` takes them."""
+        known = {"model": self.model, "offered": self.offered, "planning": self.planning}
+        return known | {"noise_sd": mission.sensing.noise_sd, "period": mission.sensing.period}
+
+
+def belief_of(mission: Mission, environment: Path) -> Belief:
+    """Return what `mission` believes; `environment` is the folder of that stage."""
+    wanted = mission.map
+    kernels = tuple(KERNELS.values()) if wanted.kernel == "auto" else (KERNELS[wanted.kernel],)
+    first = SquaredExponential if wanted.kernel == "auto" else kernels[0]
+    names = MEANS if wanted.mean == "auto" else dict.fromkeys(("constant", wanted.mean))
+    scenario, ground = kept_scenario(environment), kept_terrain(environment)
+    trends = tuple(_trend(name, mission, scenario, ground) for name in names)
+    return Belief(
+        MapModel(first(wanted.signal_sd, scales_of(wanted.length_scale))),
+        Offered(kernels, trends),
+        SquaredExponential(mission.place.signal_sd, scales_of(mission.place.length_scale)),
+    )
+
+
+def _trend(name: str, mission: Mission, scenario: Scenario, ground: Terrain | None) -> Trend:
+    if name == CONSTANT.name:
+        return CONSTANT
+    assert scenario.radio is not None  # fitting.py has looked
+    source = RadioSource.from_table(scenario.radio)
+    if name == "path-loss":
+        below = source.height + (0.0 if ground is None else float(ground(np.array([source.position]))[0]))
+        above = mission.altitude.above - (0.0 if mission.altitude.frame is Frame.ABOVE_GROUND else below)
+        return path_loss(*source.position, max(above, source.height))
+    diffraction = replace(mission.field, file=None, unit=None, model="diffraction", shadowing_sd=0.0)
+    return Trend(name, field_of(replace(mission, field=diffraction), ground))

@@ -105,6 +105,18 @@ SUMMARY = [
 ]  # fmt: skip
 """Of `metrics.summary`, a row a method."""
 
+AGAINST = [
+    Column("method", "Method"),
+    Column("measure", "Measure", meaning="quality: median cost over seeds; time to proof: its median"),
+    Column("instances", "Instances", "", numbers.count, "that both stores hold"),
+    Column("better", "Better", "", numbers.count, "instances on which the new store is better than the older one"),
+    Column("worse", "Worse", "", numbers.count, "instances on which it is worse"),
+    Column("unchanged", "Unchanged", "", numbers.count, "instances without a difference"),
+    Column("change", "Mean change", "", numbers.gap, "of the measure, relative to the older store"),
+    Column("verdict", "Verdict", meaning="Wilcoxon's signed-rank test over instances, corrected by Holm's method"),
+]
+"""Of `compare.compare_stores`, a row a method and measure."""
+
 INSTANCES = [
     Column("instance", "Instance"),
     Column("family", "Family", meaning="generator family or set"),

@@ -15,3 +15,9 @@ settings.load_profile("repeatable")
 def without_figures(monkeypatch):
     """For tests of what else stands on a page: the figures are most of the seconds it takes."""
     monkeypatch.setattr("reports.pages.study.study_figures", lambda runs: [])
+
+
+@pytest.fixture(autouse=True)
+def no_terminal(monkeypatch):
+    """Nothing is wrapped or left out, whatever the terminal the suite is started from."""
+    monkeypatch.delenv("COLUMNS", raising=False)

@@ -61,6 +61,12 @@ def refuse(param: click.Parameter | None, wanted: str, value: Any) -> NoReturn:
     raise InputError(f"{flag}: must be {wanted}, got {shown(value)}")
 
 
+def _listed(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str]:
+    from workbench.settings import names
+
+    return [] if value is None else names(value, "--columns")
+
+
 SEED = Whole(0, LARGEST_SEED)
 COUNT = Whole(1, 1_000_000)
 """How many of something."""
@@ -70,3 +76,11 @@ THREADS = Whole(1, MOST_THREADS)
 ITERATIONS = Whole(0, LARGEST_WHOLE)
 SECONDS = Positive(LONGEST, "s")
 POSITIVE = Positive()
+
+JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+COLUMNS = click.option(
+    "--columns",
+    metavar="NAME,...",
+    callback=_listed,
+    help="Columns of the printed table, or all; without it those that fit.",
+)

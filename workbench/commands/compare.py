@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,12 +10,12 @@ import click
 
 from instances.errors import InputError, shown, suggestion
 from workbench.completing import SOLVERS, study_or_file
-from workbench.options import COUNT, JOBS, SECONDS, THREADS
-from workbench.terminal import say
+from workbench.options import COLUMNS, COUNT, JOBS, JSON, SECONDS, THREADS
+from workbench.terminal import print_json, say
 
 if TYPE_CHECKING:
     from workbench.jobs.execute import Plan
-    from workbench.jobs.problem import Source
+    from workbench.jobs.problem import Published, Source
     from workbench.jobs.store import Store
     from workbench.jobs.study import Study
 
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 @click.option("--report/--no-report", default=True, help="Whether to write results.csv and report.html at the end.")
 @click.option("--no-plugins", is_flag=True, help="Refuse a study that names code which is not built in.")
 @click.option("--dry-run", is_flag=True, help="Say what would be run and how long it would take.")
+@COLUMNS
+@JSON
 @click.pass_context
 def command(
     context: click.Context,
@@ -54,6 +56,8 @@ def command(
     report: bool,
     no_plugins: bool,
     dry_run: bool,
+    columns: list[str],
+    as_json: bool,
     **changes: Any,
 ) -> None:
     """Run a study and report on it: STUDY.toml, the name of a shipped study, or INSTANCES with --solvers.
@@ -65,7 +69,6 @@ def command(
     folder at once and share the runs. Exit code 1 where a run ended in ERROR, files in the folder are damaged or a
     claim in it is false.
     """
-    from workbench.jobs.execute import shortfall
     from workbench.jobs.machine import available_cores
     from workbench.settings import memory
 
@@ -74,6 +77,8 @@ def command(
     study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
     if no_plugins and study.plugins:
         raise InputError(f"--no-plugins: the study names {', '.join(map(shown, study.plugins))}, which is not built in")
+    if columns:
+        _refuse_columns(study, columns)
     folder = out or Path("runs") / study.name
     if scheduler is not None and not dry_run:
         _reach(scheduler)
@@ -81,25 +86,53 @@ def command(
     if scheduler is None:
         _warn_of_crowding(study, parallel)
     if dry_run:
-        _tell_plan(plan, parallel)
+        _tell_plan(plan, parallel, as_json)
         return
-    problems = _execute(study, plan, store, Means(parallel, limit, scheduler))
-    problems += _publish(folder) if report else []
+    published = _carry_out(study, plan, store, Means(parallel, limit, scheduler), report)
+    about = {"study": study.name, "folder": folder, "runs": len(plan.jobs), "ran": len(plan.todo)}
+    _tell(published, columns, about if as_json else None)
+    context.exit(1 if published.problems else 0)
+
+
+def _refuse_columns(study: Study, columns: list[str]) -> None:
+    from workbench.publish import refuse_columns  # here: pandas is not needed while methods run
+
+    refuse_columns([study.problem.name], columns)
+
+
+def _carry_out(study: Study, plan: Plan, store: Store, means: Means, report: bool) -> Published:
+    """Run what is to do and report on it, unless that is not wanted; return what there is to tell."""
+    from workbench.jobs.execute import shortfall
+    from workbench.jobs.problem import Published
+
+    problems = _execute(study, plan, store, means)
+    published = _published(store.root) if report else Published([], [])
+    problems += published.problems
     problems += [sentence for sentence in plan.damaged if f"{sentence}." not in problems]  # what publishing left unsaid
     problems += shortfall(plan.jobs, store)
-    for problem in problems:
-        say(problem, err=True)
-    context.exit(1 if problems else 0)
+    return replace(published, problems=problems)
 
 
-def _publish(folder: Path) -> list[str]:
-    """Write results.csv and report.html in `folder`; return what is damaged or contradicts itself there."""
+def _published(folder: Path) -> Published:
+    """Write results.csv and report.html in `folder`; return what there is to tell."""
     from workbench.jobs.problem import Outputs
     from workbench.publish import publish  # here: pandas is not needed while methods run
 
-    published = publish([folder], Outputs(folder / "report.html", folder / "results.csv"))
-    click.echo("\n".join(str(path) for path in published.written))
-    return published.problems
+    return publish([folder], Outputs(folder / "report.html", folder / "results.csv"))
+
+
+def _tell(published: Published, columns: list[str], about: dict[str, Any] | None) -> None:
+    """Print what came of the study, as one JSON object that begins with `about` where that is given."""
+    from workbench.publish import tell, told
+
+    if about is not None:
+        print_json(about | told(published))
+    else:
+        tell(published, columns)
+        for path in published.written:
+            click.echo(str(path))
+    for problem in published.problems:
+        say(problem, err=True)
 
 
 def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, object]) -> Study:
@@ -162,9 +195,13 @@ def _warn_of_crowding(study: Study, parallel: int) -> None:
         click.echo(f"warning: {asked} on {cores} cores: times will be those of a crowded machine", err=True)
 
 
-def _tell_plan(plan: Plan, parallel: int) -> None:
+def _tell_plan(plan: Plan, parallel: int, as_json: bool) -> None:
     from workbench.jobs.progress import Estimate, duration
 
+    if as_json:
+        asked = {"todo": [job.path for job in plan.todo], "planned": len(plan.jobs), "jobs": parallel}
+        print_json(asked | {"seconds_at_most": Estimate(plan.todo, parallel).left()})
+        return
     for job in plan.todo:
         click.echo(job.path)
     longest = duration(Estimate(plan.todo, parallel).left())

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from workbench.completing import COST_METHOD
+from workbench.options import JSON
+from workbench.terminal import print_json, say
 
 if TYPE_CHECKING:
     from instances.scenario import Scenario
-    from workbench.jobs.problem import Source
+    from workbench.jobs.problem import Published, Source
 
 
 @click.command("costs")
@@ -29,8 +31,15 @@ if TYPE_CHECKING:
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Instance file (.json, .json.gz, .atsp).")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw wind, tasks and the paths from one start (.svg).")
 @click.option("--report", type=click.Path(path_type=Path), help="Compare all methods here; write a page (.html).")
+@JSON
 def command(
-    scenario_file: Path, method: str, options: tuple[str, ...], out: Path, plot: Path | None, report: Path | None
+    scenario_file: Path,
+    method: str,
+    options: tuple[str, ...],
+    out: Path,
+    plot: Path | None,
+    report: Path | None,
+    as_json: bool,
 ) -> None:
     """Compute the moving cost and path between every pair of nodes of SCENARIO.toml.
 
@@ -44,8 +53,10 @@ def command(
     from formulations.moving_cost.registry import make_method
     from instances.errors import naming
     from instances.files import endings
+    from instances.paths import paths_file
     from instances.scenario import read_scenario
     from workbench.planning import CONFIRMED, plan, write_plan
+    from workbench.publish import tell, told
     from workbench.settings import check_target, key_values
 
     chosen = key_values(options, "--option")
@@ -64,18 +75,25 @@ def command(
 
         save_figure(draw_paths(scenario, paths).figure, plot)
     effect = WindEffect(**instance.provenance["wind_effect"]).summary(scenario.cost)
-    if report:
-        _compare(scenario, report)
+    compared = _compare(scenario, report) if report else None
     speeds, _ = classes_of(scenario)
     count = paths.n_nodes * (paths.n_nodes - 1) * len(speeds)
-    click.echo(f"{instance.summary()}; {count} paths by {method} in {elapsed:.1f} s, {CONFIRMED}")
+    if as_json:
+        about = {"instance": instance.name, "digest": instance.digest, "file": out, "paths_file": paths_file(out)}
+        about |= {"method": method, "cost": scenario.cost, "paths": count, "elapsed": elapsed}
+        about |= {"wind_effect": instance.provenance["wind_effect"]}
+        print_json(about | ({"report": told(compared)} if compared else {}))
+        return
+    if compared:
+        tell(compared)
+    say(f"{instance.summary()}; {count} paths by {method} in {elapsed:.1f} s, {CONFIRMED}")
     for speed in speeds:
-        click.echo(f"cost: {scenario.cost.described(speed)}")
-    click.echo(effect)
+        say(f"cost: {scenario.cost.described(speed)}")
+    say(effect)
 
 
-def _compare(scenario: Scenario, page: Path) -> None:
-    """Run the shipped studies of moving costs on this scenario alone, and write their page."""
+def _compare(scenario: Scenario, page: Path) -> Published:
+    """Run the shipped studies of moving costs on this scenario alone, write their page and return what it says."""
     from tempfile import TemporaryDirectory
 
     from workbench.jobs.backlog import Backlog
@@ -103,8 +121,7 @@ def _compare(scenario: Scenario, page: Path) -> None:
             with StudyProgress(jobs, 1, MOVING_COST.spell) as progress, Backlog(jobs, store) as backlog:
                 run_locally(backlog, MOVING_COST, 1, progress)
         store.put_study({"name": scenario.name}, [])
-        for problem in MOVING_COST.publish([store.root], Outputs(page)).problems:
-            click.echo(problem, err=True)
+        return MOVING_COST.publish([store.root], Outputs(page))
 
 
 def _tell(fraction: float, words: str) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from instances.errors import InputError
+from workbench.options import COLUMNS, JSON
 
 FILE = click.Path(path_type=Path, dir_okay=False)
 
@@ -22,6 +23,8 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 @click.option("--parquet", type=FILE, help="A row a run.")
 @click.option("--against", type=click.Path(path_type=Path), help="An older store: better, worse or unchanged?")
 @click.option("--fail-on-regression", is_flag=True, help="With --against: exit code 1 where something got worse.")
+@COLUMNS
+@JSON
 @click.pass_context
 def command(
     context: click.Context,
@@ -31,6 +34,8 @@ def command(
     csv: Path | None,
     raw_csv: bool,
     fail_on_regression: bool,
+    columns: list[str],
+    as_json: bool,
     **more: Any,
 ) -> None:
     """Report on the runs of one store or several merged, without running anything; prints the summary.
@@ -40,17 +45,23 @@ def command(
     out.
     """
     from reports import numbers
+    from reports.stores import problems_in
     from workbench.jobs.problem import Outputs
-    from workbench.publish import publish
+    from workbench.publish import publish, refuse_columns, tell, told
     from workbench.settings import check_target
-    from workbench.terminal import say
+    from workbench.terminal import print_json, say
 
     if fail_on_regression and more["against"] is None:
         raise InputError("--fail-on-regression: needs --against OLD")
     outputs = {flag: path for flag, path in more.items() if path}
     for path in (out, csv, *(outputs[flag] for flag in outputs if flag != "against")):
         check_target(path)
+    refuse_columns(problems_in(*folders), columns)
     published = publish(folders, Outputs(out, csv, outputs, raw_csv))
+    if as_json:
+        print_json(told(published) | {"damaged": published.damaged, "regressed": published.regressed})
+    else:
+        tell(published, columns)
     for sentence in published.problems:
         say(sentence, err=True)
     if published.damaged:

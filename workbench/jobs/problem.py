@@ -8,15 +8,19 @@ routes, points, costs with their paths; between processes and in files it is a J
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from formulations.limits import Limits
 from instances.errors import InputError
 from instances.registry import MethodRegistry
 from reports.record import Run
+
+if TYPE_CHECKING:
+    from reports.columns import Column
+    from workbench.summary import Summary
 
 
 class Named(Protocol):
@@ -91,13 +95,16 @@ class Published:
     """What came of publishing.
 
     written : files. problems : what is wrong with the runs, a sentence each. damaged : how many of these are files that
-    could not be read. regressed : whether any run got worse.
+    could not be read. regressed : whether any run got worse. summaries : tables about them. notes : what else a reader
+    must know, a sentence each.
     """
 
     written: list[Path]
     problems: list[str]
     damaged: int = 0
     regressed: bool = False
+    summaries: list[Summary] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
 
 Listener = Callable[[Claim], None]
@@ -198,6 +205,10 @@ class Problem(Protocol[Item]):
         """Return what runs of a store were looked at, in words, and everything wrong with them, a sentence each."""
         ...
 
+    def columns(self) -> Sequence[Column]:
+        """Return the columns that the summary of its runs may have."""
+        return ()
+
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
-        """Print a summary of stored runs and write what is asked for about them."""
+        """Summarise stored runs and write what is asked for about them."""
         ...

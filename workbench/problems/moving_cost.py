@@ -15,7 +15,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -43,11 +43,12 @@ from workbench.jobs.tables import counts_from, listed, tables_of, typed
 from workbench.making import make_elsewhere
 from workbench.problems.routing import family_grid
 from workbench.sources import plugin_family
-from workbench.terminal import print_table, say
+from workbench.summary import Summary
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from reports.columns import Column
     from reports.pages.moving_cost import Case
 
 SAMPLED = 65
@@ -211,9 +212,14 @@ class MovingCostStudy(Problem[MovingCostItem]):
         runs, items, problems = check_runs(self, folder, lambda item: [], _false_claims)
         return f"{runs} moving-cost runs on {items} scenarios", problems
 
+    def columns(self) -> Sequence[Column]:
+        """Return the columns of the summary."""
+        from reports.columns import MOVING_COSTS
+
+        return MOVING_COSTS
+
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
-        """Print the methods side by side on each scenario."""
-        from reports.columns import MOVING_COSTS, texts  # here: pandas and matplotlib take their time
+        """Put the methods side by side on each scenario."""
         from reports.csv_text import csv_text
         from reports.moving_costs import moving_cost_frame, moving_cost_summary
         from reports.pages.moving_cost import write_moving_cost_page
@@ -227,13 +233,12 @@ class MovingCostStudy(Problem[MovingCostItem]):
         if outputs.page is not None:
             title = f"Moving costs: {study_title(folders)}"
             write_moving_cost_page(_cases(items, runs, frame), frame, runs, outputs.page, title)
-        if len(frame):
-            print_table([c.heading for c in MOVING_COSTS], texts(MOVING_COSTS, moving_cost_summary(frame)), words=2)
-        if note := code_note(run.code for run in runs.values()):
-            say(note)
+        summaries = [Summary(self.name, self.columns(), moving_cost_summary(frame), 2)] if len(frame) else []
+        note = code_note(run.code for run in runs.values())
         failed = int(frame["mean_cost"].isna().sum())
         problems = [*damaged, *([f"{failed} runs ended without paths"] if failed else [])]
-        return Published([path for path in (outputs.table, outputs.page) if path], problems, len(damaged))
+        written = [path for path in (outputs.table, outputs.page) if path]
+        return Published(written, problems, len(damaged), summaries=summaries, notes=[note] if note else [])
 
 
 MOVING_COST = MovingCostStudy()

@@ -16,11 +16,11 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from shapely.geometry import mapping
@@ -45,7 +45,10 @@ from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.tables import counts_from, listed, typed
-from workbench.terminal import print_table, say
+from workbench.summary import Summary
+
+if TYPE_CHECKING:
+    from reports.columns import Column
 
 NUMBER = (int, float)
 KERNEL_KEYS: dict[str, Any] = {
@@ -210,9 +213,14 @@ class PlacementStudy(Problem[PlacementItem]):
         problems += [f"{path}: {sentence}" for path, sentence in found]
         return f"{runs} placement runs on {items} problems", problems
 
+    def columns(self) -> Sequence[Column]:
+        """Return the columns of the summary."""
+        from reports.columns import PLACEMENTS
+
+        return PLACEMENTS
+
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
-        """Print the methods side by side on each problem."""
-        from reports.columns import PLACEMENTS, texts
+        """Put the methods side by side on each problem."""
         from reports.csv_text import csv_text
         from reports.pages.placement import placement_summary, write_placement_page
         from reports.placement_store import placement_contradictions, read_placements
@@ -221,14 +229,13 @@ class PlacementStudy(Problem[PlacementItem]):
         frame = write_placement_page(runs, outputs.page, f"Task locations: {study_title(folders)}")
         if outputs.table is not None:
             write_aside(outputs.table, csv_text(frame, outputs.raw_table))
-        if len(frame):
-            print_table([c.heading for c in PLACEMENTS], texts(PLACEMENTS, placement_summary(frame)), words=2)
+        summaries = [Summary(self.name, self.columns(), placement_summary(frame), 2)] if len(frame) else []
         problems = [*damaged, *(sentence for _, sentence in placement_contradictions(runs))]
         if failed := int(frame["mutual_information"].isna().sum()):
             problems.append(f"{failed} runs ended without a placement")
-        if note := code_note([run["code"] for run in runs]):
-            say(note)
-        return Published([path for path in (outputs.table, outputs.page) if path], problems, len(damaged))
+        note = code_note([run["code"] for run in runs])
+        written = [path for path in (outputs.table, outputs.page) if path]
+        return Published(written, problems, len(damaged), summaries=summaries, notes=[note] if note else [])
 
 
 PLACEMENT = PlacementStudy()

@@ -34,13 +34,17 @@ from reports.tolerances import RELATIVE_ROUNDING, WIDEST_TOLERANCE
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.tables import combined, counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
 from workbench.sources import FamilySource, FileSource, instance_files
+from workbench.summary import Summary
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from reports.columns import Column
     from reports.compare import Comparison
 
 FAMILY_KEYS = ("family", "tasks", "depots", "seeds", "parameters")
+FIRST = ("failed", "solved", "proved", "gap_known", "gap_found", "time", "certified", "gap_bound", "proof_time")
+"""Columns of the summary that are left out last."""
 LARGE = 500
 """Nodes from which the kept copy of an instance is compressed."""
 
@@ -158,8 +162,14 @@ class Routing(Problem[Instance]):
         problems += [f"{path}: ERROR: {words}" for path, words in zip(failed["path"], failed["message"], strict=True)]
         return f"{len(runs)} runs on {runs['digest'].nunique()} instances{_bounds_of(runs)}", problems
 
+    def columns(self) -> Sequence[Column]:
+        """Return the columns of the summary."""
+        from reports.columns import AGAINST, SUMMARY
+
+        return [*SUMMARY, *AGAINST]
+
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
-        """Print the summary per solver, and against an older store where asked."""
+        """Summarise the runs per solver, and against an older store where asked."""
         from reports import tables  # here: pandas and matplotlib take their time
         from reports.compare import compare_stores
         from reports.metrics import contradictions
@@ -180,13 +190,13 @@ class Routing(Problem[Instance]):
                 write(runs, outputs.extra[flag])
         if outputs.table:
             tables.write_csv(runs, outputs.table, raw=outputs.raw_table)
-        _print_summary(runs)
-        if comparison:
-            _print_comparison(comparison)
         false = contradictions(runs)[["instance", "method", "seed", "sentence"]].itertuples(index=False)
         problems = [*stores.warnings, *(f"{item} {method} seed {seed}: {told}" for item, method, seed, told in false)]
         written = [path for path in (outputs.table, outputs.page) if path]
-        return Published(written, problems, len(stores.damaged), bool(comparison and comparison.regressed))
+        notes = [note] if (note := code_note(runs["code"])) else []
+        notes += [*comparison.regressions, *comparison.remarks] if comparison else []
+        regressed = bool(comparison and comparison.regressed)
+        return Published(written, problems, len(stores.damaged), regressed, _summaries(runs, comparison), notes)
 
 
 ROUTING = Routing()
@@ -230,33 +240,18 @@ def _kept(folder: Path) -> Path | None:
     return next((folder / name for name in ITEM_FILES["routing"] if (folder / name).exists()), None)
 
 
-def _print_summary(runs: pd.DataFrame) -> None:
-    """Print the summary per solver as a table on stdout."""
-    from reports.columns import SUMMARY, shown, texts
+def _summaries(runs: pd.DataFrame, comparison: Comparison | None) -> list[Summary]:
+    """Return the table of solvers, and what became of each against the older store."""
+    from reports.columns import AGAINST, SUMMARY, shown
     from reports.metrics import summary
-    from workbench.terminal import print_table, say
 
-    if runs.empty:
-        return
-    found = summary(runs).reset_index()
-    columns = shown(SUMMARY, found)
-    print_table(["Solver", *(column.heading for column in columns[1:])], texts(columns, found))
-    if note := code_note(runs["code"]):
-        say(note)
-
-
-def _print_comparison(comparison: Comparison) -> None:
-    """Print what became of each method against the older store, on stdout."""
-    from workbench.terminal import print_table, say
-
-    counts = ["instances", "better", "worse", "unchanged"]
-    rows = [
-        [f"{row['method']}, {row['measure']}", *(str(row[name]) for name in counts), str(row["verdict"])]
-        for row in comparison.methods.to_dict("records")
-    ]
-    print_table(["Against the older store", *counts, "verdict"], rows)
-    for sentence in [*comparison.regressions, *comparison.remarks]:
-        say(sentence)
+    found = []
+    if not runs.empty:
+        table = summary(runs).reset_index()
+        found.append(Summary(ROUTING.name, shown(SUMMARY, table), table, first=FIRST))
+    if comparison and not comparison.methods.empty:
+        found.append(Summary("against", AGAINST, comparison.methods, 2, ("verdict", "better", "worse", "unchanged")))
+    return found
 
 
 def family_grid(table: Mapping[str, Any], where: str) -> list[tuple[str, int, int, int, dict[str, Any]]]:

@@ -54,7 +54,7 @@ def test_compare_runs_stores_and_reports(cli, study, tmp_path, stored_json):
     assert {run["status"] for name, run in runs.items() if "Crashes" in name} == {"ERROR"}
     assert len(unmeasured(tmp_path / "runs" / "results.csv")) == 1 + ALL
     assert (tmp_path / "runs" / "report.html").read_text().startswith("<!")
-    assert "Solver" in out
+    assert "Method" in out
     assert f"[{ALL}/{ALL}]" in err
     (environment,) = (tmp_path / "runs" / "environments").glob("*.json")
     assert {run["environment"] for run in runs.values()} == {environment.stem}

@@ -153,6 +153,10 @@ class Instance:
             ratios += float(np.divide(np.abs(there - back), total, out=np.zeros_like(total), where=total > 0).sum())
         return ratios / (self.n_tasks * (self.n_nodes - 1))
 
+    def about(self) -> dict[str, Any]:
+        """What programs are told of it: its name as `instance`, digest and size."""
+        return {"instance": self.name, "digest": self.digest, "n_tasks": self.n_tasks, "n_depots": self.n_depots}
+
     def summary(self) -> str:
         """One line for people: name, size, asymmetry, digest."""
         more = "".join(f"{AXES[axis]}, " for axis in AXES if axis in self.axes)

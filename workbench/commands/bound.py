@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from workbench.options import SECONDS, SEED
+from workbench.options import JSON, SECONDS, SEED
 
 if TYPE_CHECKING:
     from formulations.routing.bounds import Bound
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @click.command("bound")
 @click.argument("instance_file", metavar="INSTANCE", type=click.Path(path_type=Path))
 @click.option("--routes", type=click.Path(path_type=Path), help="Routes (.sol) to measure the gaps from.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 @click.option(
     "--time-limit", type=SECONDS, default=60.0, show_default=True, help="Seconds of wall clock for each bound."
 )

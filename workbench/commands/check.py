@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from instances.errors import InputError
-from workbench.terminal import say
+from workbench.options import JSON
+from workbench.terminal import print_json, say
 
 
 @click.command("check")
@@ -15,8 +16,9 @@ from workbench.terminal import say
 @click.argument(
     "routes_file", metavar="[ROUTES.sol|SELECTION.json|SCENARIO.toml]", required=False, type=click.Path(path_type=Path)
 )
+@JSON
 @click.pass_context
-def command(context: click.Context, target: Path, routes_file: Path | None) -> None:
+def command(context: click.Context, target: Path, routes_file: Path | None, as_json: bool) -> None:
     """Verify the routes of INSTANCE, or every run stored in RUNS-DIR. Exit code 1 where a problem is found.
 
     A ROUTES file that does not visit every task once is unusable input: one sentence, exit code 2.
@@ -38,9 +40,12 @@ def command(context: click.Context, target: Path, routes_file: Path | None) -> N
             raise InputError(f"{target}: give the routes to check as well (ROUTES.sol), or a folder of runs")
         check_file = _check_selection if routes_file.suffix == ".json" else _check_routes
         looked_at, problems = check_file(target, routes_file)
-    for problem in problems:
-        say(problem)
-    say(f"{looked_at}: " + (f"{len(problems)} problem(s) found" if problems else "all right"))
+    if as_json:
+        print_json({"target": target, "looked_at": looked_at, "problems": problems})
+    else:
+        for problem in problems:
+            say(problem)
+        say(f"{looked_at}: " + (f"{len(problems)} problem(s) found" if problems else "all right"))
     context.exit(1 if problems else 0)
 
 

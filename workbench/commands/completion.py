@@ -8,6 +8,8 @@ import click
 from click.shell_completion import get_completion_class
 
 from instances.disk import write_aside
+from workbench.options import JSON
+from workbench.terminal import print_json
 
 PLACES = {
     "bash": ".local/share/bash-completion/completions/workbench",
@@ -20,7 +22,8 @@ PLACES = {
 @click.command("completion")
 @click.argument("shell", type=click.Choice(list(PLACES)))
 @click.option("--install", is_flag=True, help="Write it where the shell looks for it.")
-def command(shell: str, install: bool) -> None:
+@JSON
+def command(shell: str, install: bool, as_json: bool) -> None:
     """Print what SHELL needs to complete commands, options, and names of solvers, families and methods.
 
     \b
@@ -33,12 +36,16 @@ def command(shell: str, install: bool) -> None:
     made = get_completion_class(shell)
     assert made is not None
     source = made(commands, {}, "workbench", "_WORKBENCH_COMPLETE").source()
-    if not install:
+    target = Path.home() / PLACES[shell] if install else None
+    if target:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        write_aside(target, source + "\n")
+    if as_json:
+        print_json({"shell": shell, "file": target, "script": source})
+        return
+    if target is None:
         click.echo(source)
         return
-    target = Path.home() / PLACES[shell]
-    target.parent.mkdir(parents=True, exist_ok=True)
-    write_aside(target, source + "\n")
     click.echo(f"{target}: new {shell} shells complete workbench")
     if shell == "zsh":
         click.echo(f"(where {target.parent} is on fpath before compinit)")

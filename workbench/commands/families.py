@@ -7,9 +7,11 @@ from typing import Any
 
 import click
 
+from workbench.options import JSON
+
 
 @click.command("families")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 def command(as_json: bool) -> None:
     """List the generator families with their parameters and defaults.
 

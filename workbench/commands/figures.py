@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from workbench.options import SEED
+from workbench.options import JSON, SEED
+from workbench.terminal import print_json, say
 
 if TYPE_CHECKING:
     from formulations.kernel import SquaredExponential
@@ -26,7 +27,8 @@ LINE, READINGS, NOISE = 8.0, 7, 0.1
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder of the figures.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--format", "ending", type=click.Choice(["svg", "png", "pdf"]), default="svg", show_default=True)
-def command(out: Path, seed: int, ending: str) -> None:
+@JSON
+def command(out: Path, seed: int, ending: str, as_json: bool) -> None:
     """Draw the paper's Fig. 1 (paths through random tasks) and Fig. 2 (uncertainty before and after sensing).
 
     The other figures are those of what is computed: place --plot and --study, costs --plot, mission.
@@ -35,10 +37,15 @@ def command(out: Path, seed: int, ending: str) -> None:
     from workbench.settings import make_folder
 
     make_folder(out)
+    made = []
     for drawn in (random_paths(seed), sensing(seed)):
         path = out / f"{drawn.key}.{ending}"
         save_figure(drawn.figure, path)
-        click.echo(f"{path}: {drawn.title}. {drawn.caption}")
+        made.append({"key": drawn.key, "file": path, "title": drawn.title, "caption": drawn.caption})
+        if not as_json:
+            say(f"{path}: {drawn.title}. {drawn.caption}")
+    if as_json:
+        print_json({"figures": made})
 
 
 def random_paths(seed: int, numbers: dict[int, str] = NUMBERS) -> Drawn:

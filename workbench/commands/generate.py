@@ -7,7 +7,8 @@ from pathlib import Path
 import click
 
 from workbench.completing import FAMILY
-from workbench.options import COUNT, SEED
+from workbench.options import COUNT, JSON, SEED
+from workbench.terminal import print_json
 
 
 @click.command("generate")
@@ -18,7 +19,17 @@ from workbench.options import COUNT, SEED
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the first.")
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="A parameter of the family; repeatable.")
 @click.option("--out", type=click.Path(path_type=Path), default=Path(), show_default="this folder", help="Folder.")
-def command(family: str, tasks: int, depots: int, count: int, seed: int, settings: tuple[str, ...], out: Path) -> None:
+@JSON
+def command(
+    family: str,
+    tasks: int,
+    depots: int,
+    count: int,
+    seed: int,
+    settings: tuple[str, ...],
+    out: Path,
+    as_json: bool,
+) -> None:
     """Make instances of FAMILY, one file each, and print their paths (workbench families lists families).
 
     Where legs lead around walls or through a wind without closed form their costs are planned; the scenario and the
@@ -32,6 +43,7 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
 
     parameters = key_values(settings, "--set")
     check_family(family, parameters)
+    made = []
     for number in range(seed, seed + count):
         scenario = make_scenario(family, tasks, depots, number, **parameters)
         instance, paths = costed(scenario, FAMILIES.load(family).legs)
@@ -44,4 +56,8 @@ def command(family: str, tasks: int, depots: int, count: int, seed: int, setting
             require_confirmed(instance, paths, scenario)
             write_scenario(scenario, path.with_suffix(".toml"))
             write_plan(instance, paths, path, path.with_suffix(".toml"))
-        click.echo(str(path))
+        made.append({"seed": number, "file": path, **instance.about()})
+        if not as_json:
+            click.echo(str(path))
+    if as_json:
+        print_json({"family": family, "parameters": parameters, "instances": made})

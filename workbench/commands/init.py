@@ -9,6 +9,8 @@ import click
 
 from instances.disk import write_aside
 from instances.errors import InputError
+from workbench.options import JSON
+from workbench.terminal import print_json
 
 KINDS = {"study": ".toml", "scenario": ".toml", "mission": ".toml", "solver": ".py"}
 """What there is a template of → the ending of its file."""
@@ -17,7 +19,8 @@ KINDS = {"study": ".toml", "scenario": ".toml", "mission": ".toml", "solver": ".
 @click.command("init")
 @click.argument("kind", type=click.Choice(list(KINDS)))
 @click.argument("path", metavar="[FILE]", required=False, type=click.Path(path_type=Path))
-def command(kind: str, path: Path | None) -> None:
+@JSON
+def command(kind: str, path: Path | None, as_json: bool) -> None:
     """Write a commented template that runs as it is: of a study, a scenario, a mission or a solver of your own.
 
     Its first lines say how to run it. FILE is by default my_KIND with the ending of that kind; a file that is there
@@ -36,7 +39,10 @@ def command(kind: str, path: Path | None) -> None:
     if target.exists():
         raise InputError(f"{target}: is there already and is not overwritten")
     write_aside(target, template(kind, target.stem))
-    click.echo(str(target))
+    if as_json:
+        print_json({"kind": kind, "file": target})
+    else:
+        click.echo(str(target))
 
 
 def template(kind: str, name: str) -> str:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import click
 
 from workbench.completing import STAGE
+from workbench.options import JSON
+from workbench.terminal import print_json, say
 
 if TYPE_CHECKING:
     from workbench.mission.template import Described
@@ -62,7 +64,10 @@ def _print_template(context: click.Context, parameter: click.Parameter, wanted: 
     help="Print a MISSION.toml with every key, commented, and exit.",
 )
 @click.option("--no-plugins", is_flag=True, help="Refuse a mission that names code which is not built in.")
-def command(mission_file: Path, out: Path, stage: str | None, force_from: str | None, no_plugins: bool) -> None:
+@JSON
+def command(
+    mission_file: Path, out: Path, stage: str | None, force_from: str | None, no_plugins: bool, as_json: bool
+) -> None:
     """Run a whole mission: environment, place, costs, routes, flight, map, compare, report.
 
     NAME is a mission that comes with the workbench: paper, the paper's numerical example, which is the default; or lee,
@@ -86,5 +91,9 @@ def command(mission_file: Path, out: Path, stage: str | None, force_from: str | 
     mission = read_mission(shipped_missions().get(str(mission_file), mission_file))
     if no_plugins:
         refuse_plugins(mission)
-    run_mission(mission, out, only=stage, force_from=force_from, tell=lambda words: click.echo(words, err=True))
-    click.echo(f"{out / 'report.html'} ({time.perf_counter() - began:.0f} s)")
+    made = run_mission(mission, out, only=stage, force_from=force_from, tell=lambda words: say(words, err=True))
+    elapsed, page = time.perf_counter() - began, out / "report.html"
+    if as_json:
+        print_json({"folder": out, "report": page if page.exists() else None, "elapsed": elapsed, "stages": made})
+    else:
+        click.echo(f"{page} ({elapsed:.0f} s)")

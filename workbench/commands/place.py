@@ -10,7 +10,7 @@ import click
 
 from instances.errors import InputError
 from workbench.completing import PLACEMENT_METHOD
-from workbench.options import COUNT, POSITIVE, SECONDS, SEED
+from workbench.options import COUNT, JSON, POSITIVE, SECONDS, SEED
 
 if TYPE_CHECKING:
     from formulations.task_location.criterion import Criterion
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     "--sd-limit", type=POSITIVE, default=3.0, show_default=True, help="--study: a place with a larger sd is uncovered."
 )
 @click.option("--max-sd", type=POSITIVE, help="Fewest tasks that leave a posterior sd of at most this everywhere.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 @click.option("--out", type=click.Path(path_type=Path), help="Write .geojson, .json or .csv; with --study a folder.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw a picture (.svg).")
 def command(

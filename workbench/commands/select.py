@@ -11,7 +11,7 @@ import click
 
 from instances.errors import InputError, shown
 from workbench.completing import SELECTION_METHOD
-from workbench.options import ITERATIONS, POSITIVE, SECONDS, SEED
+from workbench.options import ITERATIONS, JSON, POSITIVE, SECONDS, SEED
 
 if TYPE_CHECKING:
     from formulations.selection.selection import Selection
@@ -54,7 +54,7 @@ Examples:
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--time-limit", type=SECONDS, default=60.0, show_default=True, help="Seconds of wall clock.")
 @click.option("--iterations", type=ITERATIONS, help="Limit on the method's own iterations.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 @click.option("--out", type=click.Path(path_type=Path), help="Write the selection (.json).")
 def command(
     instance_file: Path,

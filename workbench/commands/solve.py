@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from workbench.completing import SOLVER
-from workbench.options import ITERATIONS, SECONDS, SEED, THREADS
+from workbench.options import ITERATIONS, JSON, SECONDS, SEED, THREADS
 
 if TYPE_CHECKING:
     from instances import Instance, Routes
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @click.option("--fewest", is_flag=True, help="How many UAVs does a makespan of --limit take? With proof.")
 @click.option("--limit", type=SECONDS, help="The makespan [s] for --fewest.")
 @click.option("--what-if", is_flag=True, help="Also solve with one more UAV or battery: what is each worth?")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 @click.option("--out", type=click.Path(path_type=Path), help="Write the routes (.sol).")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw the routes (.svg).")
 @click.pass_context

@@ -7,9 +7,11 @@ from typing import Any
 
 import click
 
+from workbench.options import JSON
+
 
 @click.command("solvers")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 def command(as_json: bool) -> None:
     """List the solvers with their options and defaults, and why one is not available.
 

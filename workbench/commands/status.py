@@ -7,10 +7,12 @@ from pathlib import Path
 
 import click
 
+from workbench.options import JSON
+
 
 @click.command("status")
 @click.argument("folder", metavar="RUNS-DIR", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 @click.pass_context
 def command(context: click.Context, folder: Path, as_json: bool) -> None:
     """Count what is stored in RUNS-DIR, by solver and status, and what is missing. Exit code 1 for damaged files."""

@@ -6,9 +6,11 @@ import json
 
 import click
 
+from workbench.options import JSON
+
 
 @click.command("studies")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 def command(as_json: bool) -> None:
     """List the shipped studies: what each compares, and how many runs that are at most.
 

@@ -7,11 +7,14 @@ import time
 import click
 
 from workbench.completing import SOLVER
+from workbench.options import JSON
+from workbench.terminal import print_json, say
 
 
 @click.command("warmup")
 @click.argument("solvers", nargs=-1, shell_complete=SOLVER)
-def command(solvers: tuple[str, ...]) -> None:
+@JSON
+def command(solvers: tuple[str, ...], as_json: bool) -> None:
     """Compile the kernels of SOLVERS (by default of all that are there), once for this version of the code.
 
     What is compiled lies in your cache folder; a method that is not warm compiles when it is first used, before its
@@ -38,4 +41,8 @@ def command(solvers: tuple[str, ...]) -> None:
     ):
         if refusal(solver, instance) is None:
             solver.prepare(instance)
-    click.echo(f"{', '.join(names)}: ready after {time.perf_counter() - began:.0f} s")
+    elapsed = time.perf_counter() - began
+    if as_json:
+        print_json({"ready": names, "elapsed": elapsed})
+    else:
+        say(f"{', '.join(names)}: ready after {elapsed:.0f} s")

@@ -57,8 +57,8 @@ FOLDERS = {name: f"{number}-{name}" for number, name in enumerate(NAMES, 1)}
 
 def run_mission(
     mission: Mission, out: Path, *, only: str | None = None, force_from: str | None = None, tell: Tell = lambda _: None
-) -> None:
-    """Make what is missing or out of date below `out`.
+) -> dict[str, str]:
+    """Make what is missing or out of date below `out`; return for each stage looked at "made" or "up to date".
 
     only : run just this stage, from the stored products of those before it. force_from : make this stage and all
     after it again. InputError where a product to start from is missing.
@@ -67,7 +67,7 @@ def run_mission(
         if name is not None and name not in NAMES:
             raise InputError(f"unknown stage '{name}'{suggestion(name, NAMES)} (stages: {', '.join(NAMES)})")
     folders = {name: out / folder for name, folder in FOLDERS.items()}
-    forced = False
+    forced, done = False, dict[str, str]()
     for stage in STAGES:
         forced = forced or stage.name == force_from
         if only is not None and stage.name != only:
@@ -80,14 +80,17 @@ def run_mission(
         wanted = Stamp(stage.name, settings, inputs, code_digest(), revision())
         fresh = found is not None and found.made_like(wanted) and intact(found, target)
         if fresh and not forced:
+            done[stage.name] = "up to date"
             tell(f"{stage.name}: up to date")
             continue
         for name in (name for name, stamp in stamps.items() if stamp.code != wanted.code):
             tell(f"{stage.name}: starts from products of '{name}' that other code made")
         _make(stage, mission, folders, wanted, tell)
+        done[stage.name] = "made"
     page = folders["report"] / "report.html"
     if page.is_file():  # where people look for it
         write_aside(out / page.name, read_bytes(page))
+    return done
 
 
 def _make(stage: Stage, mission: Mission, folders: dict[str, Path], stamp: Stamp, tell: Tell) -> None:

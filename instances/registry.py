@@ -10,11 +10,13 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import math
+import re
 import sys
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import distributions
+from inspect import cleandoc
 from typing import Any, Generic, TypeVar
 
 from instances.errors import InputError, shown, suggestion
@@ -114,6 +116,12 @@ class MethodRegistry(Registry[type[T]]):
         """Return the options of a method and their defaults."""
         return option_defaults(self.load(name))
 
+    def meanings(self, name: str) -> dict[str, str]:
+        """Return what each option of a method means, one line, "" where its class does not say."""
+        cls = self.load(name)
+        said = option_meanings(cls)
+        return {option: said.get(option, "") for option in option_defaults(cls)}
+
     def make(self, name: str, options: Mapping[str, Any] | None = None) -> T:
         """Return the method registered as `name` with `options`; InputError for an unknown one or an unfit value."""
         cls = self.load(name)
@@ -205,3 +213,17 @@ def option_defaults(cls: type[Any]) -> dict[str, Any]:
         f.name: f.default_factory() for f in dataclasses.fields(cls) if f.default_factory is not dataclasses.MISSING
     }
     return {f.name: made.get(f.name, f.default) for f in dataclasses.fields(cls)}
+
+
+_MEANING = re.compile(r"^(\w+) : (.*(?:\n +\S.*)*)", re.MULTILINE)
+"""A line ``option : words`` of a docstring, and the lines set in below it."""
+
+
+def option_meanings(cls: type[Any]) -> dict[str, str]:
+    """Return what options mean, as the docstrings of a method and of what it inherits from say: ``option : words``."""
+    found: dict[str, str] = {}
+    for base in reversed(cls.__mro__):
+        found |= {
+            name: " ".join(words.split()).rstrip(".") for name, words in _MEANING.findall(cleandoc(base.__doc__ or ""))
+        }
+    return found

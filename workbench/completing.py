@@ -31,6 +31,14 @@ SELECTION_METHOD = names("formulations.selection.registry:METHODS")
 COST_METHOD = names("formulations.moving_cost.registry:METHODS")
 
 
+def _methods(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    kinds = (PLACEMENT_METHOD, COST_METHOD, SELECTION_METHOD)
+    return [item for complete in kinds for item in complete(context, parameter, incomplete)]
+
+
+METHODS: Complete = _methods
+
+
 def study_or_file(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Offer the shipped studies, and files."""
     from workbench.jobs.study import shipped_studies

@@ -21,7 +21,12 @@ from instances.errors import InputError
 
 @dataclass(frozen=True)
 class Dijkstra(MovingCostMethod):
-    """Dijkstra's trees on the graph of fmt-star: `samples`, `radius_factor` and `seed` as there."""
+    """Dijkstra's trees on the graph of fmt-star.
+
+    samples : random samples besides the terminals (at least 1).
+    radius_factor : connection radius over the standard one (above 0, at most 100).
+    seed : of the samples.
+    """
 
     samples: int = 10_000
     radius_factor: float = 1.0

@@ -36,8 +36,9 @@ UNVISITED, OPEN, CLOSED = 0, 1, 2
 class FmtStar(MovingCostMethod):
     """FMT* as in the paper.
 
-    samples : random samples besides the terminals.
-    radius_factor : connection radius over the standard one; twice the radius gives five times smaller excess.
+    samples : random samples besides the terminals (at least 1).
+    radius_factor : connection radius over the standard one (above 0, at most 100); twice the radius gives five times
+        smaller excess.
     seed : of the samples.
     share : whether the starts share edge and collision information.
     """

@@ -56,10 +56,11 @@ ROUNDS = 3
 class Refined(MovingCostMethod):
     """Lattice search and Newton polish.
 
-    samples : lattice points.
-    slack : how much longer than the best, in the lattice's reduced cost, a path of another class may be.
-    candidates : homotopy classes polished per pair at most.
-    precision : relative excess of the final polyline over the smooth path at which refining stops.
+    samples : lattice points (at least 1).
+    slack : how much longer than the best, as a share of the lattice's reduced cost, a path of another class may be
+        (at least 0).
+    candidates : homotopy classes polished per pair at most (at least 1).
+    precision : relative excess of the final polyline over the smooth path at which refining stops (above 0).
     """
 
     samples: int = 2500

@@ -60,10 +60,10 @@ _WIDE = 0.05  # gap left after a third of the time above which bisection gets th
 class BranchAndPrice(RecordedSolver):
     """Branch and price over tours.
 
-    starts : memetic searches before the first relaxation; 0 uses only the start given, to the end.
-    bins : divisions of the longest tour allowed in the completion bounds; fewer are faster and weaker.
-    labels : room for labels of one search, about 40 bytes each, used only where needed.
-    tours : room for listed tours.
+    starts : memetic searches before the first relaxation; 0 uses only the start given, to the end (at least 0).
+    bins : divisions of the longest tour allowed in the completion bounds; fewer are faster and weaker (at least 1).
+    labels : room for labels of one search, about 40 bytes each, used only where needed (at least 1000).
+    tours : room for listed tours (at least 100).
     """
 
     starts: int = 1

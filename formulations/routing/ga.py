@@ -55,16 +55,17 @@ _LOOKS = 5_000_000
 class GeneticAlgorithm(RecordedSolver):
     """Ombuki-Berman and Hanshar's genetic algorithm; ``limits.iterations`` counts generations.
 
-    population : chromosomes.
-    generations : it ends after so many even where there is time left.
-    tournament : size of the tournaments.
-    tournament_rate : probability that the fittest of a tournament wins; else any of it does.
-    elite : fraction of the population that survives as it is.
-    crossover_rate : probability that a pair is crossed.
-    intra_rate : probability of the intra-depot mutation.
-    inter_rate : probability of the inter-depot mutation, in the generations that have it.
-    inter_every : every how many generations the inter-depot mutation takes the place of the intra-depot one.
-    border : how much farther, as a fraction, than the nearest depot a candidate depot may be.
+    population : chromosomes (at least 2).
+    generations : it ends after so many even where there is time left (at least 0).
+    tournament : size of the tournaments (at least 1).
+    tournament_rate : probability that the fittest of a tournament wins; else any of it does (0 to 1).
+    elite : share of the population that survives as it is (0 to 1).
+    crossover_rate : probability that a pair is crossed (0 to 1).
+    intra_rate : probability of the intra-depot mutation (0 to 1).
+    inter_rate : probability of the inter-depot mutation, in the generations that have it (0 to 1).
+    inter_every : every how many generations the inter-depot mutation takes the place of the intra-depot one (at
+        least 1).
+    border : how much farther, as a share, than the nearest depot a candidate depot may be (at least 0).
     """
 
     proves: ClassVar[bool] = False

@@ -38,7 +38,10 @@ _LOOKS = 4_000_000
 
 @dataclass(frozen=True)
 class Greedy(RecordedSolver):
-    """Greedy construction, without randomness; `variant` is regret, cheapest, shortest or nearest."""
+    """Greedy construction, without randomness.
+
+    variant : which task is added next, and where: regret, cheapest, shortest or nearest.
+    """
 
     variant: str = "regret"
 

@@ -35,7 +35,7 @@ from instances.routes import ENDURANCE_ROUNDING
 class RoutingLibrary(ModelSolver):
     """OR-Tools routing; ``limits.iterations`` counts the solutions its search accepts.
 
-    span_weight : w, the price of a second of C_max against a second of the sum of all tours.
+    span_weight : w, the price of a second of C_max against a second of the sum of all tours (at least 1).
     """
 
     proves: ClassVar[bool] = False

@@ -43,8 +43,9 @@ _SHARE = 0.2
 class BranchAndPrice(SelectionMethod):
     """Branch and price over tours.
 
-    search_seconds : search before the first relaxation, at most a fifth of the time.
-    labels : room for labels of one search, about 50 bytes each; tours : room for listed tours.
+    search_seconds : search before the first relaxation [s], at most a fifth of the time (at least 0).
+    labels : room for labels of one search, about 50 bytes each (at least 0).
+    tours : room for listed tours (at least 0).
     """
 
     search_seconds: float = 3.0

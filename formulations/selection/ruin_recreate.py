@@ -33,7 +33,10 @@ At 0.02 three of four runs of 4 s end 4 % below the optimum of Chao's p3.2.j (31
 
 @dataclass(frozen=True)
 class RuinRecreate(SelectionMethod):
-    """Ruin and recreate; `seconds` of search at most, or until the limits."""
+    """Ruin and recreate.
+
+    seconds : of search at most [s], where the limits do not end it before (at least 0).
+    """
 
     seconds: float = 10.0
 

@@ -55,8 +55,8 @@ def ascend(problem: PlacementProblem, begin: Floats, progress: Progress, setting
 class LBfgsB(PlacementMethod):
     """L-BFGS-B with the closed-form gradient.
 
-    starts : number of starts, ≥ 1: the greedy choice after exchanges, then random ones.
-    iterations : at most so many a start.
+    starts : number of starts: the greedy choice after exchanges, then random ones (at least 0, 0 meaning 1).
+    iterations : at most so many a start (at least 0).
     """
 
     starts: int = 8
@@ -85,7 +85,7 @@ class LBfgsB(PlacementMethod):
 
 @dataclass(frozen=True)
 class Slsqp(LBfgsB):
-    """SLSQP from several starts; options as there."""
+    """SLSQP with the closed-form gradient; its options mean what those of l-bfgs-b do."""
 
     starts: int = 4
     iterations: int = 200

@@ -21,7 +21,7 @@ from instances.arrays import Floats
 class GreedySwap(PlacementMethod):
     """Greedy and best exchanges.
 
-    sweeps : at most so many passes over all tasks, ≥ 0.
+    sweeps : at most so many passes over all tasks (at least 0).
     """
 
     sweeps: int = 20

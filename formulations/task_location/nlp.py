@@ -56,8 +56,8 @@ class Nlp(PlacementMethod):
 
     starts : number of ascents, the first from the greedy choice after exchanges; 0 for 80 − 2 n, at least 16, in a
         rectangle; elsewhere 12, and then half as many hops as there.
-    iterations : at most so many a start.
-    tolerance : IPOPT's scaled optimality error.
+    iterations : at most so many a start (at least 0).
+    tolerance : IPOPT's scaled optimality error (above 0).
     """
 
     starts: int = 0

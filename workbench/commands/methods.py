@@ -1,38 +1,56 @@
-"""`workbench methods`: list the methods of placement and of moving costs."""
+"""`workbench methods`: list the methods of placement, of moving costs and of selection."""
 
 from __future__ import annotations
 
-import json
+from itertools import chain
 from typing import Any
 
 import click
 
+from instances.errors import InputError, shown, suggestion
+from workbench.completing import METHODS
+from workbench.listing import described, print_described
 from workbench.options import JSON
+from workbench.terminal import print_json, say
 
 
 @click.command("methods")
+@click.argument("names", metavar="[METHODS]...", nargs=-1, shell_complete=METHODS)
 @JSON
-def command(as_json: bool) -> None:
-    """List the methods of `place` (task locations) and of `costs` (moving costs), with their options and defaults.
+def command(names: tuple[str, ...], as_json: bool) -> None:
+    """List METHODS (by default all) of `place`, `costs` and `select` with their options.
 
-    Those of other packages are named, but not imported; solvers of routes are listed by `workbench solvers`.
+    An option is told with its default, what it means and, in brackets, what it can be. Those of other packages are
+    named, but not imported; solvers of routes are listed by `workbench solvers`.
+
+    \b
+    Examples:
+      workbench methods
+      workbench methods nlp refined
+      workbench place --tasks 12 --method nlp --option starts=4
     """
     from formulations.moving_cost.registry import METHODS as COSTS
+    from formulations.selection.registry import METHODS as SELECTIONS
     from formulations.task_location.registry import METHODS as PLACES
 
-    found: dict[str, dict[str, Any]] = {
+    kinds: dict[str, Any] = {"place": PLACES, "costs": COSTS, "select": SELECTIONS}
+    known = set(chain.from_iterable(registry.targets() for registry in kinds.values()))
+    for name in names:
+        if name not in known:
+            raise InputError(f"unknown method {shown(name)}{suggestion(name, known)} (workbench methods lists them)")
+    found = {
         kind: {
-            name: {"about": about, "options": registry.defaults(name) if name in registry.built_in else {}}
+            name: described(registry, name, about, named=False)
             for name, (_, about) in registry.targets().items()
+            if not names or name in names
         }
-        for kind, registry in (("place", PLACES), ("costs", COSTS))
+        for kind, registry in kinds.items()
     }
     if as_json:
-        click.echo(json.dumps(found, indent=1, default=str))
+        print_json(found)
         return
     for kind, methods in found.items():
-        click.echo(f"workbench {kind} --method ...")
-        for name, method in methods.items():
-            click.echo(f"  {name}: {method['about']}")
-            for key, value in method["options"].items():
-                click.echo(f"      {key} = {json.dumps(value, default=str)}")
+        if methods:
+            say(f"workbench {kind} --method ...")
+        for name, told in methods.items():
+            print_described(name, told, "  ")

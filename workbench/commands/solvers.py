@@ -2,41 +2,38 @@
 
 from __future__ import annotations
 
-import json
-from typing import Any
-
 import click
 
+from workbench.completing import SOLVER
+from workbench.listing import asked_for, described, print_described
 from workbench.options import JSON
+from workbench.terminal import print_json
 
 
 @click.command("solvers")
+@click.argument("names", metavar="[SOLVERS]...", nargs=-1, shell_complete=SOLVER)
 @JSON
-def command(as_json: bool) -> None:
-    """List the solvers with their options and defaults, and why one is not available.
+def command(names: tuple[str, ...], as_json: bool) -> None:
+    """List SOLVERS (by default all) with their options, and why one is not available.
 
-    Those of other packages are named, but not imported.
+    An option is told with its default, what it means and, in brackets, what it can be. Those of other packages are
+    imported only where you name them.
+
+    \b
+    Examples:
+      workbench solvers
+      workbench solvers memetic ga
+      workbench solve INSTANCE --solver ga --option population=100
     """
     from formulations.routing.registry import SOLVERS
 
-    found = {name: _described(name, about) for name, (_, about) in SOLVERS.targets().items()}
+    found = {}
+    for name, about in asked_for(SOLVERS, names).items():
+        told = described(SOLVERS, name, about, named=bool(names))
+        known = told["unavailable"] is None and (names or name in SOLVERS.built_in)
+        found[name] = told | {"proves": bool(SOLVERS.load(name).proves) if known else None}
     if as_json:
-        click.echo(json.dumps(found, indent=1, default=str))
+        print_json(found)
         return
-    for name, solver in found.items():
-        proof = ", proves" if solver["proves"] else ""
-        click.echo(f"{name}: {solver['about']}{proof}")
-        if solver["unavailable"]:
-            click.echo(f"    not available: {solver['unavailable']}")
-        for key, value in solver["options"].items():
-            click.echo(f"    {key} = {json.dumps(value, default=str)}")
-
-
-def _described(name: str, about: str) -> dict[str, Any]:
-    from formulations.routing.registry import SOLVERS
-
-    reason = SOLVERS.why_unavailable(name) if name in SOLVERS.built_in else None
-    if reason or name not in SOLVERS.built_in:
-        return {"about": about, "proves": None, "options": {}, "unavailable": reason}
-    proves = bool(SOLVERS.load(name).proves)
-    return {"about": about, "proves": proves, "options": SOLVERS.defaults(name), "unavailable": None}
+    for name, told in found.items():
+        print_described(name, told | {"about": told["about"] + (", proves" if told["proves"] else "")})

@@ -39,13 +39,16 @@ class Memetic(RecordedSolver):
     """The state-of-the-art min-max search.
 
     removals : tasks taken out by one ruin, at most (1 to 20).
-    strings : share of ruins that take strings of consecutive tasks; the others take nearest neighbours.
-    cuts : share of steps that cut and rejoin long segments of one or two tours.
-    powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, 30, ∞, the recreation draws from (1: the total).
-    focuses : share of the population's later stages that search the longest tour and a few others alone.
-    reliefs : share of the remaining ones that send a UAV elsewhere; the others are crossovers.
-    kicks : of each tour's order at the end of a stage, for each of its tasks; 0 leaves orders to the annealing.
-    depth : a founder's annealing takes depth · n² / m steps, at least 10 000 to 25 000, doubled at each new start.
+    strings : share of ruins that take strings of consecutive tasks; the others take nearest neighbours (0 to 1).
+    cuts : share of steps that cut and rejoin long segments of one or two tours (0 to 1).
+    powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, 30, ∞, the recreation draws from; 1 is the total (1 to
+        6).
+    focuses : share of the population's later stages that search the longest tour and a few others alone (0 to 1).
+    reliefs : share of the remaining ones that send a UAV elsewhere; the others are crossovers (0 to 1).
+    kicks : of each tour's order at the end of a stage, for each of its tasks; 0 leaves orders to the annealing (0
+        to 1000).
+    depth : a founder's annealing takes depth · n² / m steps, no fewer than 10 000 to 25 000, doubled at each new
+        start (at least 0.01).
 
     What else could be set is in `parameters`, of the class.
     """

@@ -30,7 +30,10 @@ _NEAREST = NeighbourhoodParameters()
 
 @dataclass(frozen=True)
 class RuinRecreate(RecordedSolver):
-    """Annealed ruin-and-recreate; `removals` is how many tasks are taken out at once, at most (1 to 20)."""
+    """Annealed ruin-and-recreate.
+
+    removals : tasks taken out by one ruin, at most (1 to 20).
+    """
 
     removals: int = 12
 

@@ -223,7 +223,6 @@ def option_meanings(cls: type[Any]) -> dict[str, str]:
     """Return what options mean, as the docstrings of a method and of what it inherits from say: ``option : words``."""
     found: dict[str, str] = {}
     for base in reversed(cls.__mro__):
-        found |= {
-            name: " ".join(words.split()).rstrip(".") for name, words in _MEANING.findall(cleandoc(base.__doc__ or ""))
-        }
+        said = _MEANING.findall(cleandoc(base.__doc__ or ""))
+        found |= {name: " ".join(words.split()).rstrip(".") for name, words in said}
     return found

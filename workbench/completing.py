@@ -40,11 +40,11 @@ METHODS: Complete = _methods
 
 
 def study_or_file(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Offer the shipped studies, and files."""
+    """Offer the shipped studies, and files, where none fits: bash forgets what stands before a file."""
     from workbench.jobs.study import shipped_studies
 
     studies = [CompletionItem(name) for name in shipped_studies() if name.startswith(incomplete)]
-    return [*studies, CompletionItem(incomplete, type="file")]
+    return [CompletionItem(incomplete, type="file"), *studies]
 
 
 def _stages(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:

@@ -32,6 +32,11 @@ def command(
     Gaps are to the ROUTES given, else to the best value known of this instance, else to those of a short search. Where
     that finds no routes (UAVs may not be able to fly all tasks) there are no gaps. Exit code 1 where a bound
     contradicts that value.
+
+    \b
+    Examples:
+      workbench bound a.json
+      workbench bound a.json --routes a.sol --time-limit 10 --json
     """
     from formulations.limits import Limits
     from formulations.routing.bounds import lower_bounds

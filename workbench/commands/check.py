@@ -26,6 +26,12 @@ def command(context: click.Context, target: Path, routes_file: Path | None, as_j
     A SELECTION (workbench select --out) is made out from scratch: tasks, classes, endurance, prizes or information.
 
     Planned paths (NAME.paths.json.gz) are flown again in their scenario: length, wind, collisions.
+
+    \b
+    Examples:
+      workbench check a.json a.sol
+      workbench check runs/quick
+      workbench check a.json a-selection.json --json
     """
     if target.is_dir():
         if routes_file is not None:

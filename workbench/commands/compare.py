@@ -68,6 +68,13 @@ def command(
     Without arguments the shipped study `quick`. What is already stored is not run again. Several may work on one
     folder at once and share the runs. Exit code 1 where a run ended in ERROR, files in the folder are damaged or a
     claim in it is false.
+
+    \b
+    Examples:
+      workbench compare
+      workbench compare study.toml --out runs/mine --jobs 2
+      workbench compare instances --solvers exact,ga --time-limit 10
+      workbench compare paper --dry-run
     """
     from workbench.jobs.machine import available_cores
     from workbench.settings import memory

@@ -15,7 +15,13 @@ from workbench.terminal import print_json
 @click.argument("target", metavar="OUT", type=click.Path(path_type=Path))
 @JSON
 def command(source: Path, target: Path, as_json: bool) -> None:
-    """Read the instance IN and write it as OUT; the endings name the formats."""
+    """Read the instance IN and write it as OUT; the endings name the formats.
+
+    \b
+    Examples:
+      workbench convert berlin52.mtsp berlin52.json
+      workbench convert a.json a.vrp
+    """
     from instances.files import read_instance, write_instance
 
     instance = read_instance(source)

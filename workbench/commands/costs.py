@@ -47,6 +47,11 @@ def command(
     "time" (flight time, with an airspeed [m/s]).
 
     Writes the instance, and the paths beside it (NAME.paths.json.gz); prints how much the wind matters.
+
+    \b
+    Examples:
+      workbench costs scenario.toml --out a.json
+      workbench costs scenario.toml --method dijkstra --out b.json
     """
     from formulations.moving_cost.effect import WindEffect
     from formulations.moving_cost.fleet import classes_of

@@ -32,6 +32,10 @@ def command(out: Path, seed: int, ending: str, as_json: bool) -> None:
     """Draw the paper's Fig. 1 (paths through random tasks) and Fig. 2 (uncertainty before and after sensing).
 
     The other figures are those of what is computed: place --plot and --study, costs --plot, mission.
+
+    \b
+    Examples:
+      workbench figures --out figures --format pdf
     """
     from reports.figures.svg import save_figure
     from workbench.settings import make_folder

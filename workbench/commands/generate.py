@@ -14,7 +14,7 @@ from workbench.terminal import print_json
 @click.command("generate")
 @click.argument("family", shell_complete=FAMILY)
 @click.option("--tasks", type=COUNT, default=20, show_default=True, help="Number of tasks n.")
-@click.option("--depots", type=COUNT, default=3, show_default=True, help="Number of depots m, one UAV at each.")
+@click.option("--depots", "--uavs", type=COUNT, default=3, show_default=True, help="Number of UAVs m, a depot each.")
 @click.option("--count", type=COUNT, default=1, show_default=True, help="How many instances, with consecutive seeds.")
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the first.")
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="A parameter of the family; repeatable.")
@@ -34,6 +34,12 @@ def command(
 
     Where legs lead around walls or through a wind without closed form their costs are planned; the scenario and the
     paths then lie beside the instance.
+
+    \b
+    Examples:
+      workbench generate uniform --tasks 20 --uavs 3 --out instances
+      workbench generate corridor --tasks 12 --count 5 --set wind=shear
+      workbench generate wind-vortices --set vortices=2 --json
     """
     from formulations.moving_cost.families import costed
     from instances.families import FAMILIES, check_family, make_scenario

@@ -79,6 +79,12 @@ def command(
 
     A method named module:Class is code: MISSION.toml can run whatever lies on Python's path, in a child process;
     --no-plugins refuses it.
+
+    \b
+    Examples:
+      workbench mission --out runs/paper
+      workbench mission lee --out runs/lee
+      workbench mission mission.toml --out runs/mine --from routes
     """
     from instances.errors import InputError
     from workbench.mission.file import read_mission, shipped_missions

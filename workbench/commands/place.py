@@ -66,6 +66,12 @@ def command(
 
     REGION is GeoJSON, KML, KMZ, GeoPackage or a Shapefile, in degrees or metres; what is printed is in metres of the
     local plane at its centre, a GeoJSON written in degrees.
+
+    \b
+    Examples:
+      workbench place --tasks 12 --plot tasks.svg
+      workbench place area.geojson --tasks 40 --method nlp --out tasks.geojson
+      workbench place --study n=5..40:5 --out study
     """
     from formulations.limits import Limits
     from formulations.task_location.placement_files import ENDINGS

@@ -43,6 +43,12 @@ def command(
     Each problem has a page and a table of its own: where the stores hold several, OUT-placement.html and
     CSV-placement.csv lie beside those of routing runs. Exit code 1 where files are damaged; they are named and left
     out.
+
+    \b
+    Examples:
+      workbench report runs/quick --out report.html --csv results.csv
+      workbench report runs/quick --columns gap_found,time,memory
+      workbench report runs/new --against runs/old --fail-on-regression
     """
     from reports import numbers
     from reports.stores import problems_in

@@ -55,6 +55,12 @@ def command(
 
     With --fewest: find the fewest UAVs that fly all tasks within --limit, and which. With --what-if: solve also with
     one more UAV at each depot and one more battery (twice the endurance) for each UAV, and tell what that is worth.
+
+    \b
+    Examples:
+      workbench solve a.json --time-limit 30 --out a.sol --plot a.svg
+      workbench solve a.json --solver ga --option population=100 --json
+      workbench solve a.json --fewest --limit 3600
     """
     from instances.files import read_instance, read_routes
     from workbench.jobs.job import Job, folder_of

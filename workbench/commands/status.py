@@ -15,7 +15,13 @@ from workbench.options import JSON
 @JSON
 @click.pass_context
 def command(context: click.Context, folder: Path, as_json: bool) -> None:
-    """Count what is stored in RUNS-DIR, by solver and status, and what is missing. Exit code 1 for damaged files."""
+    """Count what is stored in RUNS-DIR, by solver and status, and what is missing. Exit code 1 for damaged files.
+
+    \b
+    Examples:
+      workbench status runs/quick
+      workbench status runs/quick --json
+    """
     from instances.errors import LONGEST_VALUE, one_line
     from reports.record import STATUSES
     from workbench.jobs.census import census

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shlex
+import shutil
 import subprocess
 import sys
 
@@ -100,9 +103,41 @@ def test_warmup_says_what_is_ready(cli):
     assert out.startswith("greedy: ready after")
 
 
-def test_every_command_has_its_help() -> None:
-    runner = CliRunner()
-    for name in COMMANDS:
-        shown = runner.invoke(commands, [name, "--help"])
-        assert shown.exit_code == 0
-        assert max(map(len, shown.output.splitlines())) <= 80
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_its_help_with_examples_that_can_be_typed(name) -> None:
+    shown = CliRunner().invoke(commands, [name, "--help"])
+    assert shown.exit_code == 0
+    assert max(map(len, shown.output.splitlines())) <= 80
+    examples = re.findall(r"^ +workbench (\S+)(.*?)(?:   .*)?$", shown.output.partition("Examples:")[2], re.MULTILINE)
+    assert name in [command for command, _ in examples]
+    for command, words in examples:
+        found = commands.get_command(None, command)  # type: ignore[arg-type]
+        found.make_context(command, shlex.split(words))
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_speaks_json(name) -> None:
+    found = commands.get_command(None, name)  # type: ignore[arg-type]
+    flags = [option for parameter in found.params for option in parameter.opts]
+    assert "--json" in flags
+
+
+BASH = shutil.which("bash")
+
+
+@pytest.mark.skipif(BASH is None, reason="there is no bash here")
+def test_bash_completes_with_the_script_that_is_printed(cli, tmp_path, monkeypatch):
+    program = tmp_path / "bin" / "workbench"
+    program.parent.mkdir()
+    program.write_text(f"#!{sys.executable}\nfrom workbench.cli import main\nmain()\n")
+    program.chmod(0o755)
+    (tmp_path / "script").write_text(cli("completion", "bash")[1])
+    asked = ["sol", "solve a.json --solver mem", "generate wind-v", "compare abla", "place --method nl"]
+    lines = ["source ./script", "compopt() { :; }"]  # which only readline may call
+    for words in asked:
+        lines.append(f"COMP_WORDS=(workbench {words}); COMP_CWORD={len(words.split())}; COMPREPLY=()")
+        lines.append('_workbench_completion workbench; echo "${COMPREPLY[*]}"')
+    environment = os.environ | {"PATH": f"{program.parent}:{os.environ['PATH']}"}
+    done = subprocess.run([BASH, "-c", "\n".join(lines)], env=environment, capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    assert done.stdout.splitlines() == ["solve solvers", "memetic", "wind-vortices", "ablation", "nlp"]

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from instances.arrays import Floats
+from instances.natural import natural
 from reports.metrics import contradictions, penalised, time_to_proof
 from reports.statistics import ALPHA, bootstrap_interval, holm, signed_rank
 from reports.statistics.pairwise import enough
@@ -28,12 +29,13 @@ TIME_ROUNDING = 0.10
 class Comparison:
     """What became of each method and instance.
 
-    methods : a row a method and measure ("quality", "time to proof"): instances, better, worse, unchanged, mean
-    relative `change` with its interval, p, p_holm, verdict. instances : a row an instance and method with both values
-    [s]. regressions : a sentence for each significant worsening and for new contradictions. remarks : proofs won and
-    lost, runs without a partner.
+    pairs : runs of the new store that have a partner in the baseline. methods : a row a method and measure ("quality",
+    "time to proof"): instances, better, worse, unchanged, mean relative `change` with its interval, p, p_holm, verdict.
+    instances : a row an instance and method with both values [s]. regressions : a sentence for each significant
+    worsening and for new contradictions. remarks : proofs won and lost, runs without a partner.
     """
 
+    pairs: int
     methods: pd.DataFrame
     instances: pd.DataFrame
     regressions: list[str]
@@ -57,7 +59,7 @@ def compare_stores(new: pd.DataFrame, baseline: pd.DataFrame) -> Comparison:
     common = set(map(tuple, new[keys].to_numpy())) & set(map(tuple, baseline[keys].to_numpy()))
     mine, theirs = (frame[[tuple(key) in common for key in frame[keys].to_numpy()]] for frame in (new, baseline))
     rows, each = [], []
-    for method in sorted(mine["method"].unique()):
+    for method in sorted(mine["method"].unique(), key=natural):
         a, b = mine[mine["method"] == method], theirs[theirs["method"] == method]
         cost_a, cost_b = _medians(a, a["value"].fillna(np.inf)), _medians(b, b["value"].fillna(np.inf))
         rows.append((method, "quality", *_compared(cost_a, cost_b, QUALITY_ROUNDING)))
@@ -75,7 +77,29 @@ def compare_stores(new: pd.DataFrame, baseline: pd.DataFrame) -> Comparison:
         f"{len(mine):,} runs have a partner in the baseline (same instance, method, limit and seed); "
         f"{len(new) - len(mine):,} are only in the new store and {len(baseline) - len(mine):,} only in the baseline."
     )
-    return Comparison(methods, instances, _regressions(methods, lies), [pairing, *_proofs(mine, theirs)])
+    remarks = [pairing, *_proofs(mine, theirs)] if len(mine) else [_apart(new, baseline)]
+    return Comparison(len(mine), methods, instances, _regressions(methods, lies), remarks)
+
+
+def _apart(new: pd.DataFrame, baseline: pd.DataFrame) -> str:
+    """Return why no run of `new` has a partner in `baseline`: the first column in which they have nothing in common."""
+    nouns = {"digest": "instance", "method": "method", "time_limit": "time limit [s]", "seed": "seed"}
+    mine, theirs = new, baseline
+    for key, noun in nouns.items():
+        common = set(mine[key]) & set(theirs[key])
+        if not common:
+            shown = "instance" if key == "digest" else key
+            here, there = (_some(frame[shown]) for frame in (mine, theirs))
+            other = "; those of one name have other costs" if set(mine[shown]) & set(theirs[shown]) else ""
+            return f"Nothing to compare: the stores have no {noun} in common (here: {here}; there: {there}{other})."
+        mine, theirs = (frame[frame[key].isin(common)] for frame in (mine, theirs))
+    return "Nothing to compare: no run here has a partner there with the same instance, method, limit and seed."
+
+
+def _some(values: pd.Series) -> str:
+    """Return a few of the values, in their order."""
+    found = sorted({f"{value:g}" if isinstance(value, float) else str(value) for value in values}, key=natural)
+    return ", ".join(found[:3]) + (f" and {len(found) - 3} more" if len(found) > 3 else "") or "none"
 
 
 def _medians(runs: pd.DataFrame, values: pd.Series) -> pd.Series:

@@ -21,7 +21,9 @@ from instances import InputError, Instance, check_routes, tour_costs
 from instances.code import code_digest
 from instances.errors import one_line
 from instances.files import read_instance
+from instances.natural import natural
 from instances.utilisation import endurance_margins, utilisation
+from reports.order import naturally
 from reports.proofs import holds
 from reports.record import ITEM_FILES, RUN, Run, described, read_json, read_run
 from reports.tolerances import RELATIVE_ROUNDING
@@ -96,8 +98,8 @@ def walk(*folders: Path | str) -> Iterator[tuple[Path, list[str], str]]:
         if not Path(root).is_dir():
             raise InputError(f"{root}: is not a folder of stored runs")
         for folder, subfolders, found in os.walk(root):
-            subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
-            names = sorted(name for name in found if not name.startswith("."))
+            subfolders[:] = sorted((name for name in subfolders if not name.startswith(".")), key=natural)
+            names = sorted((name for name in found if not name.startswith(".")), key=natural)
             problem = next((p for p, items in ITEM_FILES.items() if set(items) & set(names)), "routing")
             yield Path(folder), names, problem
 
@@ -241,7 +243,7 @@ def _frame(rows: list[dict[str, Any]], remarks: list[str]) -> pd.DataFrame:
     for column in ("n_tasks", "n_depots"):
         frame[column] = frame[column].astype("Int64")
     order = ["instance", "digest", "solver", "options", "time_limit", "seed", "created", "path"]
-    frame = frame.sort_values(order, kind="stable", ignore_index=True)
+    frame = frame.sort_values(order, kind="stable", ignore_index=True, key=naturally)
     twice = frame.duplicated(_IDENTITY, keep="last")
     if twice.any():
         remarks.append(f"{int(twice.sum())} runs are stored more than once; the latest of each is used.")

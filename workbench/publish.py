@@ -34,6 +34,7 @@ def publish(folders: Sequence[Path], outputs: Outputs) -> Published:
         [sentence for each in published for sentence in each.problems],
         sum(each.damaged for each in published),
         any(each.regressed for each in published),
+        all(each.comparable for each in published),
         [summary for each in published for summary in each.summaries],
         [sentence for each in published for sentence in each.notes],
     )

@@ -11,6 +11,7 @@ from typing import Any
 
 from instances import InputError, Instance
 from instances.files import FORMATS, read_instance
+from instances.natural import natural
 
 ENDINGS = (".json", ".json.gz", ".mdm", ".mtsp", ".tsp", ".atsp", ".vrp")
 """Endings by which instance files are found in a folder."""
@@ -83,10 +84,11 @@ def instance_files(given: Path) -> list[Path]:
 
 def _found(given: Path) -> list[Path]:
     if given.is_dir():
-        return sorted(path for path in given.rglob("*") if path.name.endswith(ENDINGS) and _may_be_instance(path))
+        found = (path for path in given.rglob("*") if path.name.endswith(ENDINGS) and _may_be_instance(path))
+        return sorted(found, key=natural)
     if any(sign in str(given) for sign in "*?["):
         named = (Path(path) for path in glob.glob(str(given), recursive=True))
-        return sorted(path for path in named if not path.name.endswith(".paths.json.gz"))
+        return sorted((path for path in named if not path.name.endswith(".paths.json.gz")), key=natural)
     return [given] if given.is_file() else []
 
 

@@ -29,6 +29,7 @@ import numpy as np
 import pandas as pd
 
 from reports.metrics.gaps import references
+from reports.order import naturally
 from reports.proofs import cut_off, gap_left, refuted_bounds, streamed_bounds
 from reports.tolerances import RELATIVE_ROUNDING
 
@@ -55,7 +56,7 @@ def contradictions(runs: pd.DataFrame) -> pd.DataFrame:
         for run in known[which].itertuples()
     ]
     found = pd.DataFrame(rows, columns=COLUMNS)
-    return found.sort_values(["instance", "method", "seed"], kind="stable", ignore_index=True)
+    return found.sort_values(["instance", "method", "seed"], kind="stable", ignore_index=True, key=naturally)
 
 
 def _tests(runs: pd.DataFrame) -> Iterator[tuple[str, pd.Series, Callable[[Any], str]]]:

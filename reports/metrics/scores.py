@@ -12,6 +12,7 @@ from reports.metrics.gaps import with_gaps
 from reports.metrics.integrals import with_integrals
 from reports.metrics.means import penalised, shifted_geometric_mean
 from reports.metrics.targets import time_to_proof, time_to_target
+from reports.order import naturally
 from reports.proofs import believed_bounds
 from reports.tolerances import RELATIVE_ROUNDING
 
@@ -84,7 +85,7 @@ def instance_table(runs: pd.DataFrame) -> pd.DataFrame:
     first = right.sort_values("elapsed").drop_duplicates("digest").set_index("digest")
     table["best_method"] = first["method"]
     table["runs"] = groups.size()
-    return table.sort_values(["family", "n_tasks", "n_depots", "instance"], kind="stable")
+    return table.sort_values(["family", "n_tasks", "n_depots", "instance"], kind="stable", key=naturally)
 
 
 def _measured(runs: pd.DataFrame) -> pd.DataFrame:

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from reports.metrics.gaps import with_gaps
+from reports.order import naturally
 from reports.tolerances import RELATIVE_ROUNDING
 
 
@@ -24,7 +25,7 @@ def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
     each = known.groupby(["digest", "method"]).agg(how)
     solved = each[np.isfinite(each["value"])].reset_index()
     order = solved.sort_values(["proved", "value", "elapsed"], ascending=[False, True, True], kind="stable")
-    best: pd.DataFrame = order.drop_duplicates("digest").set_index("digest").sort_values("instance")
+    best: pd.DataFrame = order.drop_duplicates("digest").set_index("digest").sort_values("instance", key=naturally)
     return best
 
 

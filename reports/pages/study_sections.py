@@ -137,7 +137,9 @@ def _by_group(runs: pd.DataFrame, key: str, title: str) -> Table:
 
 def against(comparison: Comparison) -> Section:
     """Return what became of each method against the baseline: regressions first, then tables."""
-    lines = [f"Regression: {line}" for line in comparison.regressions] or ["No significant regression."]
+    lines = [f"Regression: {line}" for line in comparison.regressions] or ["No significant regression."] * bool(
+        comparison.pairs
+    )
     ends = [numbers.interval(numbers.gap, row.low, row.high) for row in comparison.methods.itertuples()]
     columns = [
         Column("method", "Method"), Column("measure", "Measure"), Column("instances", "Instances", "", numbers.count),

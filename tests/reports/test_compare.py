@@ -1,8 +1,10 @@
 """A new store against a baseline."""
 
 import json
+import re
 from itertools import pairwise
 
+import pandas as pd
 import pytest
 
 from instances import InputError
@@ -119,4 +121,32 @@ def test_stores_without_a_common_run_compare_to_nothing(make_store, tmp_path):
     report = write_report([new], tmp_path / "page.html", against=[old])
     assert report.comparison.methods.empty
     assert not report.comparison.regressed
-    assert "0 runs have a partner" in (tmp_path / "page.html").read_text()
+    assert report.comparison.pairs == 0
+    page = (tmp_path / "page.html").read_text()
+    assert "Nothing to compare: the stores have no instance in common (here: uniform-n6" in page
+    assert "No significant regression" not in page
+
+
+@pytest.mark.parametrize(
+    ("column", "other", "said"),
+    [
+        ("method", "ga (population=9)", r"no method in common \(here: exact; there: ga \(population=9\)\)"),
+        ("time_limit", 2.0, r"no time limit \[s\] in common \(here: 1; there: 2\)"),
+        ("seed", 7, r"no seed in common \(here: 0, 1; there: 7\)"),
+        (
+            "digest",
+            "x",
+            r"no instance in common \(here: n5, n10, n40 and 1 more; there: n5, n10, n40 and 1 more; those of one name",
+        ),
+    ],
+)
+def test_what_two_stores_do_not_share_is_said(column, other, said):
+    names = ["n5", "n10", "n40", "n100"]
+    made = [(name, name, "exact", 1.0, seed, 3.0, True, 0.1) for name in names for seed in (0, 1)]
+    keys = ["instance", "digest", "method", "time_limit", "seed", "value", "proved", "elapsed"]
+    frame = pd.DataFrame(made, columns=keys)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("reports.compare.contradictions", lambda runs: [])
+        found = compare_stores(frame, frame.assign(**{column: other}))
+    assert (found.pairs, found.regressed, len(found.methods)) == (0, False, 0)
+    assert re.search(said, found.remarks[0])

@@ -41,8 +41,8 @@ def command(
     """Report on the runs of one store or several merged, without running anything; prints the summary.
 
     Each problem has a page and a table of its own: where the stores hold several, OUT-placement.html and
-    CSV-placement.csv lie beside those of routing runs. Exit code 1 where files are damaged; they are named and left
-    out.
+    CSV-placement.csv lie beside those of routing runs. Exit code 1 where files are damaged (they are named and left
+    out), and where --against finds nothing in common.
 
     \b
     Examples:
@@ -65,11 +65,13 @@ def command(
     refuse_columns(problems_in(*folders), columns)
     published = publish(folders, Outputs(out, csv, outputs, raw_csv))
     if as_json:
-        print_json(told(published) | {"damaged": published.damaged, "regressed": published.regressed})
+        named = ("damaged", "regressed", "comparable")
+        print_json(told(published) | {name: getattr(published, name) for name in named})
     else:
         tell(published, columns)
     for sentence in published.problems:
         say(sentence, err=True)
     if published.damaged:
         say(f"{numbers.counted(published.damaged, 'damaged file')} left out", err=True)
-    context.exit(1 if published.damaged or (fail_on_regression and published.regressed) else 0)
+    failed = not published.comparable or (fail_on_regression and published.regressed)
+    context.exit(1 if published.damaged or failed else 0)

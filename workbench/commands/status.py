@@ -23,6 +23,7 @@ def command(context: click.Context, folder: Path, as_json: bool) -> None:
       workbench status runs/quick --json
     """
     from instances.errors import LONGEST_VALUE, one_line
+    from instances.natural import natural
     from reports.record import STATUSES
     from workbench.jobs.census import census
 
@@ -35,7 +36,7 @@ def command(context: click.Context, folder: Path, as_json: bool) -> None:
         known = STATUSES["routing"]
         seen = [*(name for name in known if name in ended), *sorted(ended.difference(known))]
         width = max([len(one_line(label, LONGEST_VALUE)) for label in found.by_solver], default=0)
-        for label, counts in sorted(found.by_solver.items()):
+        for label, counts in sorted(found.by_solver.items(), key=lambda item: natural(item[0])):
             told = ", ".join(f"{counts[status]} {one_line(status, LONGEST_VALUE)}" for status in seen if counts[status])
             click.echo(f"{one_line(label, LONGEST_VALUE):{width}}  {sum(counts.values()):6d} stored: {told}")
         stale = f", {found.stale} of them stale (made by other code)" if found.stale else ""

@@ -95,14 +95,15 @@ class Published:
     """What came of publishing.
 
     written : files. problems : what is wrong with the runs, a sentence each. damaged : how many of these are files that
-    could not be read. regressed : whether any run got worse. summaries : tables about them. notes : what else a reader
-    must know, a sentence each.
+    could not be read. regressed : whether any run got worse. comparable : whether there was anything to compare with.
+    summaries : tables about the runs. notes : what else a reader must know, a sentence each.
     """
 
     written: list[Path]
     problems: list[str]
     damaged: int = 0
     regressed: bool = False
+    comparable: bool = True
     summaries: list[Summary] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 

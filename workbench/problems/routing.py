@@ -194,9 +194,12 @@ class Routing(Problem[Instance]):
         problems = [*stores.warnings, *(f"{item} {method} seed {seed}: {told}" for item, method, seed, told in false)]
         written = [path for path in (outputs.table, outputs.page) if path]
         notes = [note] if (note := code_note(runs["code"])) else []
-        notes += [*comparison.regressions, *comparison.remarks] if comparison else []
+        comparable = comparison is None or comparison.pairs > 0
+        if comparison:
+            (notes if comparable else problems).extend([*comparison.regressions, *comparison.remarks])
         regressed = bool(comparison and comparison.regressed)
-        return Published(written, problems, len(stores.damaged), regressed, _summaries(runs, comparison), notes)
+        summaries = _summaries(runs, comparison)
+        return Published(written, problems, len(stores.damaged), regressed, comparable, summaries, notes)
 
 
 ROUTING = Routing()

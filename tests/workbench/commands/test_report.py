@@ -58,3 +58,28 @@ def test_check_names_whose_bounds_were_held_against_the_routes(cli, store):
     code, out, _ = cli("check", "runs")
     assert code == 1
     assert "in its trace is above the routes" in out
+
+
+def test_a_store_with_nothing_in_common_is_said(cli, store, tmp_path):
+    assert cli("report", "runs", "--against", "runs")[0] == 0
+    (tmp_path / "runs").rename(tmp_path / "old")
+    store_of_another_limit = tmp_path / "runs" / "other"
+    store_of_another_limit.mkdir(parents=True)
+    old = next((tmp_path / "old").glob("*"))
+    for path in old.iterdir():
+        kept = path.read_text().replace('"time_limit": 1.0', '"time_limit": 2.0')
+        (store_of_another_limit / path.name).write_text(kept)
+    code, out, err = cli("report", "runs", "--against", "old")
+    assert code == 1
+    assert "Against" not in out
+    assert err == "Nothing to compare: the stores have no time limit [s] in common (here: 2; there: 1).\n"
+    told = json.loads(cli("report", "runs", "--against", "old", "--json")[1])
+    assert (told["comparable"], told["regressed"]) == (False, False)
+
+
+def test_columns_are_chosen_and_their_names_checked(cli, store, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    assert cli("report", "runs", "--columns", "gap_found,time")[1].split()[:2] == ["Gap", "to"]
+    code, _, err = cli("report", "runs", "--columns", "gap_fund")
+    assert code == 2
+    assert "did you mean 'gap_found'?" in " ".join(err.split())

@@ -30,8 +30,8 @@ def check_routes(instance: Instance, routes: Sequence[Sequence[int]], *, all_tas
     """Return what is wrong with `routes`, a sentence each; an empty list means feasible.
 
     Feasible: one route per depot, and every task on exactly one route exactly once (eqs. const1–const4, const6), on
-    legs its UAV can fly and within its endurance; without `all_tasks` a task may be left out. Routes are called #1 to
-    #m, as in ``.sol`` files.
+    legs its UAV can fly and within its endurance; without `all_tasks` a task may be left out. UAVs are called 0
+    to m − 1, as everywhere.
     """
     faults = []
     if len(routes) != instance.n_depots:
@@ -42,9 +42,7 @@ def check_routes(instance: Instance, routes: Sequence[Sequence[int]], *, all_tas
             if node in visits:
                 visits[node] += 1
             else:
-                faults.append(
-                    f"Route #{k + 1} visits {node}, which is not a task (tasks are 0 to {instance.n_tasks - 1})."
-                )
+                faults.append(f"UAV {k} visits {node}, which is not a task (tasks are 0 to {instance.n_tasks - 1}).")
     faults += [f"Task {task} is visited by no route." for task, times in visits.items() if times == 0 and all_tasks]
     faults += [f"Task {task} is visited {times} times." for task, times in visits.items() if times > 1]
     return faults or _unflyable(instance, routes)
@@ -55,9 +53,9 @@ def _unflyable(instance: Instance, routes: Sequence[Sequence[int]]) -> list[str]
     if not instance.axes:
         return []
     costs = tour_costs(instance, routes)
-    faults = [f"Route #{k + 1} has a leg that its UAV cannot fly." for k in np.flatnonzero(np.isinf(costs))]
+    faults = [f"UAV {k} has a leg that it cannot fly." for k in np.flatnonzero(np.isinf(costs))]
     return faults + [
-        f"Route #{k + 1} takes {costs[k]:.9g} s, more than its UAV's endurance of {instance.limits[k]:.9g} s."
+        f"UAV {k} takes {costs[k]:.9g} s, more than its endurance of {instance.limits[k]:.9g} s."
         for k in np.flatnonzero(past_endurance(instance, costs) & np.isfinite(costs))
     ]
 

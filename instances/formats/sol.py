@@ -47,6 +47,7 @@ def write_solution(routes: Sequence[Sequence[int]], instance: Instance, path: Pa
     lines = [
         f"# {instance.name}, digest {instance.digest}: tasks are numbered from 0, "
         f"route k starts and ends at node {instance.n_tasks - 1} + k",
+        "# route #1 is that of UAV 0, route #k that of UAV k - 1: the format numbers routes from 1",
         *(" ".join([f"Route #{k}:", *map(str, route)]) for k, route in enumerate(as_routes(routes), 1)),
         f"Cost {makespan(instance, routes)!r}",
     ]

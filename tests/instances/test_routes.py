@@ -76,7 +76,7 @@ def test_the_sentences_name_the_task():
     instance = Instance("x", np.zeros((5, 5)), 3, 2)
     faults = check_routes(instance, [[0, 0], [7]])
     assert faults == [
-        "Route #2 visits 7, which is not a task (tasks are 0 to 2).",
+        "UAV 1 visits 7, which is not a task (tasks are 0 to 2).",
         "Task 1 is visited by no route.",
         "Task 2 is visited by no route.",
         "Task 0 is visited 2 times.",

@@ -37,9 +37,9 @@ def test_each_uav_pays_its_own_costs() -> None:
 
 
 def test_what_cannot_be_flown_is_a_fault() -> None:
-    assert check_routes(fleet(), ((1,), (0, 2))) == ["Route #1 has a leg that its UAV cannot fly."]
+    assert check_routes(fleet(), ((1,), (0, 2))) == ["UAV 0 has a leg that it cannot fly."]
     short = Instance.of_travel("short", fleet().travel, 3, endurance=[10.0, 1e5])  # type: ignore[arg-type]
-    assert "more than its UAV's endurance of 10 s" in check_routes(short, ((0,), (1, 2)))[0]
+    assert "more than its endurance of 10 s" in check_routes(short, ((0,), (1, 2)))[0]
     assert objective(short, ((0,), (1, 2))) == INF
     assert objective(short, ((), (0, 1, 2))) < INF
 
@@ -54,7 +54,7 @@ def test_legs_that_nobody_flies_have_a_finite_place_holder() -> None:
     instance = Instance.of_travel("cut", Travel.of_uavs([cost]), 2)
     assert instance.cost[0, 1] == 4.0
     assert instance.axes == {"fleet"}
-    assert check_routes(instance, ((0, 1),)) == ["Route #1 has a leg that its UAV cannot fly."]
+    assert check_routes(instance, ((0, 1),)) == ["UAV 0 has a leg that it cannot fly."]
 
 
 def test_equal_classes_are_one_and_a_fleet_of_one_class_is_none() -> None:

@@ -56,6 +56,9 @@ def command(
     With --fewest: find the fewest UAVs that fly all tasks within --limit, and which. With --what-if: solve also with
     one more UAV at each depot and one more battery (twice the endurance) for each UAV, and tell what that is worth.
 
+    UAVs are numbered from 0, as their depots are, on the screen and in files; the format .sol, which is of others,
+    numbers routes from 1: its Route #1 is flown by UAV 0.
+
     \b
     Examples:
       workbench solve a.json --time-limit 30 --out a.sol --plot a.svg

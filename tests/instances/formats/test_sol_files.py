@@ -42,7 +42,7 @@ def test_routes_may_be_left_out_and_come_in_any_order(tmp_path):
         ("Route #1: 0 1 2 1\n", "Task 1 is visited 2 times"),
         ("Route #1: 0 1\n", "Task 2 is visited by no route"),
         ("Route #1: 0\n", r"Task 1 is visited by no route \(and 1 more faults\)"),
-        ("Route #1: 0 1 2 3\n", "Route #1 visits 3, which is not a task"),
+        ("Route #1: 0 1 2 3\n", "UAV 0 visits 3, which is not a task"),
         ("Route #3: 0 1 2\n", "line 1: route #3, but the depots are 1 to 2"),
         ("Route #0: 0 1 2\n", "line 1: route #0"),
         ("Route #1: 0 1\nRoute #1: 2\n", "line 2: route #1 is given twice"),

@@ -19,10 +19,20 @@ LARGEST_SEED = 2**31 - 1
 class Limits:
     """What a solve may use.
 
-    time : seconds of wall clock, > 0 and at most LONGEST, or infinite for no limit.
-    threads : worker threads, from 1 to MOST_THREADS.
-    iterations : the method's own iterations (GA generations, search steps), or None for no limit. A solve ended
-        by it is deterministic for a seed; one ended by the clock need not be.
+    Parameters
+    ----------
+    time
+        Wall clock [s], > 0 and at most LONGEST, or infinite for no limit.
+    threads
+        Worker threads, from 1 to MOST_THREADS.
+    iterations
+        The method's own iterations (GA generations, search steps), or None for no limit. A solve ended by it is
+        deterministic for a seed; one ended by the clock need not be.
+
+    Raises
+    ------
+    InputError
+        For a number out of range.
     """
 
     time: float = 60.0

@@ -50,7 +50,18 @@ def endings(*, written: bool = False) -> tuple[str, ...]:
 
 
 def read_instance(path: Path | str) -> Instance:
-    """Read an instance of any known format; InputError names the file, the field and the value."""
+    """Read an instance of any known format.
+
+    Parameters
+    ----------
+    path
+        Its ending names the format.
+
+    Raises
+    ------
+    InputError
+        Names the file, the field and the value.
+    """
     return FORMATS.load(_format(path)).read(Path(path))
 
 
@@ -63,7 +74,22 @@ def write_instance(instance: Instance, path: Path | str) -> None:
 
 
 def read_routes(path: Path | str, instance: Instance, *, all_tasks: bool = True) -> Routes:
-    """Read the routes of `instance`; InputError where they are not feasible for it. See `routes.check_routes`."""
+    """Read the routes of `instance`.
+
+    Parameters
+    ----------
+    path
+        A ``.sol`` file.
+    instance
+        What they are routes of.
+    all_tasks
+        Whether every task must be visited.
+
+    Raises
+    ------
+    InputError
+        Where they are not feasible for it (`instances.check_routes`).
+    """
     _ending(path, (".sol",), "routes")
     return sol.read_solution(Path(path), instance, all_tasks=all_tasks)[0]
 

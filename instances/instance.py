@@ -31,19 +31,32 @@ class Instance:
     Nodes are numbered as in the paper, from 0: tasks ``0..n-1``, then depots ``n..n+m-1``. Several UAVs at
     one place are several depots at that place.
 
-    name : short name, used in file and report names.
-    cost : ``cost[i, j]`` [s] of flying from node i to node j, shape (n+m, n+m), finite, non-negative, zero
-        diagonal, in general asymmetric (paper: c_ij differs from c_ji because of the wind). Entries between
-        two depots are carried but never used: E excludes D × D. n+m times the largest is at most LARGEST_SUM.
-    n_tasks : n ≥ 1.
-    n_depots : m ≥ 1.
-    coordinates : positions [m], shape (n+m, 2), or None where only costs are known.
-    provenance : where the numbers come from: family, parameters, seed, source file.
-    travel : what a leg costs each class of UAV, at each time, between states of nodes; None where `cost` says it all.
+    Parameters
+    ----------
+    name
+        Short name, used in file and report names.
+    cost
+        ``cost[i, j]`` [s] of flying from node i to node j, shape (n+m, n+m), finite, non-negative, zero diagonal, in
+        general asymmetric (paper: c_ij differs from c_ji because of the wind). Entries between two depots are carried
+        but never used: E excludes D × D. n+m times the largest is at most LARGEST_SUM.
+    n_tasks
+        n ≥ 1.
+    n_depots
+        m ≥ 1.
+    coordinates
+        Positions [m], shape (n+m, 2), or None where only costs are known.
+    provenance
+        Where the numbers come from: family, parameters, seed, source file.
+    travel
+        What a leg costs each class of UAV, at each time, between states of nodes; None where `cost` says it all.
         `cost` is then the least of it (`Travel.least`), a valid bound for everything that reads one matrix.
-    endurance : L_k [s] of each UAV, shape (m,), positive, +inf where unlimited: C_k ≤ L_k. None where all are.
+    endurance
+        L_k [s] of each UAV, shape (m,), positive, +inf where unlimited: C_k ≤ L_k. None where all are.
 
-    Raises InputError with one sentence that names the offending entry.
+    Raises
+    ------
+    InputError
+        With one sentence that names the offending entry.
     """
 
     name: str

@@ -30,8 +30,21 @@ def check_routes(instance: Instance, routes: Sequence[Sequence[int]], *, all_tas
     """Return what is wrong with `routes`, a sentence each; an empty list means feasible.
 
     Feasible: one route per depot, and every task on exactly one route exactly once (eqs. const1–const4, const6), on
-    legs its UAV can fly and within its endurance; without `all_tasks` a task may be left out. UAVs are called 0
-    to m − 1, as everywhere.
+    legs its UAV can fly and within its endurance.
+
+    Parameters
+    ----------
+    instance
+        What they are routes of.
+    routes
+        For each depot, in depot order, its tasks in flying order; empty when the UAV stays home.
+    all_tasks
+        Whether every task must be visited; else a task may be left out.
+
+    Returns
+    -------
+    list of str
+        Sentences in which UAVs are called 0 to m − 1, as everywhere.
     """
     faults = []
     if len(routes) != instance.n_depots:
@@ -66,9 +79,21 @@ def past_endurance(instance: Instance, costs: Floats) -> Bools:
 
 
 def tour_costs(instance: Instance, routes: Sequence[Sequence[int]]) -> Floats:
-    """Return C_k [s] of each UAV, shape (m,) (paper, eq. costsum); 0 for a UAV that stays home.
+    """Return C_k [s] of each UAV (paper, eq. costsum).
 
-    The one place that knows of classes, clocks and states: +inf where a leg cannot be flown.
+    The one place that knows of classes, clocks and states.
+
+    Parameters
+    ----------
+    instance
+        What they are routes of.
+    routes
+        For each depot, in depot order, its tasks in flying order.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (m,) [s]; 0 for a UAV that stays home, +inf where a leg cannot be flown.
     """
     costs = np.zeros(len(routes))
     for k, route in enumerate(routes):

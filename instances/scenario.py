@@ -60,22 +60,41 @@ KEYS = (
 class Scenario:
     """A mission: where it is flown, from where, how fast, and to which tasks.
 
-    name : short name.
-    region : the area A.
-    depots : (m, 2) [m], m ≥ 1, each in the region and outside the no-fly zones.
-    speed : v0 [m/s], positive: the ground speed where the cost is energy, the airspeed where it is time.
-    wind : None where calm.
-    tasks : (n, 2) [m], or None where `n_tasks` of them are still to be placed.
-    n_tasks : n ≥ 1; may be left at 0 where `tasks` is given.
-    no_fly : polygons no leg may enter.
-    terrain : file of the elevation model, or None.
-    radio : the table that describes the radio source, or None.
-    provenance : where it comes from.
-    plane : where on Earth the local plane is, or None.
-    cost : what a leg costs.
-    fleet : how UAVs differ, how long tasks take, where tours end.
+    Parameters
+    ----------
+    name
+        Short name.
+    region
+        The area A.
+    depots
+        Shape (m, 2) [m], m ≥ 1, each in the region and outside the no-fly zones.
+    speed
+        v0 [m/s], positive: the ground speed where the cost is energy, the airspeed where it is time.
+    wind
+        None where calm.
+    tasks
+        Shape (n, 2) [m], or None where `n_tasks` of them are still to be placed.
+    n_tasks
+        n ≥ 1; may be left at 0 where `tasks` is given.
+    no_fly
+        Polygons no leg may enter.
+    terrain
+        File of the elevation model, or None.
+    radio
+        The table that describes the radio source, or None.
+    provenance
+        Where it comes from.
+    plane
+        Where on Earth the local plane is, or None.
+    cost
+        What a leg costs: energy or time.
+    fleet
+        How UAVs differ, how long tasks take, where tours end.
 
-    Raises InputError with one sentence that names the field and the value.
+    Raises
+    ------
+    InputError
+        With one sentence that names the field and the value.
     """
 
     name: str
@@ -152,7 +171,20 @@ class Scenario:
 
 
 def read_scenario(path: Path | str, more: Mapping[str, Any] | None = None) -> Scenario:
-    """Read a scenario file, and `more` keys of it; InputError names the file, the key and what cannot be used."""
+    """Read a scenario file.
+
+    Parameters
+    ----------
+    path
+        TOML; files it names are relative to it.
+    more
+        Further keys, as if they stood in the file.
+
+    Raises
+    ------
+    InputError
+        Names the file, the key and what cannot be used.
+    """
     path = Path(path)
     table = read_toml(path)
     with naming(path):

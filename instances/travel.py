@@ -46,12 +46,21 @@ def _nothing() -> Floats:
 class Travel:
     """What each leg costs each class of UAV at each time. Equal classes are merged, in the order of the UAVs.
 
-    cost : (G, Q, S, S) [s], ≥ 0, +inf where a class cannot fly a leg; zero diagonal where each node has one state.
-    classes : (m,) the class of each UAV, each below G.
-    departures : (Q,) [s], knots of time, from 0, increasing.
-    nodes : (S,) the node of each state, each from 0 to N-1 once or more; one state a node if left out.
+    Parameters
+    ----------
+    cost
+        Shape (G, Q, S, S) [s], ≥ 0, +inf where a class cannot fly a leg; zero diagonal where each node has one state.
+    classes
+        Shape (m,): the class of each UAV, each below G.
+    departures
+        Shape (Q,) [s]: knots of time, from 0, increasing.
+    nodes
+        Shape (S,): the node of each state, each from 0 to N-1 once or more; one state a node if left out.
 
-    Raises InputError with one sentence that names the entry; for first in, first out also leg and knot.
+    Raises
+    ------
+    InputError
+        With one sentence that names the entry; for first in, first out also leg and knot.
     """
 
     cost: Floats

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from instances import Instance, Routes
-    from workbench.facade import compare, costs, generate, instance, load, mission, place, plot, select, solve
+    from workbench.facade import compare, costs, generate, instance, load, mission, plot, solve
+    from workbench.informing import place, select
     from workbench.result import Result
 
 __all__ = [
@@ -32,7 +33,13 @@ __all__ = [
     "solve",
 ]
 
-_HOMES = {"Instance": "instances", "Routes": "instances", "Result": "workbench.result"}
+_HOMES = {
+    "Instance": "instances",
+    "Routes": "instances",
+    "Result": "workbench.result",
+    "place": "workbench.informing",
+    "select": "workbench.informing",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -16,12 +16,10 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from formulations.selection.selection import Selection
     from formulations.task_location.placement import Placement
-    from instances.environment.region import Region
     from instances.scenario import Scenario
 
-__all__ = ["compare", "costs", "generate", "instance", "load", "mission", "place", "plot", "select", "solve"]
+__all__ = ["compare", "costs", "generate", "instance", "load", "mission", "plot", "solve"]
 
 
 def solve(
@@ -37,12 +35,36 @@ def solve(
 ) -> Result:
     """Solve one instance here and now, and check what the solver says.
 
-    problem, depots : as `instance` takes them.
-    solver : a name of ``workbench solvers``; `options` are that solver's.
-    time_limit [s] : of the solve alone; kernels are compiled before.
-    start : routes to begin from.
+    Parameters
+    ----------
+    problem
+        What `instance` takes: costs (N, N) [s], points (N, 2) [m], a table, a graph, a file, an Instance.
+    depots
+        As `instance` takes them; not beside an Instance, which has its own.
+    solver
+        A name of ``workbench solvers``, or ``module:Class``.
+    time_limit
+        Wall clock of the solve alone [s]; kernels are compiled before.
+    seed
+        Of the solver. A solve ended by the clock may still differ from run to run.
+    threads
+        Worker threads of the solver.
+    start
+        Feasible routes to begin from.
+    **options
+        The solver's own options.
 
-    Raises InputError for what cannot be used, RuntimeError where the independent check refutes the solver.
+    Returns
+    -------
+    Result
+        Status, routes, objective and bound [s], all checked.
+
+    Raises
+    ------
+    InputError
+        Where problem, depots, solver or an option cannot be used, or the solver does not take this instance.
+    RuntimeError
+        Where the independent check refutes the solver.
     """
     from formulations.routing.registry import make_solver
     from formulations.routing.solver import refusal
@@ -71,9 +93,30 @@ def compare(
 ) -> pd.DataFrame:
     """Run every solver on every instance, each run in a process of its own, and return the runs as `load` does.
 
-    solvers : names, or tables as a study's ``[[solvers]]`` has them: ``{"name": "ga", "options": {...}}``.
-    seeds : so many a solver. jobs : runs at once, by default the cores of this machine.
-    out : folder that keeps the runs; what is stored there is not run again. By default nothing is kept.
+    Parameters
+    ----------
+    problems
+        Instances or files, one or several.
+    solvers
+        Names, or tables as a study's ``[[solvers]]`` has them: ``{"name": "ga", "options": {...}}``.
+    time_limit
+        Wall clock of each run [s], after which it is killed.
+    seeds
+        How many seeds (0, 1, …) each solver that draws at random is run with.
+    out
+        Folder that keeps the runs; what is stored there is not run again. By default nothing is kept.
+    jobs
+        Runs at once, by default the cores of this machine.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row a run, as of `load`.
+
+    Raises
+    ------
+    InputError
+        Where an instance, a solver or an option cannot be used, or `out` cannot be written.
     """
     from instances.files import write_instance
     from workbench.jobs.backlog import Backlog
@@ -110,7 +153,31 @@ def compare(
 
 
 def generate(family: str, tasks: int = 20, depots: int = 3, seed: int = 0, **parameters: Any) -> Instance:
-    """Return the instance of a family (``workbench families``) of this size and seed."""
+    """Return the instance of a family of this size and seed.
+
+    Parameters
+    ----------
+    family
+        A name of ``workbench families``.
+    tasks
+        Number of tasks n, at least 1.
+    depots
+        Number of depots m, at least 1, one UAV at each.
+    seed
+        The same seed makes the same instance.
+    **parameters
+        The family's own, in SI units.
+
+    Returns
+    -------
+    Instance
+        With coordinates [m]; costs [s] are planned where they have no closed form.
+
+    Raises
+    ------
+    InputError
+        For an unknown family or parameter, or a value out of range.
+    """
     from formulations.moving_cost.families import generate as made
     from instances.families import check_family
 
@@ -118,115 +185,54 @@ def generate(family: str, tasks: int = 20, depots: int = 3, seed: int = 0, **par
     return made(family, tasks, depots, seed, **parameters)
 
 
-def place(
-    region: Region | Path | str | None = None,
-    tasks: int = 40,
-    *,
-    method: str = "nlp",
-    tests: str = "20x20",
-    signal_sd: float = 30.0,
-    length_scale: float | tuple[float, float] = 4000.0,
-    noise_sd: float = 1.0,
-    criterion: str = "b",
-    seed: int = 0,
-    time_limit: float = float("inf"),
-    certificate: bool = True,
-    **options: Any,
-) -> Placement:
-    """Choose the task locations of most information in a region, by default the paper's 20 km square.
-
-    region : or its file. tests : test points, the centres of so many cells, or a CSV file of them.
-    signal_sd, noise_sd in the unit of the signal, length_scale [m]: the planning kernel and the noise of a reading.
-    certificate : whether to compute the upper bound too. `options` are the method's.
-    """
-    from formulations.task_location import certificate as certificates
-    from formulations.task_location.criterion import Convention
-    from formulations.task_location.placement import PlacementProblem
-    from formulations.task_location.placement import place as placed
-    from formulations.task_location.registry import make_method
-    from formulations.task_location.setting import criterion_of, region_of
-    from instances.environment.region import Region
-
-    area = region if isinstance(region, Region) else region_of(None if region is None else Path(region))
-    scales = ",".join(map(str, length_scale)) if isinstance(length_scale, tuple) else str(length_scale)
-    worth = criterion_of(
-        area,
-        tests=tests,
-        signal_sd=signal_sd,
-        length_scale=scales,
-        noise_sd=noise_sd,
-        test_noise_sd=None,
-        criterion=criterion,
-    )
-    bound = certificates.certificate(worth.under(Convention.BOTH_NOISY), area, tasks).bound if certificate else None
-    limits = Limits(time=time_limit)
-    problem = PlacementProblem(area, worth, tasks)
-    return placed(problem, make_method(method, options), method, seed=seed, limits=limits, certificate=bound)
-
-
 def costs(scenario: Scenario | Path | str, method: str = "refined", **options: Any) -> Instance:
-    """Return the instance a scenario becomes: a cost and a confirmed path between every two nodes."""
+    """Return the instance a scenario becomes: a cost and a confirmed path between every two nodes.
+
+    Parameters
+    ----------
+    scenario
+        A Scenario or its file (``.toml``).
+    method
+        ``"refined"``, ``"closed-form"``, ``"fmt-star"`` or ``"dijkstra"``.
+    **options
+        The method's own options.
+
+    Returns
+    -------
+    Instance
+        Costs [s], (n+m, n+m), of every ordered pair of nodes.
+
+    Raises
+    ------
+    InputError
+        For a scenario that cannot be used, a node that no path leads to, or a wind too strong for the speed.
+    """
     from instances.scenario import Scenario, read_scenario
     from workbench.planning import plan
 
     return plan(scenario if isinstance(scenario, Scenario) else read_scenario(scenario), method, options)[0]
 
 
-def select(
-    problem: Source,
-    *,
-    depots: int | Sequence[Any] | None = None,
-    endurance: float | Sequence[float] | None = None,
-    prizes: Sequence[float] | None = None,
-    criterion: str = "ig",
-    signal_sd: float = 30.0,
-    length_scale: float = 4000.0,
-    noise_sd: float = 1.0,
-    method: str = "exact",
-    time_limit: float = 60.0,
-    seed: int = 0,
-    **options: Any,
-) -> Selection:
-    """Choose the tasks that fit within the UAVs' endurance and are worth most, routed, with an upper bound.
-
-    problem, depots : as `instance` takes them. endurance [s] : of all UAVs or each, by default the instance's own.
-    prizes : what each task is worth, shape (n,); without them, what readings at the tasks tell of a field, in nats,
-        under `criterion` and the planning kernel. `options` are the method's.
-    """
-    import numpy as np
-
-    from formulations.selection.registry import make_method
-    from formulations.selection.selection import SelectionProblem
-    from formulations.selection.selection import select as selected
-    from formulations.selection.selection_files import limited, own_prizes
-    from formulations.selection.worth import Worth, worth_of
-    from formulations.task_location.setting import criterion_of, region_of
-
-    item = instance(problem, depots=depots)
-    if endurance is not None:
-        item = limited(item, np.broadcast_to(np.asarray(endurance, dtype=float), item.n_depots))
-    given = own_prizes(item) if prizes is None else list(prizes)
-    if given is not None:
-        worth = worth_of({"prizes": given}, item.n_tasks, item.coordinates)
-    elif item.coordinates is None:
-        raise InputError(f"{item.name} has no coordinates, so information cannot be told: give prizes")
-    else:
-        setting: dict[str, Any] = {
-            "signal_sd": signal_sd,
-            "length_scale": str(length_scale),
-            "noise_sd": noise_sd,
-            "test_noise_sd": None,
-        }
-        about = criterion_of(region_of(None), tests="20x20", criterion=criterion, **setting)
-        worth = Worth.of_information(about, item.coordinates[: item.n_tasks])
-    asked = SelectionProblem(item, worth)
-    return selected(asked, make_method(method, options), method, seed=seed, limits=Limits(time=time_limit))
-
-
 def mission(file: Path | str = "paper", out: Path | str = "mission") -> Path:
     """Run a whole mission and return its page; products lie beside it.
 
-    file : a mission file, or the name of one that comes along: paper, the paper's numerical example, or lee.
+    Parameters
+    ----------
+    file
+        A mission file, or the name of one that comes along: ``"paper"``, the paper's numerical example, or ``"lee"``.
+    out
+        Folder of the products; stages that are up to date there are not run again.
+
+    Returns
+    -------
+    pathlib.Path
+        ``out/report.html``.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be used, and where a flight would leave the region, enter a no-fly zone or come too
+        near to the ground.
     """
     from workbench.mission.file import read_mission, shipped_missions
     from workbench.mission.pipeline import run_mission
@@ -236,10 +242,24 @@ def mission(file: Path | str = "paper", out: Path | str = "mission") -> Path:
 
 
 def load(*folders: Path | str) -> pd.DataFrame:
-    """Return stored runs as a frame, a row a run (`reports.stores.COLUMNS`), with gaps, routes and options.
+    """Return stored runs as a frame, a row a run.
 
-    Beside those columns: best_found [s], best_bound [s], gap_found and gap_bound of each run on its instance, and a
-    column ``option.<name>`` for each option that some method was given.
+    Parameters
+    ----------
+    *folders
+        Stores: folders that `compare` wrote; several are merged.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns as stored (instance, method, seed, status, objective [s], bound [s], elapsed [s], routes, …), and
+        best_found [s], best_bound [s], gap_found and gap_bound of each run on its instance (shares, not per cent), and
+        a column ``option.<name>`` for each option that some method was given.
+
+    Raises
+    ------
+    InputError
+        Where a folder does not exist.
     """
     import json
 
@@ -256,7 +276,27 @@ def load(*folders: Path | str) -> pd.DataFrame:
 
 
 def plot(thing: Result | Instance | Placement | Scenario, routes: Routes | None = None) -> Figure:
-    """Draw a result, an instance with its routes, or an instance alone."""
+    """Draw a result, an instance with its routes, or an instance alone.
+
+    Parameters
+    ----------
+    thing
+        A Result with routes, or an Instance.
+    routes
+        Of the Instance: for each depot its tasks in flying order; tasks on no route are drawn too.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The tours on the map beside bars of their costs [s].
+
+    Raises
+    ------
+    InputError
+        For anything else.
+    ValueError
+        For a Result without routes.
+    """
     from reports.figures.routes import draw_routes
 
     if isinstance(thing, Result):

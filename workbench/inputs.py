@@ -21,16 +21,33 @@ def instance(
 ) -> Instance:
     """Return an Instance of what people have.
 
-    source : an Instance, as it is; a file: an instance in any known format, a scenario (``.toml``, whose costs are
-        planned), or a matrix of costs (``.csv``); a square array or DataFrame of costs [s], (N, N), entry [i, j] from i
-        to j; points [m], (N, 2), flown in straight lines at `speed` [m/s]; a networkx graph whose edges have a
-        ``weight`` [s], nodes being as far apart as the shortest path between them.
-    depots : which nodes are depots: how many, the last ones; or their numbers, a DataFrame's or graph's their labels.
-        The same node twice is two UAVs there. Beside points also the depots' own places [m], (m, 2).
-    name : of the instance, where it has none.
-
     Tasks keep their order and are numbered 0..n-1, depots n..n+m-1; where nodes had labels, or were moved, these stand
-    in ``provenance["labels"]``. InputError for what cannot be used.
+    in ``provenance["labels"]``.
+
+    Parameters
+    ----------
+    source
+        An Instance, as it is; a file: an instance in any known format, a scenario (``.toml``, whose costs are
+        planned), or a matrix of costs (``.csv``); a square array or DataFrame of costs [s], (N, N), entry [i, j] from i
+        to j; points [m], (N, 2), flown in straight lines at `speed`; a networkx graph whose edges have a ``weight``
+        [s], nodes being as far apart as the shortest path between them.
+    depots
+        Which nodes are depots: how many, the last ones; or their numbers, a DataFrame's or graph's their labels.
+        The same node twice is two UAVs there. Beside points also the depots' own places [m], (m, 2).
+    speed
+        At which points are flown between [m/s].
+    name
+        Of the instance, where it has none.
+
+    Returns
+    -------
+    Instance
+        Frozen and validated.
+
+    Raises
+    ------
+    InputError
+        For what cannot be used, with one sentence that names it.
     """
     if isinstance(source, Instance):
         return _alone(source, depots)

@@ -20,9 +20,13 @@ if TYPE_CHECKING:
 class Result(Claim):
     """How a solve ended (`formulations.routing.solver.Result`), checked, and the instance it is about.
 
-    instance : what was solved; tasks are 0..n-1 in `routes`, and ``instance.provenance["labels"]`` names the nodes
-        where they had names.
-    solver : the name it was solved by.
+    Parameters
+    ----------
+    instance
+        What was solved; tasks are 0..n-1 in `routes`, and ``instance.provenance["labels"]`` names the nodes where they
+        had names.
+    solver
+        The name it was solved by.
     """
 
     instance: Instance
@@ -50,7 +54,18 @@ class Result(Claim):
         )
 
     def plot(self) -> Figure:
-        """Return the tours on the map beside bars of their costs; ValueError where there are no routes."""
+        """Return the tours on the map beside bars of their costs.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Costs in seconds, positions in kilometres.
+
+        Raises
+        ------
+        ValueError
+            Where there are no routes.
+        """
         from reports.figures.routes import draw_routes
 
         if self.routes is None:
@@ -58,7 +73,18 @@ class Result(Claim):
         return draw_routes(self.instance, self.routes)
 
     def write(self, path: Path | str) -> None:
-        """Write the routes as ``.sol``; ValueError where there are none."""
+        """Write the routes as ``.sol``.
+
+        Parameters
+        ----------
+        path
+            Its name; ``workbench check`` reads it.
+
+        Raises
+        ------
+        ValueError
+            Where there are no routes.
+        """
         from instances.files import write_routes
 
         if self.routes is None:

@@ -24,8 +24,18 @@ def silent(fraction: float, words: str) -> None:
 class Query:
     """Sub-problem 2 of the paper: paths and costs between every ordered pair of terminals, in a region and a wind.
 
-    terminals (N, 2) [m], tasks first, then depots; region without its no-fly zones; v0 [m/s], the speed that is held
-    constant: over ground where the cost is energy, through the air where it is time.
+    Parameters
+    ----------
+    terminals
+        Shape (N, 2) [m], tasks first, then depots.
+    region
+        Without its no-fly zones.
+    wind
+        Stationary.
+    v0
+        The speed that is held constant [m/s]: over ground where the cost is energy, through the air where it is time.
+    kind
+        Energy or time.
     """
 
     terminals: Floats
@@ -42,7 +52,17 @@ class Query:
 
 @dataclass(frozen=True, eq=False)
 class MovingCosts:
-    """`cost[i, j]` [s] of the path from terminal i to terminal j, the `paths` themselves, and the method's figures."""
+    """What a method found.
+
+    Parameters
+    ----------
+    cost
+        ``cost[i, j]`` [s] of the path from terminal i to terminal j, shape (N, N).
+    paths
+        The paths themselves [m].
+    statistics
+        The method's own figures, JSON values only.
+    """
 
     cost: Floats
     paths: Paths
@@ -55,7 +75,17 @@ class MovingCostMethod(Protocol):
     def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
         """Return costs and paths between all terminals.
 
-        Raises InputError for a wind at least as strong as the speed that is held constant (for energies, where it is
-        no potential wind) and for a terminal that cannot be reached.
+        Parameters
+        ----------
+        query
+            What is asked.
+        progress
+            Is told how far it is.
+
+        Raises
+        ------
+        InputError
+            For a wind at least as strong as the speed that is held constant (for energies, where it is no potential
+            wind) and for a terminal that cannot be reached.
         """
         ...

@@ -33,8 +33,16 @@ class Status(StrEnum):
 class Event:
     """One point of the anytime trace.
 
-    elapsed [s] since the solve began; objective [s] of the best routes so far, or None; bound [s], the best valid
-    lower bound so far, or None; routes of a new incumbent, so that a killed run keeps them, else None.
+    Parameters
+    ----------
+    elapsed
+        Since the solve began [s].
+    objective
+        Of the best routes so far [s], or None.
+    bound
+        The best valid lower bound so far [s], or None.
+    routes
+        Of a new incumbent, so that a killed run keeps them, else None.
     """
 
     elapsed: float
@@ -50,16 +58,28 @@ Observer = Callable[[Event], None]
 class Result:
     """How a solve ended.
 
-    status : what is known.
-    objective [s] : C_max of `routes`, or None.
-    bound [s] : a valid lower bound on the optimum of the float instance, or None.
-    elapsed [s] : wall clock of the solve alone; imports and compilation belong to ``Solver.prepare``.
-    routes : the best routes, or None.
-    trace : events in order, without routes.
-    stopped_by : "proof", "time", "iterations", "memory", "finished" (a method that just ends), "killed", "error".
-    message : one sentence for people, or "".
-    tolerance [s] : OPTIMAL means objective − bound ≤ tolerance (CP-SAT's integer scaling included).
-    statistics : the method's own figures (rounds, cuts, columns, which part proved it), JSON values only.
+    Parameters
+    ----------
+    status
+        What is known.
+    objective
+        C_max of `routes` [s], or None.
+    bound
+        A valid lower bound on the optimum of the float instance [s], or None.
+    elapsed
+        Wall clock of the solve alone [s]; imports and compilation belong to ``Solver.prepare``.
+    routes
+        The best routes, or None.
+    trace
+        Events in order, without routes.
+    stopped_by
+        "proof", "time", "iterations", "memory", "finished" (a method that just ends), "killed", "error".
+    message
+        One sentence for people, or "".
+    tolerance
+        OPTIMAL means objective − bound ≤ tolerance [s] (CP-SAT's integer scaling included).
+    statistics
+        The method's own figures (rounds, cuts, columns, which part proved it), JSON values only.
     """
 
     status: Status
@@ -120,8 +140,24 @@ class Solver(Protocol):
     ) -> Result:
         """Solve `instance` within `limits`, streaming events to `observe`.
 
-        start : feasible routes to begin from; methods that cannot use them ignore them, none may end worse than
-            them, and a bad start must never change what an exact method proves.
+        Parameters
+        ----------
+        instance
+            Costs in seconds; only of axes that the method takes, and which it accepts.
+        limits
+            What it may use.
+        seed
+            Of all that is drawn at random.
+        observe
+            Called with every better incumbent or bound.
+        start
+            Feasible routes to begin from; methods that cannot use them ignore them, none may end worse than them, and
+            a bad start must never change what an exact method proves.
+
+        Returns
+        -------
+        Result
+            Nothing of which is believed: routes are checked and costs computed again.
         """
         ...
 

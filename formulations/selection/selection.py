@@ -32,10 +32,17 @@ Observer = Callable[[float, float, float], None]
 class SelectionProblem:
     """Which of an instance's tasks to fly.
 
-    instance : with the endurance that limits each UAV; without it everything fits that can be flown at all.
-    worth : of its tasks.
+    Parameters
+    ----------
+    instance
+        With the endurance that limits each UAV [s]; without it everything fits that can be flown at all.
+    worth
+        Of its tasks.
 
-    Raises InputError where they do not belong together, or costs change with time or states.
+    Raises
+    ------
+    InputError
+        Where they do not belong together, or costs change with time or states.
     """
 
     instance: Instance
@@ -132,13 +139,26 @@ class SelectionMethod(Protocol):
 class Selection:
     """The tasks worth flying within endurance.
 
-    problem : what was asked.
-    tasks : those chosen, in increasing order.
-    routes : one a UAV, over exactly these tasks.
-    worth : f(tasks), recomputed; bound : no selection is worth more, valid in floating point.
-    status : OPTIMAL where that proves it, else FEASIBLE.
-    method, seed, elapsed [s], stopped_by : who found it, and how it ended.
-    trace : (elapsed [s], worth, bound) at each improvement.
+    Parameters
+    ----------
+    problem
+        What was asked.
+    tasks
+        Those chosen, in increasing order.
+    routes
+        One a UAV, over exactly these tasks.
+    worth
+        f(tasks), recomputed: prizes, or nats.
+    bound
+        No selection is worth more, valid in floating point.
+    status
+        OPTIMAL where that proves it, else FEASIBLE.
+    method, seed, stopped_by
+        Who found it, and how it ended.
+    elapsed
+        Wall clock [s].
+    trace
+        (elapsed [s], worth, bound) at each improvement.
     """
 
     problem: SelectionProblem

@@ -42,13 +42,22 @@ class PlacementStatus(StrEnum):
 class PlacementProblem:
     """Where to put n tasks in a region.
 
-    region : A.
-    criterion : what is maximised.
-    n_tasks : n, from 1 to the number of `candidates`.
-    candidates_per_axis : the candidate sites are a lattice of so many points a side, border included, over the
-        region's bounding box, those inside.
+    Parameters
+    ----------
+    region
+        A.
+    criterion
+        What is maximised.
+    n_tasks
+        n, from 1 to the number of `candidates`.
+    candidates_per_axis
+        The candidate sites are a lattice of so many points a side, border included, over the region's bounding box,
+        those inside.
 
-    Raises InputError where n does not fit.
+    Raises
+    ------
+    InputError
+        Where n does not fit.
     """
 
     region: Region
@@ -151,12 +160,26 @@ def share_of(value: float, certificate: float) -> float:
 class Placement:
     """Task locations and what they are worth.
 
-    points : P_T, shape (n, 2) [m], inside the region.
-    mutual_information [nats] : under convention (b), whatever was maximised; ``information`` has b, a and ig.
-    certificate [nats] : no placement of n tasks in the region has more mutual information (b); None where not asked.
-    method, seed, status : who found it and what is known.
-    elapsed [s] : wall clock of the search alone.
-    trace : (elapsed [s], criterion that was maximised [nats]), improvements only.
+    Parameters
+    ----------
+    points
+        P_T, shape (n, 2) [m], inside the region.
+    mutual_information
+        Under convention (b) [nats], whatever was maximised; `information` has b, a and ig.
+    method, status, seed
+        Who found it and what is known.
+    elapsed
+        Wall clock of the search alone [s].
+    certificate
+        No placement of n tasks in the region has more mutual information (b) [nats]; None where not asked.
+    information
+        Under each convention, by its name [nats].
+    trace
+        (elapsed [s], criterion that was maximised [nats]), improvements only.
+    stopped_by
+        What ended the search: "finished" or "time".
+    maximised
+        The convention that was maximised.
     """
 
     points: Floats

@@ -25,7 +25,23 @@ SPEED_OF_LIGHT = 299_792_458.0
 class RadioSource:
     """An omni-directional transmitter and the receiver's antenna; the defaults are the paper's.
 
-    position : (x, y) [m]; height : mast above ground [m]; frequency [Hz]; power [dBm]; gains [dBi].
+    Parameters
+    ----------
+    position
+        (x, y) [m].
+    height
+        Of the mast above ground [m], positive.
+    frequency
+        Of the signal [Hz], positive.
+    power_dbm
+        Transmitted power [dBm].
+    transmitter_gain_dbi, receiver_gain_dbi
+        Gains of the antennas [dBi].
+
+    Raises
+    ------
+    InputError
+        For a number that is not finite, or not positive where it must be.
     """
 
     position: tuple[float, float]
@@ -74,9 +90,19 @@ class RadioSource:
 class RadioMap:
     """Signal strength [dBm] at the nodes of a rectangular grid, bilinear between them and constant outside.
 
-    x : node positions [m], ascending and equally spaced, shape (nx,); y likewise, shape (ny,).
-    values : shape (ny, nx), rows going north; any scalar field a user wants mapped will do.
-    unit : of the values.
+    Parameters
+    ----------
+    x, y
+        Node positions [m], ascending and equally spaced, shapes (nx,) and (ny,).
+    values
+        Shape (ny, nx), rows going north; any scalar field a user wants mapped will do.
+    unit
+        Of the values.
+
+    Raises
+    ------
+    InputError
+        Where shapes do not fit or a number is not finite.
     """
 
     x: Floats

@@ -31,7 +31,18 @@ LEAST_SHARE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """A polygon with holes [m]; valid and with a non-empty interior, else InputError."""
+    """A polygon with holes.
+
+    Parameters
+    ----------
+    polygon
+        In metres of the local plane, valid and with a non-empty interior.
+
+    Raises
+    ------
+    InputError
+        Where it is not.
+    """
 
     polygon: Polygon
 
@@ -108,7 +119,25 @@ class Region:
         return p
 
     def sample(self, count: int, rng: np.random.Generator) -> Floats:
-        """Return `count` points uniform in the region, shape (count, 2) [m]."""
+        """Return points uniform in the region.
+
+        Parameters
+        ----------
+        count
+            How many.
+        rng
+            Where they are drawn from.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (count, 2) [m].
+
+        Raises
+        ------
+        InputError
+            Where the region fills less than a millionth of its bounding box.
+        """
         x0, y0, x1, y1 = self.bounds
         if self.area < LEAST_SHARE * (x1 - x0) * (y1 - y0):
             raise InputError(f"region: it is too thin to draw points in, {self.area:g} m² in all")

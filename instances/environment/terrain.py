@@ -46,9 +46,25 @@ FINER = 4
 
 @dataclass(frozen=True, eq=False)
 class Terrain:
-    """Elevation [m] of the ground: `height` (rows, columns), node (0, 0) at `origin` [m], rows going north.
+    """Elevation of the ground on a rectangular grid.
 
-    `spacing` (dx, dy) [m]; `source` names the file, `crs` its map projection where the file says so.
+    Parameters
+    ----------
+    origin
+        (x, y) [m] of node (0, 0), the south-western one.
+    spacing
+        (dx, dy) [m] between nodes.
+    height
+        Elevation [m], shape (rows, columns), rows going north.
+    source
+        The file, for sentences.
+    crs
+        Its map projection, where the file says so.
+
+    Raises
+    ------
+    InputError
+        Where the grid has fewer than 2 × 2 nodes or an elevation is missing.
     """
 
     origin: tuple[float, float]

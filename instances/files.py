@@ -3,9 +3,11 @@
 | ending | what | in | out |
 |---|---|---|---|
 | .json, .json.gz | native (`formats.native`) | yes | yes |
-| .tsp .atsp .mtsp .mdm .vrp | TSPLIB, LKH, VRPLIB (`formats.tsplib`) | yes | .atsp |
+| .tsp .atsp .mtsp .vrp | TSPLIB, LKH, VRPLIB (`formats.tsplib`, `formats.tsplib_text`) | yes | yes |
+| .mdm | the same with UAVs counted at each depot (`formats.tsplib`) | yes | |
 | .txt | team orienteering (`formats.team_orienteering`) | yes | |
 | .sol | routes (`formats.sol`) | yes | yes |
+| .tour | routes (`formats.tsplib_tour`) | yes | yes |
 """
 
 from __future__ import annotations
@@ -14,30 +16,31 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from instances.errors import InputError, suggestion
-from instances.formats import sol
+from instances.formats import sol, tsplib_tour
 from instances.formats.format import Format
 from instances.instance import Instance
 from instances.registry import Registry
 from instances.routes import Routes
 
-_TSPLIB = ("instances.formats.tsplib:TSPLIB", "TSPLIB, LKH and VRPLIB")
 _NATIVE = ("instances.formats.native:NATIVE", "everything an instance holds")
 FORMATS: Registry[Format] = Registry(
     "file format",
     {
         ".json": _NATIVE,
         ".json.gz": _NATIVE,
-        ".tsp": _TSPLIB,
-        ".atsp": ("instances.formats.atsp:ATSP", "TSPLIB with every cost, the only one of these that is written"),
-        ".mtsp": _TSPLIB,
-        ".mdm": _TSPLIB,
-        ".vrp": _TSPLIB,
+        ".tsp": ("instances.formats.tsplib_text:TSP", "TSPLIB, costs alike in both directions"),
+        ".atsp": ("instances.formats.tsplib_text:ATSP", "TSPLIB, costs that differ by direction"),
+        ".mtsp": ("instances.formats.tsplib_text:MTSP", "LKH-3, which itself takes one depot"),
+        ".vrp": ("instances.formats.tsplib_text:VRP", "VRPLIB, several depots as PyVRP reads them"),
+        ".mdm": ("instances.formats.tsplib:TSPLIB", "TSPLIB with UAVs counted at each depot"),
         ".txt": ("instances.formats.team_orienteering:TEAM_ORIENTEERING", "team orienteering: prizes and tmax"),
     },
     group="mmmdmtsp_workbench.formats",
     having=("read", "write"),
 )
 """Ending of an instance file → its format."""
+ROUTES = (".sol", ".tour")
+"""Endings of files of routes."""
 
 
 def endings(*, written: bool = False) -> tuple[str, ...]:
@@ -79,7 +82,7 @@ def read_routes(path: Path | str, instance: Instance, *, all_tasks: bool = True)
     Parameters
     ----------
     path
-        A ``.sol`` file.
+        A ``.sol`` or ``.tour`` file.
     instance
         What they are routes of.
     all_tasks
@@ -90,16 +93,22 @@ def read_routes(path: Path | str, instance: Instance, *, all_tasks: bool = True)
     InputError
         Where they are not feasible for it (`instances.check_routes`).
     """
-    _ending(path, (".sol",), "routes")
-    return sol.read_solution(Path(path), instance, all_tasks=all_tasks)[0]
+    return read_claim(path, instance, all_tasks=all_tasks)[0]
+
+
+def read_claim(path: Path | str, instance: Instance, *, all_tasks: bool = True) -> tuple[Routes, float | None]:
+    """Read the routes of `instance` and the cost [s] the file claims, None where it claims none."""
+    if _ending(path, ROUTES, "routes") == ".tour":
+        return tsplib_tour.read_tour(Path(path), instance, all_tasks=all_tasks), None
+    return sol.read_solution(Path(path), instance, all_tasks=all_tasks)
 
 
 def write_routes(
     routes: Sequence[Sequence[int]], instance: Instance, path: Path | str, *, all_tasks: bool = True
 ) -> None:
     """Write feasible routes of `instance` with their cost."""
-    _ending(path, (".sol",), "routes")
-    sol.write_solution(routes, instance, Path(path), all_tasks=all_tasks)
+    write = tsplib_tour.write_tour if _ending(path, ROUTES, "routes") == ".tour" else sol.write_solution
+    write(routes, instance, Path(path), all_tasks=all_tasks)
 
 
 def _format(path: Path | str, *, written: bool = False) -> str:

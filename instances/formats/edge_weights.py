@@ -11,15 +11,26 @@ import numpy as np
 
 from instances.arrays import Floats
 from instances.errors import InputError, shown, suggestion
+from instances.instance import Instance
+from instances.metrics import metric_cost
 
 METRIC_OF: dict[str, dict[str, Any]] = {
     "EUC_2D": {"metric": "euclidean", "rounding": "nearest"},
     "CEIL_2D": {"metric": "euclidean", "rounding": "up"},
     "FLOOR_2D": {"metric": "euclidean", "rounding": "down"},
     "EUC_2D_FLOAT": {"metric": "euclidean"},
+    "EUC_3D": {"metric": "euclidean", "rounding": "nearest"},
+    "MAN_2D": {"metric": "manhattan", "rounding": "nearest"},
+    "MAN_3D": {"metric": "manhattan", "rounding": "nearest"},
+    "MAX_2D": {"metric": "maximum", "rounding": "nearest"},
+    "MAX_3D": {"metric": "maximum", "rounding": "nearest"},
     "ATT": {"metric": "att"},
+    "GEO": {"metric": "geo"},
 }
-"""EDGE_WEIGHT_TYPE → its metric (`instances.metrics`)."""
+"""EDGE_WEIGHT_TYPE → its metric (`instances.metrics`); those that end in 3D take three coordinates."""
+
+WRITTEN = ("EUC_2D", "CEIL_2D", "MAN_2D", "MAX_2D", "ATT", "GEO")
+"""EDGE_WEIGHT_TYPEs of TSPLIB that our costs can be written as: all of them whole numbers."""
 
 FORMATS = (
     "FULL_MATRIX",
@@ -42,6 +53,15 @@ def metric_of(edge_weight_type: str) -> dict[str, Any]:
             f"(supported: {', '.join(known)})"
         )
     return METRIC_OF[edge_weight_type]
+
+
+def type_of(instance: Instance) -> str | None:
+    """Return the EDGE_WEIGHT_TYPE in WRITTEN that gives the costs of `instance` exactly; None where none does."""
+    metric = instance.provenance.get("metric")
+    kind = next((each for each in WRITTEN if METRIC_OF[each] == metric), None)
+    if kind is None or instance.coordinates is None:
+        return None
+    return kind if np.array_equal(metric_cost(METRIC_OF[kind], instance.coordinates), instance.cost) else None
 
 
 def explicit_weights(lines: list[str], edge_weight_format: str, size: int) -> Floats:

@@ -1,15 +1,10 @@
-"""TSPLIB and its relatives: ``.tsp .atsp``, LKH-style ``.mtsp``, VRPLIB ``.vrp``, and ``.mdm`` (min-max, multi-depot).
+"""Reading TSPLIB and its relatives: ``.tsp .atsp``, LKH's ``.mtsp``, VRPLIB's ``.vrp``, and ``.mdm`` (min-max).
 
-What these files say of UAVs and depots, and how it is read:
-
-* DEPOT_SECTION holds ``node`` or ``node count`` (1-based; count UAVs stand there), closed by −1. A depot with count c
-  is c depots at one place. LKH's keyword DEPOT names a single one. Without either node 1 is the depot.
-* VEHICLES (or SALESMEN) is m. With one depot and no count, all m start there; with as many depots as vehicles, one
-  each; where counts are given, their sum must be m. Without it there is one UAV per depot listed.
-* Every other node is a task, in the order of the file. ``provenance["nodes"]`` maps our node numbers to the file's
-  (1-based), so that tours in the file's numbering can be evaluated.
-* Weights are taken as seconds; the diagonal, which TSPLIB leaves open, becomes 0. Capacity, demand and the like have
-  no place in the min-max problem and are left out; ``provenance["ignored"]`` lists them.
+* What they say of UAVs and depots is read by `formats.depots`. ``provenance["nodes"]`` maps our node numbers to the
+  file's (1-based), so that tours in the file's numbering can be evaluated.
+* Weights are taken as seconds; the diagonal, which TSPLIB leaves open, becomes 0. Capacity, demand, time windows, fixed
+  edges and the like have no place in the min-max problem and are left out; ``provenance["ignored"]`` lists them, and a
+  notice is logged unless they bind nothing: demands that add up to no more than one CAPACITY.
 
 vrplib reads keywords and coordinates. Depot counts and weights that wrap over lines are beyond it (version 1.5/2.0),
 and so are TSPLIB's roundings; these are read here.
@@ -17,6 +12,7 @@ and so are TSPLIB's roundings; these are read here.
 
 from __future__ import annotations
 
+import logging
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -27,10 +23,11 @@ import vrplib
 
 from instances.arrays import Floats, Ints
 from instances.disk import read_text
-from instances.errors import InputError, naming, shown
+from instances.errors import LONGEST_SENTENCE, InputError, naming, one_line, shown
+from instances.formats.depots import nodes_of, whole_number
 from instances.formats.edge_weights import explicit_weights, metric_of
 from instances.formats.format import Format
-from instances.instance import Instance, check_size
+from instances.instance import Instance
 from instances.metrics import metric_cost
 
 KEYWORDS = frozenset({"NAME", "TYPE", "COMMENT", "DIMENSION", "VEHICLES", "SALESMEN", "DEPOT", "EDGE_WEIGHT_TYPE"}) | {
@@ -40,11 +37,11 @@ KEYWORDS = frozenset({"NAME", "TYPE", "COMMENT", "DIMENSION", "VEHICLES", "SALES
 }
 """Keywords that are understood."""
 
-SECTIONS = frozenset({"NODE_COORD", "EDGE_WEIGHT", "DEPOT", "DISPLAY_DATA"})
+SECTIONS = frozenset({"NODE_COORD", "EDGE_WEIGHT", "DEPOT", "VEHICLES_DEPOT", "DISPLAY_DATA"})
 """Sections that are understood."""
 
 SCALE = re.compile(r"cost \[s\] = weight / ([0-9.e+-]+)")
-"""What our own ``.atsp`` files say in their COMMENT about integer weights (`formats.atsp`)."""
+"""What our own files say in their COMMENT about integer weights (`formats.tsplib_text`)."""
 
 
 def read_tsplib(path: Path) -> Instance:
@@ -52,15 +49,12 @@ def read_tsplib(path: Path) -> Instance:
     text = read_text(path)
     with naming(path):
         specs, sections = _split(text)
-        size = _whole(specs, "DIMENSION")
+        size = whole_number(specs, "DIMENSION")
         if size is None:
             raise InputError("the keyword DIMENSION is missing")
-        if "DEPOT" in specs and "DEPOT" in sections:
-            raise InputError("both DEPOT and DEPOT_SECTION are given")
-        depots = [specs["DEPOT"]] if "DEPOT" in specs else sections.get("DEPOT")
-        nodes, n_depots = _nodes(depots, _vehicles(specs), size)
+        nodes, n_depots = nodes_of(specs, sections, size)
         place = np.array(nodes) - 1
-        coordinates = _coordinates(sections, size)
+        coordinates = _coordinates(specs, sections, size)
         if coordinates is not None:
             coordinates = coordinates[place]
         provenance: dict[str, Any] = {"source": path.name, "nodes": nodes}
@@ -68,11 +62,34 @@ def read_tsplib(path: Path) -> Instance:
             if key in specs:
                 provenance[key.lower()] = specs[key]
         ignored = sorted((specs.keys() - KEYWORDS) | {f"{s}_SECTION" for s in sections.keys() - SECTIONS})
+        cost = _cost(specs, sections, size, place, coordinates, provenance)
+        if coordinates is not None and coordinates.shape[1] == 3:
+            coordinates = coordinates[:, :2]
+            ignored.append("the third coordinate (a cost may count it)")
         if ignored:
             provenance["ignored"] = ignored
-        cost = _cost(specs, sections, size, place, coordinates, provenance)
         name = specs.get("NAME", "") or path.name.split(".")[0]
-        return Instance(name, cost, len(nodes) - n_depots, n_depots, coordinates, provenance)
+        instance = Instance(name, cost, len(nodes) - n_depots, n_depots, coordinates, provenance)
+        _tell_left_out(path, ignored, specs, sections)
+        return instance
+
+
+def _tell_left_out(path: Path, ignored: list[str], specs: Mapping[str, str], sections: Mapping[str, list[str]]) -> None:
+    """Log a notice of what the file says beyond the min-max problem, save demands that bind nothing."""
+    free = {"CAPACITY", "DEMAND_SECTION"} if _fits_all(specs, sections) else set()
+    told = [each for each in ignored if each not in free]
+    if told:
+        words = f"{path}: left out, as the min-max problem has no place for it: {', '.join(told)}"
+        logging.getLogger(__name__).warning(one_line(words, LONGEST_SENTENCE))
+
+
+def _fits_all(specs: Mapping[str, str], sections: Mapping[str, list[str]]) -> bool:
+    """Return whether one vehicle of CAPACITY can carry all demands: then they forbid no routes."""
+    try:
+        total = sum(float(line.split()[1]) for line in sections.get("DEMAND", ()))
+        return total <= float(specs["CAPACITY"])
+    except (KeyError, IndexError, ValueError):
+        return False
 
 
 def _split(text: str) -> tuple[dict[str, str], dict[str, list[str]]]:
@@ -105,91 +122,28 @@ def _split(text: str) -> tuple[dict[str, str], dict[str, list[str]]]:
     return specs, sections
 
 
-def _whole(specs: Mapping[str, str], key: str) -> int | None:
-    """Return the positive whole number of a keyword, None where it is missing."""
-    if key not in specs:
-        return None
-    value = specs[key]
-    if not (value.isascii() and value.isdigit() and len(value) < 10 and int(value) >= 1):
-        raise InputError(f"{key} must be a whole number of at least 1, got {shown(value)}")
-    return int(value)
-
-
-def _vehicles(specs: Mapping[str, str]) -> int | None:
-    vehicles, salesmen = _whole(specs, "VEHICLES"), _whole(specs, "SALESMEN")
-    if vehicles is not None and salesmen is not None and vehicles != salesmen:
-        raise InputError(f"VEHICLES is {vehicles} but SALESMEN is {salesmen}")
-    return vehicles if vehicles is not None else salesmen
-
-
-def _nodes(depot_lines: list[str] | None, vehicles: int | None, size: int) -> tuple[list[int], int]:
-    """Return the file's node numbers in our order, tasks first, and the number of depots m."""
-    places, counts = _depot_lines(depot_lines, size) if depot_lines is not None else ([1], None)
-    if counts is None:
-        if vehicles is None or vehicles == len(places):
-            counts = [1] * len(places)
-        elif len(places) == 1:
-            counts = [vehicles]
-        else:
-            raise InputError(
-                f"VEHICLES is {vehicles} for {len(places)} depots: DEPOT_SECTION must say 'node count' for each"
-            )
-    elif vehicles is not None and vehicles != sum(counts):
-        raise InputError(f"VEHICLES is {vehicles} but the counts in DEPOT_SECTION add up to {sum(counts)}")
-    check_size(size - len(places), sum(counts))
-    depots = [node for node, count in zip(places, counts, strict=True) for _ in range(count)]
-    at = set(places)
-    tasks = [node for node in range(1, size + 1) if node not in at]
-    if not tasks:
-        raise InputError(f"every one of the {size} nodes is a depot: there is no task")
-    return tasks + depots, len(depots)
-
-
-def _depot_lines(lines: list[str], size: int) -> tuple[list[int], list[int] | None]:
-    """Return the depots' nodes, and how many UAVs stand there where the lines say so."""
-    places: list[int] = []
-    counts: list[int] = []
-    for line in lines:
-        words = line.split()
-        if words[:1] == ["-1"]:
-            break
-        if len(words) not in (1, 2) or not all(w.isascii() and w.isdigit() and len(w) < 10 for w in words):
-            raise InputError(f"DEPOT_SECTION must hold 'node' or 'node count', got {shown(line)}")
-        node, *count = map(int, words)
-        if not 1 <= node <= size:
-            raise InputError(f"DEPOT_SECTION names node {node}, but the nodes are 1 to {size}")
-        if node in places:
-            raise InputError(f"DEPOT_SECTION names node {node} twice")
-        if count and count[0] < 1:
-            raise InputError(f"DEPOT_SECTION puts {count[0]} UAVs at node {node}, must be at least 1")
-        places.append(node)
-        counts += count
-    if not places:
-        raise InputError("DEPOT_SECTION names no depot")
-    if counts and len(counts) != len(places):
-        raise InputError("DEPOT_SECTION gives a count for some depots but not for all")
-    return places, counts or None
-
-
-def _coordinates(sections: Mapping[str, list[str]], size: int) -> Floats | None:
-    """Return the coordinates (size, 2) in file order, None where the file has none."""
+def _coordinates(specs: Mapping[str, str], sections: Mapping[str, list[str]], size: int) -> Floats | None:
+    """Return the coordinates (size, 2), or (size, 3), in file order, None where the file has none."""
     name = "NODE_COORD" if "NODE_COORD" in sections else "DISPLAY_DATA"
     if name not in sections:
         return None
     lines = sections[name]
+    solid = specs.get("EDGE_WEIGHT_TYPE", "").endswith("3D") or specs.get("NODE_COORD_TYPE") == "THREED_COORDS"
+    spatial = name == "NODE_COORD" and solid
+    axes = ["x", "y", "z"] if spatial else ["x", "y"]
     if len(lines) != size:
         raise InputError(f"{name}_SECTION has {len(lines)} lines, must have DIMENSION = {size}")
     for number, line in enumerate(lines, 1):
         words = line.split()
-        if len(words) != 3:
-            raise InputError(f"{name}_SECTION must hold 'node x y', got {shown(line)}")
+        if len(words) != 1 + len(axes):
+            raise InputError(f"{name}_SECTION must hold 'node {' '.join(axes)}', got {shown(line)}")
         if words[0] != str(number):
             raise InputError(
                 f"{name}_SECTION must list the nodes 1 to {size} in order, got {shown(words[0])} as {number}"
             )
     try:  # vrplib takes a line with a colon for a specification and refuses it
         parsed = vrplib.parse.parse_vrplib(f"{name}_SECTION\n" + "\n".join(lines) + "\nEOF", compute_edge_weights=False)
-        xy = np.array(parsed[name.lower()], dtype=np.float64).reshape(size, 2)
+        xy = np.array(parsed[name.lower()], dtype=np.float64).reshape(size, len(axes))
     except (ValueError, OverflowError):
         raise InputError(f"{name}_SECTION holds something that is not a number") from None
     if not np.isfinite(xy).all():
@@ -211,10 +165,14 @@ def _cost(
         raise InputError("the keyword EDGE_WEIGHT_TYPE is missing")
     if kind != "EXPLICIT":
         metric = metric_of(kind)
-        if "NODE_COORD" not in sections:
+        if coordinates is None or "NODE_COORD" not in sections:
             raise InputError(f"EDGE_WEIGHT_TYPE {kind} needs a NODE_COORD_SECTION")
+        if kind.endswith("3D"):
+            return metric_cost(metric, coordinates)
         provenance["metric"] = metric
-        return metric_cost(metric, coordinates)
+        cost = metric_cost(metric, coordinates[:, :2])
+        cost[place[:, None] == place[None, :]] = 0.0  # GEO has 1 between nodes at one place
+        return cost
     if "EDGE_WEIGHT" not in sections:
         raise InputError("EDGE_WEIGHT_TYPE is EXPLICIT but there is no EDGE_WEIGHT_SECTION")
     weights = explicit_weights(sections["EDGE_WEIGHT"], specs.get("EDGE_WEIGHT_FORMAT", "FULL_MATRIX"), size)

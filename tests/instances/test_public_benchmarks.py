@@ -3,13 +3,17 @@
 import csv
 import json
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
+import vrplib
 
 from instances import as_routes, check_routes, makespan
 from instances.best_known import best_known
-from instances.files import read_instance
+from instances.files import read_instance, read_routes, write_instance, write_routes
+from instances.formats.tsplib_text import weight_scale
 
 FOLDER = Path(__file__).resolve().parents[2] / ".." / "shared" / "benchmarks"
 FILES = sorted(FOLDER.glob("*/*.mdm"))
@@ -29,6 +33,10 @@ TOURS = json.loads((FOLDER / "tours.json").read_text()) if FILES else {}
 
 # large ones share their coordinates with a smaller fleet's file: one each is enough for every day
 DAILY = [f for f in FILES if not f.stem.startswith(("fl3795", "rl5915", "pcb3038")) or f.stem.endswith("_3")]
+
+
+WRITTEN = ("eil51_5", "md1", "md8", "amd_kro124p_5")
+"""Whose tours are looked up in files that we write: one depot, several, and costs that differ by direction."""
 
 
 def check(file):
@@ -64,6 +72,28 @@ def test_reads_and_stored_tours_re_evaluate(file):
 @pytest.mark.parametrize("file", [f for f in FILES if f not in DAILY], ids=lambda f: f.stem)
 def test_the_largest_ones_too(file):
     check(file)
+
+
+@pytest.mark.parametrize("ending", [".atsp", ".mtsp", ".vrp"])
+@pytest.mark.parametrize("file", [f for f in FILES if f.stem in WRITTEN], ids=lambda f: f.stem)
+def test_vrplib_finds_the_stated_value_in_what_we_write(tmp_path, file, ending):
+    instance = read_instance(file)
+    tour = TOURS[instance.name]
+    ours = {node: i for i, node in enumerate(instance.provenance["nodes"][: instance.n_tasks])}
+    write_routes(
+        [[ours[node + 1] for node in r if node + 1 in ours] for r in tour["routes"]], instance, tmp_path / "a.sol"
+    )
+    write_instance(instance, tmp_path / f"a{ending}")
+    theirs, solution = vrplib.read_instance(tmp_path / f"a{ending}"), vrplib.read_solution(tmp_path / "a.sol")
+    seconds = theirs["edge_weight"] / weight_scale(instance)
+    legs = [
+        [at, *r, at] for at, r in zip(np.resize(theirs["depot"], instance.n_depots), solution["routes"], strict=True)
+    ]
+    longest = max(sum(seconds[a, b] for a, b in pairwise(stops)) for stops in legs)
+    assert longest == pytest.approx(tour["value"], rel=1e-7)
+    assert read_routes(tmp_path / "a.sol", read_instance(tmp_path / f"a{ending}")) == read_routes(
+        tmp_path / "a.sol", instance
+    )
 
 
 def test_every_stored_tour_has_its_file():

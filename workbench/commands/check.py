@@ -57,12 +57,11 @@ def command(context: click.Context, target: Path, routes_file: Path | None, as_j
 
 def _check_routes(instance_file: Path, routes_file: Path) -> tuple[str, list[str]]:
     from instances import makespan
-    from instances.files import read_instance
-    from instances.formats.sol import read_solution
+    from instances.files import read_claim, read_instance
     from workbench.problems.routing import refute_cost
 
     instance = read_instance(instance_file)
-    routes, claimed = read_solution(routes_file, instance)
+    routes, claimed = read_claim(routes_file, instance)
     actual = makespan(instance, routes)
     wrong = "" if claimed is None else refute_cost(claimed, actual)
     return f"feasible, longest tour {actual!r} s", [f"{routes_file}: {wrong}"] if wrong else []

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 @click.option("--threads", type=THREADS, default=1, show_default=True, help="Worker threads of the solver.")
 @click.option("--iterations", type=ITERATIONS, help="Limit on the method's own iterations.")
 @click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the solver; repeatable.")
-@click.option("--start", type=click.Path(path_type=Path), help="Routes (.sol) to begin from.")
+@click.option("--start", type=click.Path(path_type=Path), help="Routes (.sol, .tour) to begin from.")
 @click.option("--fewest", is_flag=True, help="How many UAVs does a makespan of --limit take? With proof.")
 @click.option("--limit", type=SECONDS, help="The makespan [s] for --fewest.")
 @click.option("--what-if", is_flag=True, help="Also solve with one more UAV or battery: what is each worth?")
 @JSON
-@click.option("--out", type=click.Path(path_type=Path), help="Write the routes (.sol).")
+@click.option("--out", type=click.Path(path_type=Path), help="Write the routes (.sol, .tour).")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw the routes (.svg).")
 @click.pass_context
 def command(
@@ -65,7 +65,7 @@ def command(
       workbench solve a.json --solver ga --option population=100 --json
       workbench solve a.json --fewest --limit 3600
     """
-    from instances.files import read_instance, read_routes
+    from instances.files import ROUTES, read_instance, read_routes
     from workbench.jobs.job import Job, folder_of
     from workbench.jobs.study import checked_entry
     from workbench.problems.routing import ROUTING
@@ -77,7 +77,7 @@ def command(
     entry = checked_entry(ROUTING, solver, chosen, seeds=(seed,), **limits)
     instance = read_instance(instance_file)
     begin = read_routes(start, instance) if start else None
-    for path, endings in ((out, (".sol",)), (plot, (".svg",))):
+    for path, endings in ((out, ROUTES), (plot, (".svg",))):
         check_target(path, endings)
     job = Job(folder_of(instance), solver, entry.options, seed, time_limit, threads, iterations)
     if limit is not None:

@@ -27,7 +27,7 @@ def test_routes_round_trip_empty_ones_included(tmp_path, n, m, seed):
     write_routes(routes, instance, tmp_path / "a.sol")
     assert read_solution(tmp_path / "a.sol", instance) == (routes, makespan(instance, routes))
     others = vrplib.read_solution(tmp_path / "a.sol")
-    assert as_routes(others["routes"]) == routes
+    assert as_routes(others["routes"]) == as_routes([[m + task for task in route] for route in routes])
     assert others["cost"] == makespan(instance, routes)
 
 
@@ -36,9 +36,51 @@ def test_routes_may_be_left_out_and_come_in_any_order(tmp_path):
     assert read_solution(tmp_path / "a.sol", instance_of(3, 3)) == (((1,), (), (2, 0)), None)
 
 
+OLD = "# x, digest 0123456789ab: tasks are numbered from 0, route k starts and ends at node 2 + k\n"
+NEW = "# x, digest 0123456789ab: Cost is that of the longest route [s]\n# customers 2-4 are the tasks, in order\n"
+GAPS = "# customers 1,4-5 are the tasks\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "routes"),
+    [
+        (OLD + "Route #1: 2 1\nRoute #2: 0\n", ((2, 1), (0,))),  # as all were until the end of 2026
+        (NEW + "Route #1: 4 3\nRoute #2: 2\n", ((2, 1), (0,))),
+        (GAPS + "Route #1: 5 4\nRoute #2: 1\n", ((2, 1), (0,))),
+        ("Route #1: 2 1\nRoute #2: 0\n", ((2, 1), (0,))),  # tasks from 0
+        ("Route #1: 4 3\nRoute #2: 2\n", ((2, 1), (0,))),  # two depots, so the customers are 2 to 4
+        ("Route #1: 3 2\nRoute #2: 1\n", ((2, 1), (0,))),  # customers 1 to 3, as Cordeau numbers them
+    ],
+)
+def test_the_numbering_is_stated_or_seen(tmp_path, text, routes):
+    (tmp_path / "a.sol").write_text(text)
+    assert read_routes(tmp_path / "a.sol", instance_of(3, 2)) == routes
+
+
+def test_a_part_of_the_tasks_in_every_stated_numbering(tmp_path):
+    """What cannot be told by the numbers alone: 1 and 2 are tasks, and with one depot also customers."""
+    instance = instance_of(3, 1)
+    for remark, route in ((OLD, (1, 2)), ("# customers 1-3 are the tasks\n", (0, 1)), ("", (0, 1))):
+        (tmp_path / "a.sol").write_text(f"{remark}Route #1: 1 2\n")
+        assert read_routes(tmp_path / "a.sol", instance, all_tasks=False) == (route,)
+    write_routes([[1, 2]], instance, tmp_path / "b.sol", all_tasks=False)
+    assert read_routes(tmp_path / "b.sol", instance, all_tasks=False) == ((1, 2),)
+
+
+def test_a_name_that_vrplib_would_take_for_a_route(tmp_path):
+    instance = Instance("Route 66: a", instance_of(2, 1).cost, 2, 1)
+    write_routes([[1, 0]], instance, tmp_path / "a.sol")
+    assert vrplib.read_solution(tmp_path / "a.sol")["routes"] == [[2, 1]]
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
+        (NEW + "Route #1: 2 3 5\n", "route #1 holds 5, which is none of the customers 2-4"),
+        (NEW + "Route #1: 2 3\n", "Task 2 is visited by no route; tasks from 0 are here customers 2-4"),
+        ("# customers 2-9 are the tasks\nRoute #1: 2\n", "line 1: '2-9' are not the numbers of 3 customers"),
+        ("# customers 1-99999999,9-1 are the tasks\nRoute #1: 2\n", "are not the numbers of 3 customers"),
+        ("# customers - are the tasks\nRoute #1: 2\n", "line 1: '-' are not the numbers of 3 customers"),
         ("Route #1: 0 1 2 1\n", "Task 1 is visited 2 times"),
         ("Route #1: 0 1\n", "Task 2 is visited by no route"),
         ("Route #1: 0\n", r"Task 1 is visited by no route \(and 1 more faults\)"),
@@ -75,8 +117,8 @@ def test_binary_missing_and_infeasible(tmp_path):
 
 
 @settings(deadline=None, max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.text("Route #:0123456789 \nCost.-+e²", max_size=40))
-def test_any_text_is_read_or_refused_in_a_sentence(tmp_path, text):
-    (tmp_path / "a.sol").write_text(text)
+@given(st.text("Route #:0123456789 \nCost.-+e²", max_size=40), st.text("0123456789,-²", max_size=9))
+def test_any_text_is_read_or_refused_in_a_sentence(tmp_path, text, customers):
+    (tmp_path / "a.sol").write_text(f"# customers {customers} are the tasks\n{text}" if customers else text)
     with contextlib.suppress(InputError):  # any other exception fails
         read_routes(tmp_path / "a.sol", instance_of(1, 1))

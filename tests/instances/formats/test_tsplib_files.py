@@ -6,9 +6,10 @@ import vrplib
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from instances import InputError, Instance
-from instances.files import read_instance, write_instance
-from instances.formats.atsp import weight_scale
+from formulations.limits import Limits
+from formulations.routing.registry import SOLVERS
+from instances import InputError
+from instances.files import read_instance
 
 COORDINATES = "NODE_COORD_SECTION\n1 0 0\n2 3 4\n3 0 1.5\n4 6 8\n"
 
@@ -37,6 +38,8 @@ def explicit(rows, form="FULL_MATRIX", size=3, extra="", depots="DEPOT_SECTION\n
         ("FLOOR_2D", 3.0),
         ("EUC_2D_FLOAT", np.sqrt(15.25)),
         ("ATT", 2.0),  # √(15.25/10) = 1.235 rounds to 1 < 1.235, so 2
+        ("MAN_2D", 6.0),  # 3 + 2.5 = 5.5
+        ("MAX_2D", 3.0),
     ],
 )
 def test_distances_follow_tsplib(tmp_path, kind, from_2_to_3):
@@ -51,6 +54,9 @@ def test_half_is_rounded_up_as_tsplib_says(tmp_path):
     assert read(tmp_path, euclidean("EUC_2D")).cost[1, 3] == 2.0  # 1.5 from node 3 to node 1
 
 
+OF_EACH = "VEHICLES_DEPOT_SECTION\n1 3\n2 3\n3 1\nDEPOT_SECTION\n1\n3\n-1\n"
+
+
 @pytest.mark.parametrize(
     ("extra", "depots", "nodes", "m"),
     [
@@ -63,6 +69,7 @@ def test_half_is_rounded_up_as_tsplib_says(tmp_path):
         ("SALESMEN : 2\nDEPOT : 3\n", "", [1, 2, 4, 3, 3], 2),
         ("VEHICLES : 4\n", "DEPOT_SECTION\n4 1\n2 3\n-1\n", [1, 3, 4, 2, 2, 2], 4),
         ("", "DEPOT_SECTION\n4 1\n2 3\n-1\n", [1, 3, 4, 2, 2, 2], 4),
+        ("VEHICLES : 3\n", OF_EACH, [2, 4, 3, 3, 1], 3),
     ],
 )
 def test_where_the_uavs_start(tmp_path, extra, depots, nodes, m):
@@ -106,9 +113,59 @@ def test_the_diagonal_becomes_zero_also_between_uavs_of_one_depot(tmp_path):
     assert instance.cost.tolist() == [[0, 4, 3, 3], [6, 0, 5, 5], [1, 2, 0, 0], [1, 2, 0, 0]]
 
 
-def test_what_min_max_does_not_know_is_named_as_ignored(tmp_path):
-    text = euclidean(extra="CAPACITY: 100\n", depots="DEMAND_SECTION\n1 0\n2 5\n3 5\n4 5\nDEPOT_SECTION\n1\n-1\n")
-    assert read(tmp_path, text, "a.vrp").provenance["ignored"] == ["CAPACITY", "DEMAND_SECTION"]
+DEMANDS = "DEMAND_SECTION\n1 0\n2 5\n3 5\n4 5\nDEPOT_SECTION\n1\n-1\n"
+WINDOWS = "TIME_WINDOW_SECTION\n1 0 9\n2 0 9\n3 0 9\n4 0 9\n"
+
+
+@pytest.mark.parametrize(
+    ("extra", "depots", "ignored", "told"),
+    [
+        ("CAPACITY: 10\n", DEMANDS, ["CAPACITY", "DEMAND_SECTION"], "CAPACITY, DEMAND_SECTION"),
+        ("CAPACITY: 15\n", DEMANDS, ["CAPACITY", "DEMAND_SECTION"], None),  # one vehicle carries all
+        ("", WINDOWS + DEMANDS, ["DEMAND_SECTION", "TIME_WINDOW_SECTION"], "DEMAND_SECTION, TIME_WINDOW_SECTION"),
+        ("CAPACITY: 15\nDISTANCE: 99\n", DEMANDS, ["CAPACITY", "DEMAND_SECTION", "DISTANCE"], "DISTANCE"),
+        ("", "FIXED_EDGES_SECTION\n1 2\n-1\n", ["FIXED_EDGES_SECTION"], "FIXED_EDGES_SECTION"),
+        ("", "", None, None),
+    ],
+)
+def test_what_is_left_out_is_said_in_one_line(tmp_path, caplog, extra, depots, ignored, told):
+    assert read(tmp_path, euclidean(extra=extra, depots=depots), "a.vrp").provenance.get("ignored") == ignored
+    lines = [f"{tmp_path}/a.vrp: left out, as the min-max problem has no place for it: {told}"] if told else []
+    assert caplog.messages == lines
+
+
+@pytest.mark.parametrize(("kind", "from_1_to_2"), [("EUC_3D", 7.0), ("MAN_3D", 11.0), ("MAX_3D", 6.0), ("EUC_2D", 4.0)])
+def test_a_third_coordinate_counts_where_the_type_says_so(tmp_path, caplog, kind, from_1_to_2):
+    head = f"DIMENSION: 2\nEDGE_WEIGHT_TYPE: {kind}\nNODE_COORD_TYPE: THREED_COORDS\n"
+    instance = read(tmp_path, f"{head}NODE_COORD_SECTION\n1 0 0 0\n2 2 3 6\n")
+    assert instance.cost[0, 1] == from_1_to_2
+    assert instance.coordinates.tolist() == [[2, 3], [0, 0]]
+    assert "third coordinate" in caplog.messages[0]
+
+
+# burma14 and ulysses16 of TSPLIB: where the towns are, and the length of the shortest tour, as Reinelt publishes them
+BURMA = """16.47 96.10 16.47 94.44 20.09 92.54 22.39 93.37 25.23 97.24 22.00 96.05 20.47 97.02
+17.20 96.29 16.30 97.38 14.05 98.12 16.53 97.38 21.52 95.59 19.41 97.13 20.09 94.55"""
+ULYSSES = """38.24 20.42 39.57 26.15 40.56 25.32 36.26 23.12 33.48 10.54 37.56 12.19 38.42 13.11 37.52 20.44
+41.23 9.10 41.17 13.05 36.08 -5.21 38.47 15.13 38.15 15.35 37.51 15.17 35.49 14.32 39.36 19.56"""
+
+
+@pytest.mark.parametrize(("towns", "shortest"), [(BURMA, 3323), (ULYSSES, 6859)], ids=["burma14", "ulysses16"])
+def test_geo_distances_give_the_published_optimum(tmp_path, towns, shortest):
+    numbers = towns.split()
+    lines = "".join(f"{k} {x} {y}\n" for k, (x, y) in enumerate(zip(numbers[::2], numbers[1::2], strict=True), 1))
+    text = f"DIMENSION: {len(numbers) // 2}\nEDGE_WEIGHT_TYPE: GEO\nNODE_COORD_SECTION\n{lines}EOF\n"
+    instance = read(tmp_path, text)
+    assert (instance.cost == instance.cost.T).all()
+    result = SOLVERS.make("subset-dp").solve(instance, limits=Limits(time=20))
+    assert (result.status, result.objective) == ("OPTIMAL", shortest)
+
+
+def test_geo_distances_of_one_place_and_of_the_other_side(tmp_path):
+    text = "VEHICLES: 2\nDIMENSION: 3\nEDGE_WEIGHT_TYPE: GEO\nNODE_COORD_SECTION\n1 0 0\n2 0 0\n3 0 180\n"
+    instance = read(tmp_path, text)
+    assert instance.cost[0].tolist() == [0, int(6378.388 * 3.141592 + 1), 1, 1]  # TSPLIB has 1 for one place
+    assert instance.cost[2:, 2:].tolist() == [[0, 0], [0, 0]]  # but two UAVs at one depot are one place
 
 
 @pytest.mark.parametrize(
@@ -124,7 +181,11 @@ def test_what_min_max_does_not_know_is_named_as_ignored(tmp_path):
         ("DIMENSION: 4\n", "the keyword EDGE_WEIGHT_TYPE is missing"),
         ("DIMENSION: 1\nEDGE_WEIGHT_TYPE: EUC_2D\n", "every one of the 1 nodes is a depot"),
         (euclidean("EUC2D"), "EDGE_WEIGHT_TYPE 'EUC2D' is not supported; did you mean 'EUC_2D'"),
-        (euclidean("GEO"), "EDGE_WEIGHT_TYPE 'GEO' is not supported"),
+        (euclidean("XRAY1"), "EDGE_WEIGHT_TYPE 'XRAY1' is not supported"),
+        (euclidean("EUC_3D"), "NODE_COORD_SECTION must hold 'node x y z', got '1 0 0'"),
+        (euclidean(depots=OF_EACH.replace("2 3", "2 4")), "VEHICLES_DEPOT_SECTION names node 4, which is no depot"),
+        (euclidean(depots=OF_EACH.replace("2 3", "3 3")), "must hold 'vehicle node' from 1 in order, got '3 3'"),
+        (euclidean(extra="VEHICLES: 4\n", depots=OF_EACH), "VEHICLES is 4 but VEHICLES_DEPOT_SECTION has 3 lines"),
         (euclidean(extra="VEHICLES: 0\n"), "VEHICLES must be a whole number of at least 1, got '0'"),
         (euclidean(extra="VEHICLES: 2\nSALESMEN: 3\n"), "VEHICLES is 2 but SALESMEN is 3"),
         (euclidean(extra="VEHICLES: 3\n", depots="DEPOT_SECTION\n1\n2\n-1\n"), "VEHICLES is 3 for 2 depots"),
@@ -168,34 +229,3 @@ TEMPLATE = explicit("0 1 2\n3 0 4\n5 6 0", extra="VEHICLES : 2\nCOMMENT : cost [
 def test_damaged_files_are_read_or_refused_in_a_sentence(tmp_path, start, length, instead):
     with contextlib.suppress(InputError):  # any other exception fails
         read(tmp_path, TEMPLATE[:start] + instead + TEMPLATE[start + length :])
-
-
-@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.integers(0, 10**6), st.integers(1, 5), st.integers(1, 3), st.integers(-6, 12), st.booleans())
-def test_atsp_reads_back_within_half_a_unit(tmp_path, seed, n, m, exponent, whole):
-    rng = np.random.default_rng(seed)
-    cost = rng.uniform(0, 10.0**exponent, (n + m, n + m))
-    cost = np.minimum(np.floor(cost), 2**31 - 1) if whole else cost
-    np.fill_diagonal(cost, 0)
-    instance = Instance("x", cost, n, m, rng.normal(size=(n + m, 2)))
-    write_instance(instance, tmp_path / "a.atsp")
-    back = read_instance(tmp_path / "a.atsp")
-    assert (back.n_tasks, back.n_depots, back.name) == (n, m, "x")
-    assert back.provenance["nodes"] == list(range(1, n + m + 1))
-    assert back.coordinates.tolist() == instance.coordinates.tolist()
-    if whole:
-        assert back.cost.tobytes() == cost.tobytes()
-    else:
-        assert np.abs(back.cost - cost).max() <= (0.5 + 1e-6) / weight_scale(instance)
-        assert np.abs(back.cost - cost).max() <= 5.1e-9 * cost.max()
-
-
-@pytest.mark.parametrize("size", [1e-300, 1e-6, 1.5, 1e9 + 0.5, 1e149])
-def test_atsp_holds_costs_of_any_size(tmp_path, size):
-    instance = Instance("x", [[0, size], [size / 3, 0]], 1, 1)
-    write_instance(instance, tmp_path / "a.atsp")
-    back = read_instance(tmp_path / "a.atsp")
-    assert back.cost[0, 1] == pytest.approx(size, rel=1e-8)
-    weights = vrplib.read_instance(tmp_path / "a.atsp", compute_edge_weights=False)["edge_weight"]
-    assert weights.dtype.kind == "i"
-    assert weights.max() < 2**31

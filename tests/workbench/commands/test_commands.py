@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 from instances import Instance, makespan, tour_costs
-from instances.files import read_instance, read_routes, write_instance, write_routes
+from instances.files import endings, read_instance, read_routes, write_instance, write_routes
 from workbench.cli import main
 
 KEYS = (
@@ -220,6 +221,34 @@ def test_convert_there_and_back(cli, instance, instance_file, tmp_path):
     assert cli("convert", instance_file, "a.json.gz")[0] == 0
     assert cli("convert", "a.json.gz", "b.json")[0] == 0
     assert read_instance(tmp_path / "b.json").digest == instance.digest
+
+
+def test_convert_says_what_it_reads_and_writes(cli):
+    rows = [
+        re.split("  +", line.strip()) for line in cli("convert", "--help")[1].splitlines() if line.startswith("  .")
+    ]
+    said = {ending: (row[-2], row[-1]) for row in rows for ending in row[0].split()}
+    read_too = {ending: ("yes", "yes" if ending in endings(written=True) else "no") for ending in endings()}
+    assert said == read_too
+
+
+def test_what_convert_leaves_out_is_said(cli, tmp_path, caplog):
+    rows = "".join(f"{k} {k * k} 0\n" for k in range(1, 4))
+    text = f"DIMENSION: 3\nCAPACITY: 1\nEDGE_WEIGHT_TYPE: EUC_2D\nNODE_COORD_SECTION\n{rows}"
+    (tmp_path / "a.vrp").write_text(f"{text}DEMAND_SECTION\n1 0\n2 1\n3 1\nDEPOT_SECTION\n1\n-1\nEOF\n")
+    code, out, _ = cli("convert", "a.vrp", "b.json")
+    assert (code, out) == (0, "")
+    # pytest takes what is logged; outside it goes to stderr
+    assert caplog.messages == ["a.vrp: left out, as the min-max problem has no place for it: CAPACITY, DEMAND_SECTION"]
+    assert read_instance(tmp_path / "b.json").provenance["ignored"] == ["CAPACITY", "DEMAND_SECTION"]
+
+
+def test_routes_as_a_tour_of_tsplib(cli, instance_file, tmp_path):
+    assert cli("solve", instance_file, "--solver", "greedy", "--out", "r.tour")[0] == 0
+    assert cli("solve", instance_file, "--solver", "greedy", "--out", "r.sol")[0] == 0
+    told = [cli("check", instance_file, name) for name in ("r.tour", "r.sol")]
+    assert told[0] == told[1]
+    assert told[0][0] == 0
 
 
 def test_lists_of_solvers_and_families(cli):

@@ -1,8 +1,8 @@
-"""Writing TOML: the standard library only reads it. Floats keep every digit."""
+"""Writing TOML, by tomli-w: the standard library only reads it. Floats keep every digit, a list stands on one line."""
 
 from __future__ import annotations
 
-import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,32 +13,29 @@ from instances.errors import InputError, shown
 
 
 def toml_text(table: Mapping[str, Any]) -> str:
-    """Return `table` as TOML: its tables become sections, tables inside those are written inline."""
-    plain = {k: v for k, v in table.items() if not isinstance(v, Mapping)}
-    lines = [f"{_key(key)} = {_value(value)}" for key, value in plain.items()]
-    for key, section in table.items():
-        if isinstance(section, Mapping):
-            lines += ["", f"[{_key(key)}]"]
-            lines += [f"{_key(k)} = {_value(v)}" for k, v in section.items() if v is not None]
-    return "\n".join(lines) + "\n"
+    """Return `table` as TOML, without what is None; InputError where it holds something TOML has no place for."""
+    import tomli_w  # here: few commands write TOML
+
+    text = tomli_w.dumps(_plain(table))
+    # tomli-w breaks the line after each entry of a list, and breaks none anywhere else: texts have \n for it
+    return re.sub(r",\n *", ", ", re.sub(r"(?<=\[)\n *|,\n *(?=\])", "", text))
 
 
-def _value(value: Any) -> str:
+def toml_value(value: Any) -> str:
+    """Return `value` as it stands behind a key, on one line, tables too."""
+    return toml_text({"x": [[value]]}).removeprefix("x = [[").removesuffix("]]\n")  # tables in lists are inline
+
+
+def _plain(value: Any) -> Any:
+    """Return `value` of what tomli-w takes: NumPy's numbers and arrays as Python's, paths as texts."""
     if isinstance(value, (np.generic, np.ndarray)):
-        value = value.tolist()
+        return value.tolist()
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items() if v is not None) + "}"
+        return {str(key): _plain(each) for key, each in value.items() if each is not None}
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(_value, value)) + "]"
+        return [_plain(each) for each in value]
     if isinstance(value, (str, Path)):
-        return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, bool):
-        return "true" if value else "false"
+        return str(value)
     if isinstance(value, (int, float)):
-        return repr(value)
+        return value
     raise InputError(f"{shown(value)} cannot be written as TOML")
-
-
-def _key(key: str) -> str:
-    bare = key and key.isascii() and key.replace("_", "").replace("-", "").isalnum()
-    return key if bare else _value(key)

@@ -10,7 +10,7 @@ from dataclasses import fields
 from typing import Any, NamedTuple
 
 from instances.scenario_keys import RADIO_KEYS, SCENARIO_KEYS, WINDS, ScenarioKey
-from instances.toml_text import toml_text
+from instances.toml_text import toml_value
 from workbench.mission.settings import TABLES
 
 OWN = {
@@ -38,7 +38,7 @@ class Described(NamedTuple):
     def lines(self) -> list[str]:
         """The key as it stands in a file; a kind of wind with the keys of its own."""
         table = self.example if self.table == "wind" else {self.name: self.example}
-        return toml_text({"table": table}).splitlines()[2:]  # an empty line and the table's own come first
+        return [f"{key} = {toml_value(value)}" for key, value in table.items()]
 
 
 def described() -> Iterator[Described]:

@@ -22,9 +22,6 @@ from instances.errors import InputError, shown
 if TYPE_CHECKING:
     from pyproj import CRS, Transformer
 
-A = 6_378_137.0
-"""Semi-major axis of WGS 84 [m]."""
-FLATTENING = 1 / 298.257223563
 WGS84 = "EPSG:4326"
 """The coordinate reference system of GPS, KML and GeoJSON; here always longitude first."""
 
@@ -110,9 +107,9 @@ def reference_system(name: str) -> CRS:
     return found
 
 
-def well_known_text(crs: str) -> str:
-    """Return the reference system `crs` as WKT."""
-    return str(reference_system(crs).to_wkt())
+def grid_mapping(crs: str) -> dict[str, str | float]:
+    """Return the attributes of a CF grid mapping that describe the reference system `crs`."""
+    return dict(reference_system(crs).to_cf())
 
 
 def mapped_crs(attributes: Mapping[str, Any]) -> str:

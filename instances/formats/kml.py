@@ -1,6 +1,9 @@
 """A tour as KML (OGC 07-147r2 and later): a line and a place mark for the depot and each task.
 
 Heights above the ground are in ``altitudeMode`` relativeToGround, all others above mean sea level in absolute.
+
+Written by hand: simplekml (1.3) gives every element an id, and points an order of elements, that the schema of KML does
+not allow, and fastkml refuses its files.
 """
 
 from __future__ import annotations

@@ -10,7 +10,6 @@ import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.io import netcdf_file
@@ -18,7 +17,7 @@ from scipy.io import netcdf_file
 from instances.arrays import Floats
 from instances.disk import read_bytes, write_aside
 from instances.errors import InputError
-from instances.geodesy import FLATTENING, A, TangentPlane, well_known_text
+from instances.geodesy import TangentPlane, grid_mapping
 
 AXES = {
     "x": {"standard_name": "projection_x_coordinate", "units": "m"},
@@ -73,17 +72,7 @@ def _write_grid_mapping(data: netcdf_file, plane: TangentPlane) -> None:
     """Write the projection of `TangentPlane.projection` as CF names it."""
     made = data.createVariable(GRID_MAPPING, "i", ())
     made[...] = 0
-    said: dict[str, Any] = {
-        "crs_wkt": well_known_text(plane.projection),
-        "grid_mapping_name": "azimuthal_equidistant",
-        "latitude_of_projection_origin": plane.latitude,
-        "longitude_of_projection_origin": plane.longitude,
-        "false_easting": 0.0,
-        "false_northing": 0.0,
-        "semi_major_axis": A,
-        "inverse_flattening": 1 / FLATTENING,
-    }
-    for key, value in said.items():
+    for key, value in grid_mapping(plane.projection).items():
         setattr(made, key, value if isinstance(value, str) else np.float64(value))  # a float is kept as float32
 
 

@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from instances.errors import InputError
-from instances.geodesy import FLATTENING, A, TangentPlane, from_degrees, to_degrees
+from instances.geodesy import TangentPlane, from_degrees, to_degrees
 
+A = 6_378_137.0  # of WGS 84
+FLATTENING = 1 / 298.257223563
 E2 = FLATTENING * (2 - FLATTENING)
 
 

@@ -151,6 +151,13 @@ def test_kml_has_its_heights_in_the_mode_that_says_what_they_are_above(tmp_path:
     np.testing.assert_allclose(written[:3, 2], IN_FRAME["above-ground" if over_ground else "amsl"], atol=0.01)
 
 
+def test_kml_is_the_same_bytes_again_and_has_no_exponents(tmp_path: Path) -> None:
+    for name in ("t.kml", "u.kml"):
+        write_tour(TOUR, TangentPlane(1e-7, -1e-7), tmp_path / name)
+    assert (tmp_path / "t.kml").read_bytes() == (tmp_path / "u.kml").read_bytes()
+    assert "e-" not in (tmp_path / "t.kml").read_text().partition("<coordinates>")[2].partition("<")[0]
+
+
 def test_geojson_is_longitude_first_closed_and_numbered(tmp_path: Path) -> None:
     write_tour(TOUR, PLANE, tmp_path / "t.geojson")
     text = (tmp_path / "t.geojson").read_text()

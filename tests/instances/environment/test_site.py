@@ -65,6 +65,27 @@ def test_ground_in_utm(tmp_path: Path) -> None:
     assert "aeqd" in ground.crs
 
 
+def test_gdal_warps_it_to_the_same_heights(tmp_path: Path) -> None:
+    """It does not do the work, as grids of text and NetCDF are to be brought here without the extra geo, too."""
+    warp = pytest.importorskip("rasterio.warp")
+    rasterio = pytest.importorskip("rasterio")
+    path = in_degrees(tmp_path / "dem.tif")
+    ours = read_terrain(path, SITE)
+    step, count = 50.0, 80
+    north_west = rasterio.transform.from_origin(-2000.0, 2000.0, step, step)
+    warped = np.empty((count, count))
+    with rasterio.open(path) as data:
+        warp.reproject(
+            rasterio.band(data, 1), warped, dst_transform=north_west, dst_crs=PLANE.projection,
+            resampling=warp.Resampling.bilinear,
+        )  # fmt: skip
+    at = (np.arange(count) + 0.5) * step - 2000.0
+    x, y = np.meshgrid(at, -at)
+    heights = ours(np.column_stack([x.ravel(), y.ravel()])).reshape(count, count)
+    np.testing.assert_allclose(heights, warped, atol=1e-3)
+    assert np.ptp(warped) > 20
+
+
 def hole(path: Path, row: int, column: int) -> Path:
     """Put a hole of one cell into a written model of 120 × 120 cells."""
     rasterio = pytest.importorskip("rasterio")

@@ -40,20 +40,26 @@ def read_solution(path: Path, instance: Instance, *, all_tasks: bool = True) -> 
     """
     text = read_text(path)
     with naming(path):
-        found, claimed = _parse(text, instance.n_depots)
-        numbers = _stated(text, instance.n_tasks) or _guessed(found, instance)
-        task = {number: each for each, number in enumerate(numbers)}
-        for k, route in found.items():
-            for number in route:
-                if number not in task and numbers != list(instance.tasks):
-                    raise InputError(f"route #{k} holds {number}, which is none of the customers {_spans(numbers)}")
-        routes = as_routes([task.get(c, c) for c in found.get(k, [])] for k in range(1, instance.n_depots + 1))
+        routes, claimed = parse_solution(text, instance)
         faults = check_routes(instance, routes, all_tasks=all_tasks)
         if faults:
             more = f" (and {len(faults) - 1} more faults)" if len(faults) > 1 else ""
+            numbers = _numbers(text, instance, _parse(text, instance.n_depots)[0])
             which = "" if numbers == list(instance.tasks) else f"; tasks from 0 are here customers {_spans(numbers)}"
             raise InputError(faults[0].rstrip(".") + more + which)
         return routes, claimed
+
+
+def parse_solution(text: str, instance: Instance) -> tuple[Routes, float | None]:
+    """Return the routes in `text`, as our tasks, and the cost [s] it claims; whether they are feasible is not asked."""
+    found, claimed = _parse(text, instance.n_depots)
+    numbers = _numbers(text, instance, found)
+    task = {number: each for each, number in enumerate(numbers)}
+    for k, route in found.items():
+        for number in route:
+            if number not in task and numbers != list(instance.tasks):
+                raise InputError(f"route #{k} holds {number}, which is none of the customers {_spans(numbers)}")
+    return as_routes([task.get(c, c) for c in found.get(k, [])] for k in range(1, instance.n_depots + 1)), claimed
 
 
 def write_solution(routes: Sequence[Sequence[int]], instance: Instance, path: Path, *, all_tasks: bool = True) -> None:
@@ -99,6 +105,11 @@ def _parse(text: str, n_depots: int) -> tuple[dict[int, list[int]], float | None
     if not found:
         raise InputError("there is no line 'Route #k: tasks'")
     return found, claimed
+
+
+def _numbers(text: str, instance: Instance, found: Mapping[int, list[int]]) -> list[int]:
+    """Return the number that each task has in the file."""
+    return _stated(text, instance.n_tasks) or _guessed(found, instance)
 
 
 def _stated(text: str, n_tasks: int) -> list[int] | None:

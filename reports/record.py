@@ -74,7 +74,7 @@ DERIVED = (
     Column("endurance_margin", "number", "", "least of 1 − C_k / L_k over the UAVs; nothing where none is limited"),
     Column("recomputed", "number", "s", "C_max of the stored routes, right or wrong"),
     Column("fault", "text", "", "what is wrong with the stored routes"),
-    Column("stale", "flag", "", "whether other code than today's made it"),
+    Column("stale", "flag", "", "whether other code of ours than today's made it"),
     Column("path", "text", "", "the file"),
     Column("best_found", "number", "s", "least value of any run of the report on the instance"),
     Column("best_bound", "number", "s", "greatest bound of any run of the report on the instance, if none refutes it"),
@@ -147,7 +147,16 @@ class Run:
     )
     statistics: dict[str, Any] = _kept("table", "", "the method's own figures", default_factory=dict)
     log: str = _kept("text", "", "the end of what the process printed", default="")
+    foreign: bool = _kept(
+        "flag", "", "whether it was imported: found by a program of others, elsewhere; only its routes are checked",
+        default=False,
+    )  # fmt: skip
     own: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def stale(self) -> bool:
+        """Whether other code of ours than today's made it; what others made is never stale."""
+        return not self.foreign and self.code != code_digest()
 
     @property
     def gap(self) -> float | None:

@@ -10,7 +10,7 @@ import json
 import math
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +18,12 @@ import numpy as np
 import pandas as pd
 
 from instances import InputError, Instance, check_routes, tour_costs
-from instances.code import code_digest
 from instances.errors import one_line
 from instances.files import read_instance
 from instances.natural import natural
 from instances.utilisation import endurance_margins, utilisation
 from reports.order import naturally
+from reports.foreign import claim_without_routes, is_mere_claim
 from reports.proofs import holds
 from reports.record import ITEM_FILES, RUN, Run, described, read_json, read_run
 from reports.tolerances import RELATIVE_ROUNDING
@@ -33,7 +33,7 @@ FRAME = (
     "label", "options", "proves", "seed", "time_limit", "threads", "iterations", "status", "objective", "bound", "gap",
     "value", "proved", "elapsed", "stopped_by", "message", "tolerance", "claimed_objective", "recomputed", "fault",
     "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory", "environment", "code", "revision", "stale",
-    "created", "routes", "tour_costs", "utilisation", "endurance_margin", "trace", "statistics", "path",
+    "foreign", "created", "routes", "tour_costs", "utilisation", "endurance_margin", "trace", "statistics", "path",
 )  # fmt: skip
 """Columns of the frame, in order; `COLUMNS` says what each holds."""
 COLUMNS = described(*FRAME)
@@ -51,7 +51,8 @@ class Stores:
 
     runs : the frame (`COLUMNS`). damaged : a sentence for each file that could not be read. remarks : what else a
     reader must know. environments : digest → machine and versions. instance_files : digest → the instance's file.
-    folders : the folders read.
+    folders : the folders read. claims : a sentence for each imported run with neither routes nor a bound, which is no
+    evidence and not in the frame.
     """
 
     runs: pd.DataFrame
@@ -60,6 +61,7 @@ class Stores:
     environments: dict[str, Any]
     instance_files: dict[str, Path]
     folders: list[Path]
+    claims: list[str] = field(default_factory=list)
 
     @property
     def warnings(self) -> list[str]:
@@ -82,8 +84,9 @@ def read_stores(*folders: Path | str) -> Stores:
             environments |= _environments(folder, names, damaged)
         elif problem == "routing":
             rows += _folder_runs(folder, names, instance_files, damaged, remarks)
-    frame = _frame(rows, remarks)
-    stores = Stores(frame, damaged, remarks, environments, instance_files, [Path(folder) for folder in folders])
+    claims = [claim_without_routes(row) for row in rows if is_mere_claim(row)]
+    frame = _frame([row for row in rows if not is_mere_claim(row)], remarks)
+    stores = Stores(frame, damaged, remarks, environments, instance_files, [Path(folder) for folder in folders], claims)
     frame.attrs["warnings"] = stores.warnings
     return stores
 
@@ -184,7 +187,7 @@ def _row(path: Path, run: Run, instance: Instance | None) -> dict[str, Any]:
     row |= {key: _number(flat[key]) for key in _NUMBERS}
     row |= {key: _number(about.get(key)) for key in ("n_tasks", "n_depots", "asymmetry", "best_known")}
     row |= {"instance": about["name"], "digest": about["digest"], "family": about.get("family") or ""}
-    row |= {"method": run.label, "path": str(path), "stale": run.code != code_digest()}
+    row |= {"method": run.label, "path": str(path), "stale": run.stale}
     row |= {"routes": run.own["routes"]}
     row |= {"restricted": instance is not None and instance.restricted}
     row |= {"options": json.dumps(run.options, sort_keys=True)}

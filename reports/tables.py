@@ -20,7 +20,7 @@ RUN_COLUMNS = [
     "seed", "time_limit", "threads", "iterations", "status", "objective", "bound", "gap", "value", "best_known",
     "best_found", "best_bound", "bound_by", "proved", "gap_known", "gap_found", "gap_bound", "stopped_by", "tolerance",
     "claimed_objective", "fault", "message", "elapsed", "prepare_elapsed", "wall_elapsed", "cpu_seconds",
-    "peak_memory", "environment", "created", "code", "revision", "stale",
+    "peak_memory", "environment", "created", "code", "revision", "stale", "foreign",
 ]  # fmt: skip
 """Columns of ``results.csv``; those from `elapsed` on differ between two executions of the same runs."""
 
@@ -76,7 +76,7 @@ def _pipes(row: Sequence[str]) -> str:
 _READ_BY_MARKDOWN = re.compile(r"[\\`*|~$&\[\]]|<(?! )|\b_|_\b")
 """What Markdown takes for more than text in the middle of a line."""
 _TEX = {"\\": r"\textbackslash{}", "–": "--", "−": "$-$", "∞": r"$\infty$", "<": "$<$", ">": "$>$"}
-_TEX |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u00a0": "~"}
+_TEX |= {"†": r"\textdagger{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u00a0": "~"}
 _TEX |= {character: f"\\{character}" for character in "&%$#_{}"}
 _TEX |= {character: f"{{{character}}}" for character in "[]*"}  # else the \\ before would take them
 

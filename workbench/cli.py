@@ -32,6 +32,7 @@ COMMANDS = {
     "bound": "print lower bounds of an instance",
     "mission": "run the paper's whole chain",
     "figures": "draw the paper's Figs. 1 and 2",
+    "import": "take results of other programs into a store",
     "status": "say how far a study has got",
     "solvers": "list solvers and their options",
     "families": "list instance families and their parameters",

@@ -15,8 +15,9 @@ from reports.columns import INSTANCES, listed_runs
 from reports.compare import Comparison, compare_stores
 from reports.example import example_routes
 from reports.figures import study_figures
+from reports.foreign import foreign_notes
 from reports.metrics import contradictions, with_gaps
-from reports.pages.blocks import Beside, Block, Note, Section, column_help
+from reports.pages.blocks import Beside, Block, Folded, Lines, Note, Section, column_help
 from reports.pages.made import code_notes, limits_and_machines
 from reports.pages.page import Page, write_page
 from reports.pages.payload import payload
@@ -78,7 +79,8 @@ def _blocks(runs: pd.DataFrame, report: Report, embedded: int) -> list[Block]:
     example = example_routes(runs, report.stores.instance_files)
     return [
         *alarms(runs, report.contradictions, report.warnings),
-        *code_notes(runs["code"]),
+        *code_notes(runs.loc[~runs["foreign"], "code"]),
+        *_foreign(runs, report.stores.claims),
         methods(runs),
         *([against(report.comparison)] if report.comparison is not None else []),
         Section("Quality and time", [Beside(study_figures(runs))], "figures"),
@@ -90,6 +92,12 @@ def _blocks(runs: pd.DataFrame, report: Report, embedded: int) -> list[Block]:
         ),
         limits_and_machines(runs, report.stores.environments),
     ]
+
+
+def _foreign(runs: pd.DataFrame, claims: list[str]) -> list[Block]:
+    """Return what must be known to read imported runs; nothing where there are none."""
+    blocks: list[Block] = [Note(sentence) for sentence in foreign_notes(runs, claims)]
+    return [*blocks, Folded("What others claim without routes", [Lines(claims)])] if claims else blocks
 
 
 def _list(key: str) -> Markup:

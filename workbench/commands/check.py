@@ -81,6 +81,7 @@ def _check_store(folder: Path) -> tuple[str, list[str]]:
     from workbench.problems import PROBLEMS
 
     found = [PROBLEMS.load(name).check(folder) for name in problems_in(folder) or ["routing"]]
-    stale = census(folder).stale
-    looked_at = [words for words, _ in found] + ([f"{stale} of them stale: made by other code"] if stale else [])
+    counts = census(folder)
+    told = {"stale: made by other code": counts.stale, "foreign: imported, their times as claimed": counts.foreign}
+    looked_at = [words for words, _ in found] + [f"{count} of them {what}" for what, count in told.items() if count]
     return ", ".join(looked_at), [sentence for _, problems in found for sentence in problems]

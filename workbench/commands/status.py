@@ -29,7 +29,13 @@ def command(context: click.Context, folder: Path, as_json: bool) -> None:
 
     found = census(folder)
     if as_json:
-        counts = {"planned": found.planned, "stored": found.stored, "missing": found.missing, "stale": found.stale}
+        counts = {
+            "planned": found.planned,
+            "stored": found.stored,
+            "missing": found.missing,
+            "stale": found.stale,
+            "foreign": found.foreign,
+        }
         click.echo(json.dumps(counts | {"by_solver": found.by_solver, "damaged": found.damaged}))
     else:
         ended = {status for counts in found.by_solver.values() for status in counts}
@@ -40,8 +46,9 @@ def command(context: click.Context, folder: Path, as_json: bool) -> None:
             told = ", ".join(f"{counts[status]} {one_line(status, LONGEST_VALUE)}" for status in seen if counts[status])
             click.echo(f"{one_line(label, LONGEST_VALUE):{width}}  {sum(counts.values()):6d} stored: {told}")
         stale = f", {found.stale} of them stale (made by other code)" if found.stale else ""
+        foreign = f"; {found.foreign} foreign (imported)" if found.foreign else ""
         damaged = f", {len(found.damaged)} damaged" if found.damaged else ""
-        click.echo(f"{found.stored} of {found.planned} runs stored{stale}{damaged}, {found.missing} missing")
+        click.echo(f"{found.stored} of {found.planned} runs stored{stale}{damaged}, {found.missing} missing{foreign}")
         for sentence in found.damaged:
             click.echo(sentence, err=True)
     context.exit(1 if found.damaged else 0)

@@ -6,7 +6,6 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from instances.code import code_digest
 from instances.errors import InputError
 from workbench.jobs.store import Store
 
@@ -16,19 +15,21 @@ class Census:
     """Counts of a store.
 
     planned : runs asked for; missing : of these not stored; by_solver : label → status → stored runs; stale : stored
-    runs that other code than today's made; damaged : a sentence for each file that is not the run its name says.
+    runs that other code of ours than today's made; foreign : imported runs; damaged : a sentence for each file that is
+    not the run its name says.
     """
 
     planned: int
     missing: int
     by_solver: dict[str, Counter[str]]
     stale: int
+    foreign: int
     damaged: tuple[str, ...]
 
     @property
     def stored(self) -> int:
-        """Number of stored runs."""
-        return sum(sum(counts.values()) for counts in self.by_solver.values())
+        """Number of stored runs of ours."""
+        return sum(sum(counts.values()) for counts in self.by_solver.values()) - self.foreign
 
 
 def census(folder: Path) -> Census:
@@ -37,7 +38,7 @@ def census(folder: Path) -> Census:
     paths = list(store.paths())
     planned = store.planned()
     by_solver: dict[str, Counter[str]] = {}
-    damaged, stale = [], 0
+    damaged, stale, foreign = [], 0, 0
     for path in paths:
         try:
             run = store.get(path)
@@ -45,5 +46,6 @@ def census(folder: Path) -> Census:
             damaged.append(str(error))
             continue
         by_solver.setdefault(run.label, Counter())[run.status] += 1
-        stale += run.code != code_digest()
-    return Census(len(planned), len(set(planned).difference(paths)), by_solver, stale, tuple(damaged))
+        stale += run.stale
+        foreign += run.foreign
+    return Census(len(planned), len(set(planned).difference(paths)), by_solver, stale, foreign, tuple(damaged))

@@ -11,7 +11,7 @@ from functools import lru_cache
 from queue import SimpleQueue
 from typing import Any
 
-from instances.code import code_digest, revision
+from instances.code import revision
 from instances.errors import InputError, suggestion
 from reports.numbers import counted
 from reports.record import Run
@@ -93,7 +93,7 @@ def plan(jobs: Iterable[Job], store: Store, retry: Collection[str] = ()) -> Plan
             if not again:
                 damaged.append(str(error))
         else:
-            old = stored.code != code_digest()
+            old = stored.stale
             stale += old
             again = stored.status.upper() in retry or (old and STALE in retry)
         if again:

@@ -172,6 +172,7 @@ class Routing(Problem[Instance]):
         """Summarise the runs per solver, and against an older store where asked."""
         from reports import tables  # here: pandas and matplotlib take their time
         from reports.compare import compare_stores
+        from reports.foreign import foreign_notes
         from reports.metrics import contradictions
         from reports.pages.study import write_report
         from reports.stores import read_stores
@@ -193,7 +194,8 @@ class Routing(Problem[Instance]):
         false = contradictions(runs)[["instance", "method", "seed", "sentence"]].itertuples(index=False)
         problems = [*stores.warnings, *(f"{item} {method} seed {seed}: {told}" for item, method, seed, told in false)]
         written = [path for path in (outputs.table, outputs.page) if path]
-        notes = [note] if (note := code_note(runs["code"])) else []
+        own = code_note(runs.loc[~runs["foreign"], "code"])
+        notes = [note for note in (own, *foreign_notes(runs, stores.claims)) if note]
         comparable = comparison is None or comparison.pairs > 0
         if comparison:
             (notes if comparable else problems).extend([*comparison.regressions, *comparison.remarks])

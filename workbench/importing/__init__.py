@@ -1,0 +1,1 @@
+"""Importing: results of others' programs as foreign runs of a store."""

@@ -22,8 +22,8 @@ from instances.errors import one_line
 from instances.files import read_instance
 from instances.natural import natural
 from instances.utilisation import endurance_margins, utilisation
-from reports.order import naturally
 from reports.foreign import claim_without_routes, is_mere_claim
+from reports.order import naturally
 from reports.proofs import holds
 from reports.record import ITEM_FILES, RUN, Run, described, read_json, read_run
 from reports.tolerances import RELATIVE_ROUNDING

@@ -34,6 +34,7 @@ COMMANDS = {
     "figures": "draw the paper's Figs. 1 and 2",
     "import": "take results of other programs into a store",
     "status": "say how far a study has got",
+    "watch": "serve a local page of a study as it runs",
     "solvers": "list solvers and their options",
     "families": "list instance families and their parameters",
     "methods": "list methods of placement and moving costs",

@@ -25,13 +25,17 @@ from reports import numbers
 from reports.figures.svg import inline_svg
 from reports.pages.blocks import Block, Section
 
+REFRESH = 5
+"""Seconds after which a live page is loaded again where scripts are off."""
+
 
 @dataclass(frozen=True)
 class Page:
     """One page.
 
     about : what it is about, in a sentence or two. units : what the footer says. script : file of what is interactive
-    here alone; it reads `data`.
+    here alone; it reads `data`. live : it is served by this machine and asks it for what is new; without scripts it is
+    loaded again every REFRESH seconds.
     """
 
     title: str
@@ -40,6 +44,7 @@ class Page:
     units: str
     script: str = ""
     data: Any = None
+    live: bool = False
 
     @property
     def contents(self) -> list[Section]:
@@ -49,9 +54,18 @@ class Page:
 
 def write_page(page: Page, path: Path | str) -> None:
     """Write `page` to `path`; InputError where it cannot be written."""
+    write_aside(path, page_text(page).encode("utf-8", "backslashreplace"))  # a file's name may hold what is no text
+
+
+def page_text(page: Page) -> Markup:
+    """Return `page` as one HTML text."""
     script = _script(page.script)
-    text = fragment("page.html.j2", page=page, script=script, policy=_policy(script), version=_version())
-    write_aside(path, text.encode("utf-8", "backslashreplace"))  # a file's name may hold what is no text
+    return fragment("page.html.j2", page=page, script=script, policy=policy(page), version=_version(), refresh=REFRESH)
+
+
+def blocks_text(blocks: Sequence[Block]) -> Markup:
+    """Return `blocks` as they stand in a page."""
+    return Markup(_templates().get_template("blocks.html.j2").module.blocks(blocks))  # type: ignore[attr-defined]
 
 
 def fragment(name: str, **given: Any) -> Markup:
@@ -74,12 +88,12 @@ def _script(own: str) -> Markup:
     return Markup("\n").join([Markup('\n"use strict";\n{'), *parts, Markup("}\n")])
 
 
-def _policy(script: str) -> str:
+def policy(page: Page) -> str:
     """Return the page's Content-Security-Policy; figures and markers style themselves, pictures are data."""
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    digest = base64.b64encode(hashlib.sha256(_script(page.script).encode()).digest()).decode()
     return (
         f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:; "
-        "base-uri 'none'; form-action 'none'"
+        "base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if page.live else "")
     )
 
 

@@ -12,16 +12,22 @@ from workbench.options import JSON
 
 @click.command("status")
 @click.argument("folder", metavar="RUNS-DIR", type=click.Path(path_type=Path))
+@click.option("--watch", is_flag=True, help="Look again every 2 s, until the study is complete or Ctrl-C.")
 @JSON
 @click.pass_context
-def command(context: click.Context, folder: Path, as_json: bool) -> None:
+def command(context: click.Context, folder: Path, watch: bool, as_json: bool) -> None:
     """Count what is stored in RUNS-DIR, by solver and status, and what is missing. Exit code 1 for damaged files.
 
     \b
     Examples:
       workbench status runs/quick
       workbench status runs/quick --json
+      workbench status runs/quick --watch
     """
+    if watch:
+        from workbench.watching.terminal import watch_in_terminal
+
+        context.exit(watch_in_terminal(folder, as_json))
     from instances.errors import LONGEST_VALUE, one_line
     from instances.natural import natural
     from reports.record import STATUSES

@@ -32,6 +32,7 @@ SILENT = 120.0
 """Seconds without one, after which a holder that cannot be looked at (it is on another machine) is taken for ended."""
 MOMENT = 0.02
 """Seconds between two tries for a claim that is held only for a moment."""
+ENDING = ".claim"
 LONGEST = 4096
 """Bytes read of a claim."""
 
@@ -98,6 +99,19 @@ class Claims:
     def release(self, path: Path) -> None:
         """Let go of the file at `path`."""
         self._drop(_claim_of(path))
+
+    def held(self, folder: Path) -> list[str]:
+        """Return the names of the files in `folder` that a process is at work on, as far as can be seen from here."""
+        try:
+            names = [name for name in os.listdir(folder) if name.startswith(".") and name.endswith(ENDING)]
+        except (OSError, ValueError):
+            return []
+        found = {name[1 : -len(ENDING)]: _read(folder / name) for name in sorted(names)}
+        return [
+            name
+            for name, claim in found.items()
+            if claim is not None and not self._stale(_claim_of(folder / name), *claim)
+        ]
 
     @contextlib.contextmanager
     def holding(self, path: Path) -> Iterator[None]:
@@ -170,7 +184,7 @@ class Claims:
 
 
 def _claim_of(path: Path) -> Path:
-    return path.with_name(f".{path.name}.claim")
+    return path.with_name(f".{path.name}{ENDING}")
 
 
 def _create(path: Path, content: bytes) -> None:

@@ -46,7 +46,7 @@ const sortable = (head, sort) => {
   head.append(button);
   head.setAttribute("aria-sort", "none");
 };
-for (const table of document.querySelectorAll("table.sortable")) {
+const sortTables = (part) => part.querySelectorAll("table.sortable").forEach((table) => {
   const heads = [...table.tHead.rows[0].cells];
   const key = (row, i) => {
     const cell = row.cells[i], given = cell.dataset.sort;
@@ -61,6 +61,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
     table.tBodies[0].append(...rows);
     setSorted(heads, head, way);
   }));
-}
+});
+sortTables(document);
 
 addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((part) => { part.open = true; }));

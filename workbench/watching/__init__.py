@@ -1,0 +1,1 @@
+"""Watching: a study as it runs, in the terminal and on a local page."""

@@ -108,9 +108,11 @@ class MethodRegistry(Registry[type[T]]):
     """Methods: classes whose options are their dataclass fields, each with a default that decides its type.
 
     at_least : of every number among the options.
+    sources : name of a method that is built in → what to cite for it, keys of reports/data/references.bib.
     """
 
     at_least: float = -math.inf
+    sources: Mapping[str, tuple[str, ...]] = dataclasses.field(default_factory=dict)
 
     def defaults(self, name: str) -> dict[str, Any]:
         """Return the options of a method and their defaults."""

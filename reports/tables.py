@@ -14,6 +14,7 @@ from instances.disk import write_aside
 from reports.columns import INSTANCES, SUMMARY, shown, texts
 from reports.csv_text import csv_text
 from reports.metrics import instance_table, summary, with_gaps
+from reports.tex import tex
 
 RUN_COLUMNS = [
     "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "solver", "method", "options", "proves",
@@ -51,10 +52,10 @@ def write_latex(runs: pd.DataFrame, path: Path | str) -> None:
     """Write summary and instances as LaTeX tables (packages booktabs and longtable)."""
     parts = ["% needs \\usepackage{booktabs,longtable}"]
     for title, headings, rows in _both(runs):
-        head = " & ".join(_tex(heading) for heading in headings)
-        body = "\n".join(" & ".join(_tex(cell) for cell in row) + r" \\" for row in rows)
+        head = " & ".join(tex(heading) for heading in headings)
+        body = "\n".join(" & ".join(tex(cell) for cell in row) + r" \\" for row in rows)
         parts.append(
-            f"\\begin{{longtable}}{{l{'r' * (len(headings) - 1)}}}\n\\caption{{{_tex(title)}}}\\\\\n\\toprule\n"
+            f"\\begin{{longtable}}{{l{'r' * (len(headings) - 1)}}}\n\\caption{{{tex(title)}}}\\\\\n\\toprule\n"
             f"{head} \\\\\n\\midrule\n\\endhead\n\\bottomrule\n\\endfoot\n{body}\n\\end{{longtable}}"
         )
     write_aside(path, "\n\n".join(parts) + "\n")
@@ -75,11 +76,3 @@ def _pipes(row: Sequence[str]) -> str:
 
 _READ_BY_MARKDOWN = re.compile(r"[\\`*|~$&\[\]]|<(?! )|\b_|_\b")
 """What Markdown takes for more than text in the middle of a line."""
-_TEX = {"\\": r"\textbackslash{}", "–": "--", "−": "$-$", "∞": r"$\infty$", "<": "$<$", ">": "$>$"}
-_TEX |= {"†": r"\textdagger{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\u00a0": "~"}
-_TEX |= {character: f"\\{character}" for character in "&%$#_{}"}
-_TEX |= {character: f"{{{character}}}" for character in "[]*"}  # else the \\ before would take them
-
-
-def _tex(text: str) -> str:
-    return "".join(_TEX.get(character, character) for character in text)

@@ -25,6 +25,7 @@ COMMANDS = {
     "check": "verify routes, or every run of a store, independently",
     "compare": "run solvers on instances and report",
     "report": "make pages and tables from stored runs",
+    "paper": "write tables, figures and references for LaTeX",
     "convert": "translate between file formats",
     "select": "choose the tasks worth flying within endurance",
     "place": "choose task locations of most information",

@@ -12,8 +12,16 @@ BUILT_IN = {
     "dijkstra": ("formulations.moving_cost.dijkstra:Dijkstra", "shortest paths on the graph of fmt-star"),
 }
 
+SOURCES = {
+    "refined": ("workbench", "dijkstra1959note"),
+    "closed-form": ("workbench",),
+    "fmt-star": ("cho2018informative", "janson2015fast"),
+    "dijkstra": ("dijkstra1959note",),
+}
+"""What to cite for each, keys of reports/data/references.bib."""
+
 METHODS: MethodRegistry[MovingCostMethod] = MethodRegistry(
-    "moving-cost method", BUILT_IN, group="mmmdmtsp_workbench.moving_cost_methods"
+    "moving-cost method", BUILT_IN, group="mmmdmtsp_workbench.moving_cost_methods", sources=SOURCES
 )
 """Name → method; options are the fields of its dataclass."""
 

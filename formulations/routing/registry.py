@@ -35,8 +35,23 @@ BUILT_IN = {
     "greedy": ("formulations.routing.greedy:Greedy", "greedy construction in four variants, the floor"),
 }
 
+SOURCES = {
+    "milp": ("cho2018informative", "ortools"),
+    "circuit": ("workbench", "ortools"),
+    "exact": ("workbench", "held1962dynamic", "baldacci2011new", "contardo2014new", "applegate2002solution"),
+    "subset-dp": ("held1962dynamic",),
+    "branch-and-cut": ("cho2018informative", "applegate2002solution", "achterberg2009scip"),
+    "branch-and-price": ("baldacci2011new", "contardo2014new", "jepsen2008subset", "huangfu2018parallelizing"),
+    "ga": ("ombuki2009using", "cho2018informative"),
+    "routing-library": ("ortools",),
+    "memetic": ("workbench", "schrimpf2000record", "christiaens2020slack", "ombuki2009using"),
+    "ruin-recreate": ("schrimpf2000record", "christiaens2020slack"),
+    "greedy": ("potvin1993parallel", "rosenkrantz1977analysis"),
+}
+"""What to cite for each, keys of reports/data/references.bib."""
+
 SOLVERS: MethodRegistry[Solver] = MethodRegistry(
-    "solver", BUILT_IN, group="mmmdmtsp_workbench.solvers", listing="workbench solvers"
+    "solver", BUILT_IN, group="mmmdmtsp_workbench.solvers", listing="workbench solvers", sources=SOURCES
 )
 """Name → solver; options are the fields of its dataclass."""
 

@@ -12,8 +12,16 @@ BUILT_IN = {
     "ruin-recreate": ("formulations.selection.ruin_recreate:RuinRecreate", "search for any size, a simple bound"),
 }
 
+SOURCES = {
+    "exact": ("workbench", "held1962dynamic", "boussier2007exact"),
+    "subset-dp": ("held1962dynamic",),
+    "branch-and-price": ("boussier2007exact", "baldacci2011new", "jepsen2008subset"),
+    "ruin-recreate": ("schrimpf2000record", "tsiligirides1984heuristic"),
+}
+"""What to cite for each, keys of reports/data/references.bib."""
+
 METHODS: MethodRegistry[SelectionMethod] = MethodRegistry(
-    "selection method", BUILT_IN, group="mmmdmtsp_workbench.selection_methods", at_least=0.0
+    "selection method", BUILT_IN, group="mmmdmtsp_workbench.selection_methods", at_least=0.0, sources=SOURCES
 )
 """Name → method; options are the fields of its dataclass."""
 

@@ -16,8 +16,20 @@ BUILT_IN = {
     "random": ("formulations.task_location.random_points:Random", "uniform random points"),
 }
 
+SOURCES = {
+    "nlp": ("wachter2006implementation", "andersson2019casadi", "wales1997global"),
+    "l-bfgs-b": ("byrd1995limited",),
+    "slsqp": ("kraft1988software",),
+    "greedy-swap": ("fedorov1972theory", "krause2008near"),
+    "greedy": ("krause2008near",),
+    "nelder-mead": ("cho2018informative", "nelder1965simplex", "lagarias1998convergence"),
+    "grid": ("workbench",),
+    "random": ("cho2018informative",),
+}
+"""What to cite for each, keys of reports/data/references.bib."""
+
 METHODS: MethodRegistry[PlacementMethod] = MethodRegistry(
-    "placement method", BUILT_IN, group="mmmdmtsp_workbench.placement_methods", at_least=0.0
+    "placement method", BUILT_IN, group="mmmdmtsp_workbench.placement_methods", at_least=0.0, sources=SOURCES
 )
 """Name → method; options are the fields of its dataclass."""
 

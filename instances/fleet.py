@@ -1,22 +1,10 @@
-"""Fleet: what a scenario says of its UAVs, its tasks and the ends of its tours beyond the paper. TOML, SI units:
-
-    depots = [[0, 0], [20000, 0]]
-    service = 30.0              # [s] at each task, or a list, one a task
-    return = "own"              # where a tour ends: at the UAV's own depot, at "any" depot, or "none": at its last task
-
-    [[uav]]                     # without any there is one UAV at each depot, all alike
-    depot = 0                   # number in `depots`, from 0
-    count = 2                   # so many like it
-    speed = 30.0                # [m/s], in place of the scenario's; what is held constant there
-    endurance = 3000.0          # [s] of its battery, in the unit of costs
+"""Fleet: what a scenario says of its UAVs, its tasks and the ends of its tours beyond the paper.
 
 A scenario has one depot for each UAV, so that several at one place are several depots there.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -26,11 +14,7 @@ import numpy as np
 from instances import extent
 from instances.arrays import Floats
 from instances.errors import InputError, shown
-from instances.registry import refuse_unknown
 
-KEYS = ("uav", "service", "return")
-"""The keys of a scenario file that are read here."""
-UAV_KEYS = ("depot", "count", "speed", "endurance")
 MOST_UAVS = 10_000
 
 
@@ -106,51 +90,3 @@ def _numbers(value: Any, label: str, count: int, of: str, *, positive: bool = Fa
         raise InputError(f"{label} must be {count} numbers for the {count} {of}, each {wanted}, got {shown(value)}")
     numbers.setflags(write=False)
     return numbers
-
-
-def fleet_of(table: Mapping[str, Any], n_depots: int, speed: float) -> tuple[Fleet, list[int]]:
-    """Return the fleet in a scenario's table, and of each UAV the number of its depot.
-
-    n_depots : of the depots as listed. speed : of UAVs that name none [m/s].
-
-    Raises InputError that names table, key and value.
-    """
-    returns = table.get("return", str(Return.OWN))
-    if returns not in list(Return):
-        raise InputError(f"return must be one of {', '.join(map(repr, map(str, Return)))}, got {shown(returns)}")
-    service = table.get("service", 0.0)
-    listed = isinstance(service, list)
-    if not all(type(each) in (int, float) for each in (service if listed else [service])):
-        raise InputError(f"service must be a number [s] or a list of them, got {shown(service)}")
-    uavs = _uavs(table.get("uav", [{"depot": k} for k in range(n_depots)]), n_depots)
-    at = [uav["depot"] for uav in uavs]
-    for k in range(n_depots):
-        if k not in at:
-            raise InputError(f"depots[{k}] has no [[uav]]")
-    speeds = np.array([uav.get("speed", speed) for uav in uavs])
-    endurance = np.array([uav.get("endurance", math.inf) for uav in uavs])
-    return Fleet(
-        None if (speeds == speed).all() else speeds,
-        None if np.isinf(endurance).all() else endurance,
-        np.array(service, dtype=np.float64) if listed else float(service),
-        Return(returns),
-    ), at
-
-
-def _uavs(tables: Any, n_depots: int) -> list[Mapping[str, Any]]:
-    """Return a table for each UAV, those with a count repeated; InputError names the table and the key."""
-    if not isinstance(tables, Sequence) or isinstance(tables, str) or not all(isinstance(t, Mapping) for t in tables):
-        raise InputError(f"[[uav]] must be tables, got {shown(tables)}")
-    uavs: list[Mapping[str, Any]] = []
-    for number, table in enumerate(tables):
-        label = f"uav[{number}]"
-        refuse_unknown(f"[[uav]] {number}", "key", table, UAV_KEYS)
-        depot = table.get("depot", 0 if n_depots == 1 else None)
-        if type(depot) is not int or not 0 <= depot < n_depots:
-            raise InputError(f"{label}.depot must be the number of a depot, 0 to {n_depots - 1}, got {shown(depot)}")
-        count = table.get("count", 1)
-        if type(count) is not int or not 1 <= count <= MOST_UAVS:
-            raise InputError(f"{label}.count must be a whole number from 1 to {MOST_UAVS}, got {shown(count)}")
-        own = {key: extent.positive(table[key], f"{label}.{key}") for key in ("speed", "endurance") if key in table}
-        uavs += [{"depot": depot, **own}] * count
-    return uavs

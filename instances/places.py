@@ -10,7 +10,7 @@ origin = [36.6, -84.2]                   # latitude, longitude of (0, 0); the re
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,15 +21,15 @@ from shapely.geometry import Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from instances.arrays import Floats
+from instances.declared.scenario import ScenarioKeys
+from instances.declared.types import Pair
 from instances.environment.region import Region, only
 from instances.errors import InputError, naming, shown, suggestion
-from instances.extent import FARTHEST, positive
+from instances.extent import FARTHEST
 from instances.formats.layers import ENDINGS, LAYER, Layer, read_layers
 from instances.geodesy import WGS84, TangentPlane, reference_system
 from instances.georeference import LOCAL, Georeference, could_be_degrees, plane_at, positions
 
-KEYS = ("size", "region", "no_fly", "depots", "tasks", "crs", "origin")
-"""Of a scenario file, that say where things are."""
 NEAR = 0.1
 """Degrees around a region beyond which no-fly zones are left out: files of them may span the Earth."""
 
@@ -49,19 +49,21 @@ class Places:
     reference: Georeference
 
 
-def read_places(table: Mapping[str, Any], folder: Path) -> Places:
-    """Return the places that a scenario's table names, its files relative to `folder`; InputError names the key."""
-    crs, origin = _crs(table), _origin(table)
-    if "size" in table and "region" in table:
-        raise InputError("either 'size' or 'region' must be given, not both")
-    if "size" not in table and "region" not in table:
-        raise InputError("the key 'size' or 'region' is missing")
-    if "region" in table:
-        region, reference = read_region(folder / file_name(table, "region"), crs, origin)
+def read_places(said: ScenarioKeys, folder: Path) -> Places:
+    """Return the places that a scenario names, its files relative to `folder`; InputError names the key."""
+    crs = said.crs or ""
+    if said.crs is not None and crs != LOCAL:
+        reference_system(crs)
+    origin = None if said.origin is None else TangentPlane(*said.origin)
+    if said.size is None:
+        region, reference = read_region(folder / str(said.region), crs, origin)
     else:
-        region, reference = _rectangle(table["size"]), Georeference(origin, crs)
-    points = {key: _points_of(table, key, folder, region, reference) for key in ("depots", "tasks")}
-    return Places(region, _zones(table, folder, region, reference), points["depots"], points["tasks"], reference)
+        region, reference = Region.rectangle(*said.size), Georeference(origin, crs)
+    depots, tasks = (
+        _points_of(value, key, folder, region, reference)
+        for key, value in (("depots", said.depots), ("tasks", said.tasks))
+    )
+    return Places(region, _zones(said.no_fly, folder, region, reference), depots, tasks, reference)
 
 
 def read_region(path: Path, crs: str = "", origin: TangentPlane | None = None) -> tuple[Region, Georeference]:
@@ -77,54 +79,21 @@ def read_region(path: Path, crs: str = "", origin: TangentPlane | None = None) -
         return Region(reference.local_polygon(polygon, system)), reference
 
 
-def file_name(table: Mapping[str, Any], key: str) -> str:
-    """Return the name of a file that `table` gives under `key`."""
-    value = table[key]
-    if not isinstance(value, str) or not value:
-        raise InputError(f"{key} must be the name of a file, got {shown(value)}")
-    return value
-
-
-def local_pair(value: Any, label: str, places: Places) -> Any:
-    """Return a place of the table in the plane; what is no pair of numbers, or in local metres, as it is given.
+def local_pair(value: Pair, label: str, places: Places) -> Pair:
+    """Return a place of the table in the plane; what is nowhere, or in local metres, as it is given.
 
     It may lie outside of the region, but not where the other way round it would lie inside.
     """
     reference = places.reference
-    system = reference.system_of(value) if _is_pair(value) else LOCAL
+    system = reference.system_of(value) if _is_place(value) else LOCAL
     if system == LOCAL:
         return value
     with naming(label):
         outside = not _inside(value, system, places.region, reference)
         if outside and _inside(value[::-1], system, places.region, reference):
-            raise InputError(f"{value} lies outside the region, the other way round inside; longitude comes first")
-        return reference.local(value, system)[0].tolist()
-
-
-def _crs(table: Mapping[str, Any]) -> str:
-    if "crs" not in table:
-        return ""
-    crs = table["crs"]
-    if not isinstance(crs, str):
-        raise InputError(f"crs must be a text, got {shown(crs)}")
-    if crs != LOCAL:
-        reference_system(crs)
-    return crs
-
-
-def _origin(table: Mapping[str, Any]) -> TangentPlane | None:
-    if "origin" not in table:
-        return None
-    if not _is_pair(table["origin"]):
-        raise InputError(f"origin must be [latitude, longitude] in degrees, got {shown(table['origin'])}")
-    latitude, longitude = table["origin"]
-    return TangentPlane(float(latitude), float(longitude))
-
-
-def _rectangle(size: Any) -> Region:
-    if not isinstance(size, list) or len(size) != 2:
-        raise InputError(f"size must be two positive numbers [m], got {shown(size)}")
-    return Region.rectangle(positive(size[0], "size[0] [m]"), positive(size[1], "size[1] [m]"))
+            raise InputError(f"{[*value]} lies outside the region, the other way round inside; longitude comes first")
+        x, y = reference.local(value, system)[0].tolist()
+        return x, y
 
 
 def _layer(path: Path, key: str, kind: type[BaseGeometry]) -> Layer:
@@ -164,10 +133,10 @@ def _plain(name: str) -> str:
     return "".join(c for c in name.lower() if c.isalnum())
 
 
-def _zones(table: Mapping[str, Any], folder: Path, region: Region, reference: Georeference) -> tuple[Polygon, ...]:
-    if "no_fly" not in table:
+def _zones(file: str | None, folder: Path, region: Region, reference: Georeference) -> tuple[Polygon, ...]:
+    if file is None:
         return ()
-    path = folder / file_name(table, "no_fly")
+    path = folder / file
     with naming(_file_of(path)):
         layer = _layer(path, "no_fly", Polygon)
         system = reference.system_of_file(shapely.get_coordinates(layer.parts), layer.crs)
@@ -182,16 +151,15 @@ def _zones(table: Mapping[str, Any], folder: Path, region: Region, reference: Ge
         return tuple(reference.local_polygon(zone, system) for zone in kept)
 
 
-def _points_of(table: Mapping[str, Any], key: str, folder: Path, region: Region, reference: Georeference) -> Any:
+def _points_of(value: Any, key: str, folder: Path, region: Region, reference: Georeference) -> Any:
     """Return the points under `key`: of a file or a list, in the plane; what else is there as it is."""
-    value = table.get(key)
     if isinstance(value, str):
-        path = folder / file_name(table, key)
+        path = folder / value
         with naming(_file_of(path)):
             layer = _layer(path, key, Point)
             points = shapely.get_coordinates(layer.parts)
             return _local_points(points, key, reference.system_of_file(points, layer.crs), region, reference)
-    if not isinstance(value, list) or not value or not all(_is_pair(point) for point in value):
+    if not isinstance(value, list) or not all(map(_is_place, value)):
         return value
     system = reference.system_of(value)
     if system == LOCAL:
@@ -233,6 +201,5 @@ def _box(found: Floats) -> tuple[float, float, float, float]:
     return west, south, east, north
 
 
-def _is_pair(value: Any) -> bool:
-    numbers = isinstance(value, list) and all(type(c) in (int, float) and abs(c) <= FARTHEST for c in value)
-    return numbers and len(value) == 2
+def _is_place(point: Pair) -> bool:
+    return all(abs(c) <= FARTHEST for c in point)

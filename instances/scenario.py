@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import json
 import logging
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -33,27 +34,22 @@ from numpy.typing import ArrayLike
 from shapely.geometry import MultiPolygon, Polygon, mapping
 
 from instances.arrays import Floats
+from instances.declared.reading import read_declared
+from instances.declared.scenario import ScenarioKeys, ScenarioTable, UavTable
 from instances.disk import read_toml, write_aside
 from instances.environment.region import Region
 from instances.environment.site import Site
 from instances.environment.wind import WindField
-from instances.environment.wind_table import wind_from_toml
-from instances.errors import LONGEST_SENTENCE, InputError, naming, one_line, shown, suggestion
+from instances.environment.wind_table import wind_of
+from instances.errors import LONGEST_SENTENCE, InputError, naming, one_line, shown
 from instances.extent import positive
-from instances.fleet import KEYS as FLEET_KEYS
-from instances.fleet import Fleet, fleet_of
+from instances.fleet import Fleet
 from instances.geodesy import TangentPlane, on_earth
 from instances.georeference import LOCAL, could_be_degrees
 from instances.instance import check_name
 from instances.moving_cost import CostKind
-from instances.places import KEYS as PLACE_KEYS
-from instances.places import Places, file_name, local_pair, read_places
+from instances.places import Places, local_pair, read_places
 from instances.toml_text import toml_text
-
-KEYS = (
-    "name", "cost", "ground_speed", "airspeed", *PLACE_KEYS, "terrain", "wind", "radio", "provenance", *FLEET_KEYS,
-)  # fmt: skip
-"""Every key of a scenario file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,78 +194,72 @@ def read_scenario(path: Path | str, more: Mapping[str, Any] | None = None) -> Sc
 
 def tell_old_speed(table: Mapping[str, Any], path: Path) -> None:
     """Log a notice where a file says 'airspeed' for the constant ground speed of energies, as all once did."""
-    if cost_of(table) is CostKind.ENERGY and "airspeed" in table:
+    if table.get("cost", CostKind.ENERGY) == CostKind.ENERGY and "airspeed" in table:
         words = f"{path}: airspeed is read as ground_speed, which energies need; write that, or add cost = 'time'"
         logging.getLogger(__name__).warning(one_line(words, LONGEST_SENTENCE))
 
 
-def cost_of(table: Mapping[str, Any]) -> CostKind:
-    """Return what legs cost in the scenario of `table`."""
-    given = table.get("cost", CostKind.ENERGY)
-    if given not in list(CostKind):
-        raise InputError(f"cost must be {' or '.join(repr(str(kind)) for kind in CostKind)}, got {shown(given)}")
-    return CostKind(given)
-
-
-def _speed(table: Mapping[str, Any], cost: CostKind) -> Any:
-    """Return the speed that `cost` holds constant; an energy's may stand under its old key 'airspeed'."""
-    if cost is CostKind.TIME and "ground_speed" in table:
-        raise InputError("cost = 'time' is reckoned at a constant airspeed: give 'airspeed', not 'ground_speed'")
-    if "ground_speed" in table and "airspeed" in table:
-        raise InputError(
-            "cost = 'energy' is reckoned at a constant ground_speed: give 'ground_speed' alone, not 'airspeed' too"
-        )
-    key = "airspeed" if "airspeed" in table else cost.speed_key
-    if key not in table:
-        raise InputError(f"the key '{key}' is missing")
-    return positive(table[key], f"{key} [m/s]")
-
-
 def scenario_of(table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
     """Return the scenario a parsed TOML table describes, its files relative to `folder`; InputError names the key."""
-    for key in table:
-        if key not in KEYS:
-            raise InputError(f"unknown key {shown(key)}{suggestion(key, KEYS)}")
-    cost = cost_of(table)
-    speed = _speed(table, cost)
-    for key in ("depots", "tasks"):
-        if key not in table:
-            raise InputError(f"the key '{key}' is missing")
-    for key in ("wind", "radio", "provenance"):
-        if not isinstance(table.get(key, {}), dict):
-            raise InputError(f"[{key}] must be a table, got {shown(table[key])}")
-    places = read_places(table, folder)
-    tasks = places.tasks
-    count = tasks if isinstance(tasks, int) and not isinstance(tasks, bool) else None
+    return scenario_from(read_declared(ScenarioTable, table), table, folder, name)
+
+
+def scenario_from(said: ScenarioKeys, table: Mapping[str, Any], folder: Path, name: str) -> Scenario:
+    """Return the scenario that the keys of a file describe, its files relative to `folder`; `table` is the file."""
+    places = read_places(said, folder)
     site = Site(places.region, places.reference.plane)
-    depots, fleet = places.depots, Fleet()
-    if isinstance(depots, (list, np.ndarray)) and set(FLEET_KEYS) & set(table):
-        fleet, at = fleet_of(table, len(depots), speed)
-        depots = [depots[k] for k in at]
+    fleet, at = _fleet_of(said, len(places.depots))
     return Scenario(
-        name=table.get("name", name),
+        name=name if said.name is None else said.name,
         region=places.region,
-        depots=depots,
-        speed=speed,
-        wind=wind_from_toml(table["wind"], folder, site) if "wind" in table else None,
-        tasks=tasks if count is None else None,
-        n_tasks=count or 0,
+        depots=np.array([places.depots[k] for k in at]),
+        speed=said.speed,
+        wind=None if said.wind is None else wind_of(said.wind, folder, site),
+        tasks=None if isinstance(places.tasks, int) else places.tasks,
+        n_tasks=places.tasks if isinstance(places.tasks, int) else 0,
         no_fly=places.no_fly,
-        terrain=folder / file_name(table, "terrain") if "terrain" in table else None,
-        radio=_radio(table, places),
-        provenance=table.get("provenance", {}),
+        terrain=None if said.terrain is None else folder / said.terrain,
+        radio=_radio(said, table, places),
+        provenance=said.provenance,
         plane=site.plane,
-        cost=cost,
+        cost=said.cost,
         fleet=fleet,
     )
 
 
-def _radio(table: Mapping[str, Any], places: Places) -> Mapping[str, Any] | None:
-    """Return the table [radio], its position in the plane."""
-    radio = table.get("radio")
-    if not radio or "position" not in radio:
-        return radio
-    return {**radio, "position": local_pair(radio["position"], "radio.position", places)}
+def _fleet_of(said: ScenarioKeys, n_depots: int) -> tuple[Fleet, list[int]]:
+    """Return the fleet a scenario describes, and of each UAV the number of its depot among `n_depots` listed.
+
+    Raises InputError that names table, key and value.
+    """
+    uavs = [UavTable(depot=k) for k in range(n_depots)] if said.uav is None else said.uav
+    at: list[int] = []
+    for number, uav in enumerate(uavs, 1):
+        depot = 0 if uav.depot is None and n_depots == 1 else uav.depot
+        if depot is None or depot >= n_depots:
+            raise InputError(
+                f"[[uav]] {number} depot must be the number of a depot, 0 to {n_depots - 1}, got {shown(depot)}"
+            )
+        at += [depot] * uav.count
+    for k in range(n_depots):
+        if k not in at:
+            raise InputError(f"depots[{k}] has no [[uav]]")
+    each = [uav for uav in uavs for _ in range(uav.count)]
+    speeds = np.array([said.speed if uav.speed is None else uav.speed for uav in each])
+    endurance = np.array([math.inf if uav.endurance is None else uav.endurance for uav in each])
+    return Fleet(
+        None if (speeds == said.speed).all() else speeds,
+        None if np.isinf(endurance).all() else endurance,
+        np.array(said.service) if isinstance(said.service, list) else said.service,
+        said.returns,
+    ), at
+
+
+def _radio(said: ScenarioKeys, table: Mapping[str, Any], places: Places) -> Mapping[str, Any] | None:
+    """Return the table [radio] as it is given, its position in the plane."""
+    if said.radio is None or said.radio.position is None:
+        return table.get("radio")
+    return {**table["radio"], "position": list(local_pair(said.radio.position, "radio.position", places))}
 
 
 def write_scenario(scenario: Scenario, path: Path | str) -> None:
@@ -312,12 +302,6 @@ def write_scenario(scenario: Scenario, path: Path | str) -> None:
 
 def _points(value: ArrayLike, label: str, region: Region, plane: TangentPlane | None) -> Floats:
     """Return points (k, 2) [m] in `region`, k ≥ 1."""
-    if isinstance(value, Sequence):
-        for i, point in enumerate(value):
-            numbers = isinstance(point, Sequence) and all(type(c) in (int, float, np.float64) for c in point)
-            if isinstance(point, np.ndarray) or (numbers and len(point) == 2):
-                continue
-            raise InputError(f"{label}[{i}] must be two numbers [x, y] [m], got {shown(point)}")
     try:
         p = np.array(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
+from instances.declared.reading import given, read_declared
+from instances.declared.scenario import RadioTable
 from instances.environment.raster import bilinear, check_grid
-from instances.errors import InputError, shown, suggestion
+from instances.errors import InputError
 from instances.extent import LARGEST, LEAST, check_positions
 
 SPEED_OF_LIGHT = 299_792_458.0
@@ -63,22 +65,10 @@ class RadioSource:
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> RadioSource:
         """Read a scenario's ``[radio]`` table: this class's field names, SI units and dB."""
-        known = [f.name for f in fields(cls)]
-        for key in table:
-            if key not in known:
-                raise InputError(
-                    f"[radio]: unknown key {shown(key)}{suggestion(key, known)} (known: {', '.join(known)})"
-                )
         if "position" not in table:
             raise InputError("[radio]: position = [x, y] [m] is missing")
-        try:
-            numbers = {key: float(value) for key, value in table.items() if key != "position"}
-            x, y = table["position"]
-            return cls((float(x), float(y)), **numbers)
-        except (TypeError, ValueError, OverflowError):
-            raise InputError(
-                f"[radio]: position must be [x, y] and the rest numbers, got {shown(dict(table))}"
-            ) from None
+        said = read_declared(RadioTable, table, at=["radio"])
+        return cls(**given(said))
 
     @property
     def wavelength(self) -> float:

@@ -8,7 +8,7 @@ velocities in m/s, blowing *towards* (u, v).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 from instances.arrays import Floats
 from instances.errors import InputError, shown
 from instances.extent import LARGEST
-from instances.registry import refuse_unknown
 
 
 @runtime_checkable
@@ -35,11 +34,6 @@ class WindField(Protocol):
 
     def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
         """Return the scenario file's ``[wind]`` table; a field that is data writes its file into `folder`."""
-        ...
-
-    @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> WindField:
-        """Return the field described by `table`, its files relative to `folder`; InputError names what is wrong."""
         ...
 
 
@@ -74,11 +68,9 @@ class TableWind:
         return {"kind": self.kind, **{f.name: _lists(getattr(self, f.name)) for f in fields(self)}}
 
     @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Self:
-        """Return the field of a ``[wind]`` table; InputError for what it lacks."""
-        refuse_unknown(f"wind: kind '{cls.kind}'", "field", table, [f.name for f in fields(cls)])
-        lacking = {f.name: None for f in fields(cls) if f.default is MISSING}  # each class refuses None
-        return cls(**{**lacking, **table})
+    def from_toml(cls, table: Mapping[str, Any]) -> Self:
+        """Return the field of a ``[wind]`` table as it is declared."""
+        return cls(**table)
 
 
 def _lists(value: Any) -> Any:

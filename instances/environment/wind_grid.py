@@ -21,9 +21,8 @@ from instances.environment.raster import check_grid, node_axes, node_bounds, wri
 from instances.environment.site import Site
 from instances.environment.wind import points_of
 from instances.environment.wind_files import read_wind
-from instances.errors import InputError, shown
+from instances.errors import InputError
 from instances.kernels import njit
-from instances.registry import refuse_unknown
 
 GAUSS = 0.5 / math.sqrt(3.0)
 
@@ -147,7 +146,4 @@ class Grid:
 
         `units` says what a WindNinja file holds ("m/s", "mph", "kph" or "knots"; "m/s" where it is not given).
         """
-        refuse_unknown("wind: kind 'grid'", "field", table, ("file", "units"))
-        if not isinstance(table.get("file"), str):
-            raise InputError(f"wind: kind 'grid' needs the name of a file, got {shown(table.get('file'))}")
         return cls(*read_wind(folder / table["file"], units=table.get("units"), site=site))

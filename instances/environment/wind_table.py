@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
+from instances.declared.reading import given, read_declared
+from instances.declared.winds import SumTable, Wind, WindTable
 from instances.environment.site import Site
 from instances.environment.wind import WindField, points_of
-from instances.errors import InputError, shown, suggestion
-from instances.registry import refuse_unknown
+from instances.errors import InputError
 
 KINDS = {
     "uniform": "instances.environment.wind:Uniform",
@@ -33,7 +34,7 @@ KINDS = {
 """``kind`` in a scenario's ``[wind]`` table → ``"module:Class"``, imported when met: numba takes its time."""
 
 
-READ = ("sum", "grid", "terrain")
+READ = ("grid", "terrain")
 """Kinds that read files of places, and are told the site."""
 
 
@@ -42,13 +43,19 @@ def wind_from_toml(table: Mapping[str, Any], folder: Path | str = ".", site: Sit
 
     Raises InputError for an unknown kind or field (with the near miss) and for unusable values.
     """
-    kind = table.get("kind")
-    if not isinstance(kind, str) or kind not in KINDS:
-        raise InputError(f"wind: unknown kind {shown(kind)}{suggestion(str(kind), KINDS)} (kinds: {', '.join(KINDS)})")
+    said: WindTable = read_declared(Wind, table, at=["wind"])  # type: ignore[arg-type]  # a union is no type to mypy
+    return wind_of(said, Path(folder), site)
+
+
+def wind_of(said: WindTable, folder: Path, site: Site | None = None) -> WindField:
+    """Return the wind field that a table describes; files in it are relative to `folder`, read for `site`."""
+    if isinstance(said, SumTable):
+        return Sum(tuple(wind_of(part, folder, site) for part in said.parts))
+    kind = str(said.__struct_config__.tag)
     module, _, name = KINDS[kind].partition(":")
     cls: type[Any] = getattr(importlib.import_module(module), name)
-    told = {"site": site} if kind in READ else {}
-    made: WindField = cls.from_toml({k: v for k, v in table.items() if k != "kind"}, Path(folder), **told)
+    told = {"folder": folder, "site": site} if kind in READ else {}
+    made: WindField = cls.from_toml(given(said), **told)
     return made
 
 
@@ -75,12 +82,3 @@ class Sum:
     def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
         """Return the ``[wind]`` table, one table a part."""
         return {"kind": "sum", "parts": [part.to_toml(folder) for part in self.parts]}
-
-    @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path, site: Site | None = None) -> Sum:
-        """Return the field of a ``[wind]`` table."""
-        refuse_unknown("wind: kind 'sum'", "field", table, ("parts",))
-        parts = table.get("parts")
-        if not isinstance(parts, list) or not all(isinstance(part, Mapping) for part in parts):
-            raise InputError("wind: the parts of a sum must be tables, each with its kind")
-        return cls(tuple(wind_from_toml(part, folder, site) for part in parts))

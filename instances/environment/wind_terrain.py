@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -26,16 +25,12 @@ from instances.arrays import Floats
 from instances.environment.mass_consistent import Inflow, solve_flow
 from instances.environment.site import Site
 from instances.environment.terrain import Terrain, mountains, read_terrain
-from instances.environment.wind import number, pair
 from instances.environment.wind_grid import Grid
-from instances.errors import InputError, shown, suggestion
-from instances.registry import refuse_unknown
+from instances.errors import InputError
 
 INFLOW = tuple(f.name for f in fields(Inflow))
-MOUNTAINS = tuple(signature(mountains).parameters)
 MOST_CELLS = 10_000_000
 """Cells of a flow: eight times as many as are usual."""
-FIELDS = ("dem", "mountains", "altitude", "cells", "layers", *INFLOW)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,36 +87,14 @@ class TerrainWind:
     @classmethod
     def from_toml(cls, table: Mapping[str, Any], folder: Path, site: Site | None = None) -> TerrainWind:
         """Return the wind of a ``[wind]`` table."""
-        refuse_unknown("wind: kind 'terrain'", "field", table, FIELDS)
-        if ("dem" in table) == ("mountains" in table):
-            raise InputError("wind: kind 'terrain' needs either 'dem', a file, or 'mountains', a table")
-        made = table.get("mountains", {})
-        if not isinstance(made, Mapping):
-            raise InputError(f"wind: mountains must be a table, got {shown(made)}")
-        for key, value in made.items():
-            if key not in MOUNTAINS or key == "cells":
-                raise InputError(f"wind: mountains have no '{key}'{suggestion(key, MOUNTAINS)}")
-            number(value, f"mountains.{key}")
-        if type(made.get("seed", 0)) is not int or made.get("seed", 0) < 0:
-            raise InputError(f"wind: mountains.seed must be a whole number ≥ 0, got {shown(made['seed'])}")
-        if "dem" in table and not isinstance(table["dem"], str):
-            raise InputError(f"wind: dem must be the name of a file, got {shown(table['dem'])}")
-        for name in ("cells", "layers"):
-            if name in table and (type(table[name]) is not int or table[name] < 2):
-                raise InputError(f"wind: {name} must be a whole number of at least 2, got {shown(table[name])}")
-        cells, layers = table.get("cells", 200), table.get("layers", 30)
+        cells, layers = table["cells"], table["layers"]
         if cells * cells * layers > MOST_CELLS:
-            raise InputError(f"wind: cells = {shown(cells)} and layers = {shown(layers)} are more than can be solved")
-        inflow = {name: table[name] for name in INFLOW if name in table}
-        inflow["velocity"] = pair(table.get("velocity"), "velocity [m/s]")
-        for name in ("reference", "roughness", "exponent"):
-            if name in inflow:
-                number(inflow[name], name)
+            raise InputError(f"[wind] cells = {cells} and layers = {layers} are more than can be solved")
         return cls(
-            Inflow(**inflow),
-            number(table.get("altitude"), "altitude [m]"),
+            Inflow(**{name: table[name] for name in INFLOW}),
+            table["altitude"],
             folder / table["dem"] if "dem" in table else None,
-            dict(made),
+            table.get("mountains", {}),
             cells,
             layers,
             site,

@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
+from instances.declared.winds import MOST_MODES
 from instances.environment.wind import TableWind, number, points_of
-from instances.errors import InputError, shown
+from instances.errors import InputError
 from instances.extent import FINEST
 from instances.kernels import njit
-
-MOST_MODES = 10_000
-"""Every point of the wind sums them all."""
 
 
 @njit(cache=True)
@@ -51,9 +49,6 @@ class Turbulence(TableWind):
     def __post_init__(self) -> None:
         object.__setattr__(self, "rms", number(self.rms, "rms [m/s]"))
         object.__setattr__(self, "length_scale", number(self.length_scale, "length_scale [m]"))
-        for name in ("seed", "modes"):
-            if not isinstance(getattr(self, name), int) or getattr(self, name) < 0:
-                raise InputError(f"wind: {name} must be a whole number ≥ 0, got {shown(getattr(self, name))}")
         if self.rms < 0 or self.length_scale < FINEST or not 1 <= self.modes <= MOST_MODES:
             raise InputError(f"wind: turbulence needs rms ≥ 0, length_scale ≥ {FINEST:g} m and 1 to {MOST_MODES} modes")
 

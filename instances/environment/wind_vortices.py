@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -19,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.wind import TableWind, number, pair, points_of
-from instances.errors import InputError, shown
+from instances.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -32,9 +31,6 @@ class Vortices(TableWind):
     core: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        for name in ("centres", "circulation", "core"):
-            if isinstance(getattr(self, name), str) or not hasattr(getattr(self, name), "__len__"):
-                raise InputError(f"wind: {name} of vortices must be a list, got {shown(getattr(self, name))}")
         object.__setattr__(self, "centres", tuple(pair(c, "a vortex centre [m]") for c in self.centres))
         object.__setattr__(self, "circulation", tuple(number(g, "circulation [m²/s]") for g in self.circulation))
         object.__setattr__(self, "core", tuple(number(c, "core [m]") for c in self.core))
@@ -76,8 +72,6 @@ class Vortices(TableWind):
         return total
 
     @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path) -> Self:
+    def from_toml(cls, table: Mapping[str, Any]) -> Self:
         """Return the field of a ``[wind]`` table; without `core` they are point vortices."""
-        circulation = table.get("circulation", ())
-        core = [0.0] * len(circulation) if hasattr(circulation, "__len__") else ()
-        return super().from_toml({"core": core, **table}, folder)
+        return super().from_toml({"core": [0.0] * len(table["circulation"]), **table})

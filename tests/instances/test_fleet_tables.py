@@ -63,20 +63,20 @@ def test_written_and_read_again(tmp_path: Path, text: str) -> None:
 
 
 REFUSED = {
-    "service = -1": "service [s] must be 1 numbers for the 1 tasks, each at least 0",
+    "service = -1": "service must be a number of at least 0 [s] or a list of numbers of at least 0 [s], got -1",
     "service = [1, 2]": "service [s] must be 3 numbers for the 3 tasks",
-    "service = 'long'": "service must be a number [s] or a list of them, got 'long'",
-    "service = 1e30": "service [s] must be at most 1e+12",
+    "service = 'long'": "service must be a number of at least 0 [s] or a list of numbers of at least 0 [s], got 'long'",
+    "service = 1e30": "service must be a number from 0 to 1e+12 [s]",
     "return = 'home'": "return must be one of 'own', 'any', 'none', got 'home'",
     "uav = 3": "[[uav]] must be tables, got 3",
     "[[uav]]\ndepot = 0": "depots[1] has no [[uav]]",
-    "[[uav]]\nspeed = 3": "uav[0].depot must be the number of a depot, 0 to 1, got None",
-    "[[uav]]\ndepot = 2": "uav[0].depot must be the number of a depot, 0 to 1, got 2",
-    "[[uav]]\ndepot = true": "uav[0].depot must be the number of a depot, 0 to 1, got True",
-    "[[uav]]\ndepot = 0\ncount = 0": "uav[0].count must be a whole number from 1 to 10000, got 0",
-    "[[uav]]\ndepot = 0\nspeed = -3": "uav[0].speed must be a positive number, got -3",
-    "[[uav]]\ndepot = 0\nendurance = 'x'": "uav[0].endurance must be a positive number, got 'x'",
-    "[[uav]]\ndepot = 0\nspede = 3": "[[uav]] 0 has no key 'spede'; did you mean 'speed'?",
+    "[[uav]]\nspeed = 3": "[[uav]] 1 depot must be the number of a depot, 0 to 1, got None",
+    "[[uav]]\ndepot = 2": "[[uav]] 1 depot must be the number of a depot, 0 to 1, got 2",
+    "[[uav]]\ndepot = true": "[[uav]] 1 depot must be a whole number of at least 0, got True",
+    "[[uav]]\ndepot = 0\ncount = 0": "[[uav]] 1 count must be a whole number from 1 to 10000, got 0",
+    "[[uav]]\ndepot = 0\nspeed = -3": "[[uav]] 1 speed must be a positive number [m/s], got -3",
+    "[[uav]]\ndepot = 0\nendurance = 'x'": "[[uav]] 1 endurance must be a positive number [s], got 'x'",
+    "[[uav]]\ndepot = 0\nspede = 3": "[[uav]] 1: unknown key 'spede'; did you mean 'speed'?",
 }
 
 

@@ -15,14 +15,15 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from instances.declared.scenario import ScenarioTable
 from instances.disk import read_toml
 from instances.errors import InputError, naming, shown, suggestion
-from instances.scenario import KEYS as SCENARIO_KEYS
 from instances.scenario import Scenario, read_scenario, scenario_of
 from workbench.mission.fitting import check_mission
 from workbench.mission.keys import settings_of
 from workbench.mission.settings import TABLES, Mission
 
+SCENARIO_KEYS = ScenarioTable.__struct_encode_fields__
 KEYS = ("scenario", *SCENARIO_KEYS, *TABLES)
 """Every key of a mission file."""
 

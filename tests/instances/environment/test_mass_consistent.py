@@ -67,12 +67,12 @@ MADE = {"kind": "terrain", "mountains": {"seed": 4}, "velocity": [1.0, 2.0], "al
         ({"dem": "a.tif"}, "either 'dem'"),
         ({"mountains": {"sed": 1}}, "did you mean 'seed'"),
         ({"mountains": 3}, "must be a table"),
-        ({"profile": "logg"}, "unknown profile 'logg'"),
+        ({"profile": "logg"}, "did you mean 'log'"),
         ({"altitude": None}, "altitude"),
         ({"velocity": [1.0]}, "velocity"),
         ({"cells": 1.5}, "cells"),
         ({"roughness": 0.0}, "roughness"),
-        ({"hight": 2}, "no field 'hight'"),
+        ({"hight": 2}, "unknown key 'hight'"),
     ],
 )
 def test_bad_tables_are_named(change: dict, words: str) -> None:

@@ -66,7 +66,7 @@ GOOD = HEADER + "1 1 1\n1 1 1\n"
 @pytest.mark.parametrize(
     ("vel", "ang", "units", "words"),
     [
-        (GOOD, GOOD, "furlongs", "unknown units 'furlongs'"),
+        (GOOD, GOOD, "furlongs", "units must be one of 'knots', 'kph', 'm/s', 'mph', got 'furlongs'"),
         (GOOD, GOOD.replace("cellsize 100", "cellsize 90"), "m/s", "different grids"),
         (GOOD.replace("nrows 2\n", ""), GOOD, "m/s", "no nrows"),
         (HEADER + "1 1 1\n1 1\n", GOOD, "m/s", "5 found"),
@@ -119,7 +119,7 @@ def test_unreadable_files_are_named(tmp_path: Path, name: str, words: str) -> No
 
 
 def test_grid_table_needs_a_file() -> None:
-    with pytest.raises(InputError, match="name of a file"):
+    with pytest.raises(InputError, match="the key 'file' is missing: the name of a file"):
         wind_from_toml({"kind": "grid"})
 
 

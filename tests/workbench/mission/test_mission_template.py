@@ -11,10 +11,9 @@ from click.testing import CliRunner
 
 from instances.environment.radio import RadioSource
 from instances.environment.wind_table import KINDS, wind_from_toml
-from instances.scenario import KEYS as SCENARIO_KEYS
 from instances.scenario_keys import RADIO_KEYS, WINDS
 from workbench.commands.mission import command
-from workbench.mission.file import KEYS, mission_of
+from workbench.mission.file import KEYS, SCENARIO_KEYS, mission_of
 from workbench.mission.settings import TABLES
 from workbench.mission.template import Described, described, template
 

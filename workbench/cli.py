@@ -41,6 +41,7 @@ COMMANDS = {
     "methods": "list methods of placement and moving costs",
     "studies": "list the studies that come along",
     "init": "write a commented template that runs",
+    "schema": "print the JSON Schema of a file format",
     "warmup": "compile the kernels now",
     "completion": "complete commands and values in a shell",
 }

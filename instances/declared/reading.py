@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeVar
 import msgspec
 from msgspec import inspect
 
-from instances.declared.words import names_of, peeled, words_of
+from instances.declared.words import alternatives, names_of, peeled, words_of
 from instances.errors import InputError, shown, suggestion
 
 T = TypeVar("T")
@@ -103,7 +103,7 @@ def _walked(node: Node, path: list[Token]) -> tuple[list[Token], Node]:
 
 def _alternative(node: Node) -> inspect.Type | None:
     """Return the type that `value` would be of, among several; None where it is like none."""
-    parts = _parts(node.type)
+    parts = alternatives(node.type)
     if len(parts) == 1:
         return parts[0]
     structs = [one for one in parts if isinstance(one, inspect.StructType)]
@@ -113,15 +113,9 @@ def _alternative(node: Node) -> inspect.Type | None:
     return next((one for one in parts if isinstance(one, _LIKE.get(type(node.value), ()))), None)
 
 
-def _parts(node: inspect.Type) -> list[inspect.Type]:
-    """Return the types among which a value may choose, one where it cannot."""
-    inner, _ = peeled(node)
-    return [one for each in inner.types for one in _parts(each)] if isinstance(inner, inspect.UnionType) else [inner]
-
-
 def _tags(node: inspect.Type) -> inspect.LiteralType:
     """Return the kinds of a table that says its own, as an enumeration."""
-    return inspect.LiteralType(tuple(str(one.tag) for one in _parts(node) if isinstance(one, inspect.StructType)))
+    return inspect.LiteralType(tuple(str(one.tag) for one in alternatives(node) if isinstance(one, inspect.StructType)))
 
 
 def _wrong_keys(union: inspect.Type, inner: inspect.StructType, table: Mapping[str, Any], name: str) -> str:
@@ -162,9 +156,9 @@ def _spelt(path: Sequence[Token], whole: Any, toml: bool, heading: str) -> str:
 
 def _heading(node: inspect.Type) -> str:
     """Return how TOML heads what is of a type: as a table, as tables, or not at all."""
-    for one in _parts(node):
+    for one in alternatives(node):
         if isinstance(one, (inspect.DictType, inspect.StructType)):
             return "[{}]"
-        if isinstance(one, inspect.ListType) and isinstance(_parts(one.item_type)[0], inspect.StructType):
+        if isinstance(one, inspect.ListType) and isinstance(alternatives(one.item_type)[0], inspect.StructType):
             return "[[{}]]"
     return ""

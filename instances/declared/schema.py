@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import msgspec
@@ -9,7 +10,15 @@ import msgspec
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
-def schema_of(kind: Any, title: str) -> dict[str, Any]:
-    """Return the JSON Schema of a declaration; its attribute ``RULES`` adds what holds between keys."""
-    made = msgspec.json.schema(kind)
-    return {"$schema": DRAFT, "title": title, **getattr(kind, "RULES", {}), **made}
+def schema_of(kinds: Mapping[str, type], title: str, by: str = "") -> dict[str, Any]:
+    """Return the JSON Schema of a declaration, or of several told apart by what the key `by` says, else the first.
+
+    A declaration's attribute ``RULES`` adds what holds between its keys.
+    """
+    made, parts = msgspec.json.schema_components(list(kinds.values()), ref_template="#/$defs/{name}")
+    whole = [{**getattr(kind, "RULES", {}), **each} for kind, each in zip(kinds.values(), made, strict=True)]
+    schema = whole[0]
+    for variant, other in list(zip(kinds, whole, strict=True))[1:]:
+        said = {"properties": {by: {"const": variant}}, "required": [by]}
+        schema = {"if": said, "then": other, "else": schema}
+    return {"$schema": DRAFT, "title": title, **schema, "$defs": parts}

@@ -32,7 +32,8 @@ def about(meaning: str, unit: str = "", *, example: Any = None, words: str = "",
 Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
 NotNegative = Annotated[float, Meta(ge=0, le=LARGEST)]
 Positive = Annotated[float, Meta(ge=LEAST, le=LARGEST)]
-Natural = Annotated[int, Meta(ge=1)]
+Whole = Annotated[int, Meta(ge=0, le=2**63 - 1)]
+Natural = Annotated[int, Meta(ge=1, le=2**63 - 1)]
 Text = Annotated[str, Meta(min_length=1)]
 FileName = Annotated[str, Meta(min_length=1, extra={"words": "the name of a file"})]
 Name = Annotated[

@@ -6,10 +6,9 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from instances.declared.types import FileName, NotNegative, Number, Positive, Table, Vector, about
+from instances.declared.types import FileName, NotNegative, Number, Positive, Table, Vector, Whole, about
 from instances.extent import FINEST, LARGEST
 
-Seed = Annotated[int, Meta(ge=0)]
 MOST_MODES = 10_000
 """Every point of a turbulent wind sums them all."""
 
@@ -65,7 +64,7 @@ class TurbulenceTable(WindTable, frozen=True, kw_only=True, tag="turbulence"):
     length_scale: Annotated[
         float, Meta(ge=FINEST, le=LARGEST), about("size of the largest eddies", "m", example=4000.0)
     ]
-    seed: Annotated[Seed, about("of what is drawn", example=0)] = 0
+    seed: Annotated[Whole, about("of what is drawn", example=0)] = 0
     modes: Annotated[int, Meta(ge=1, le=MOST_MODES), about("waves that are summed", example=48)] = 48
 
 
@@ -87,7 +86,7 @@ class MountainsTable(Table, frozen=True, kw_only=True):
     length_scale: Annotated[
         Positive | None, about("size of the largest ranges, 10 km unless given", "m", example=12000.0)
     ] = None
-    seed: Annotated[Seed | None, about("of what is drawn, 0 unless given", example=0)] = None
+    seed: Annotated[Whole | None, about("of what is drawn, 0 unless given", example=0)] = None
 
 
 class TerrainTable(WindTable, frozen=True, kw_only=True, tag="terrain"):

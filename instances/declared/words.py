@@ -33,6 +33,14 @@ def peeled(node: inspect.Type) -> tuple[inspect.Type, dict[str, Any]]:
     return node, notes
 
 
+def alternatives(node: inspect.Type) -> list[inspect.Type]:
+    """Return the types among which a value may choose, one where it cannot."""
+    inner, _ = peeled(node)
+    if isinstance(inner, inspect.UnionType):
+        return [one for each in inner.types for one in alternatives(each)]
+    return [inner]
+
+
 def words_of(node: inspect.Type, unit: str = "", value: object = None) -> str:
     """Return what a value of the type must be. value : one that is not; a bound it breaks is said."""
     inner, notes = peeled(node)
@@ -49,8 +57,8 @@ def words_of(node: inspect.Type, unit: str = "", value: object = None) -> str:
         first = inner.item_types[0]
         return f"{NUMERALS[len(inner.item_types)]} {_plural(first, unit)}"
     if isinstance(inner, (inspect.ListType, inspect.VarTupleType)):
-        least = "at least one of " if inner.min_length else ""
-        return f"a list of {least}{_plural(inner.item_type, unit)}"
+        least = ", at least one" if inner.min_length else ""
+        return f"a list of {_plural(inner.item_type, unit)}{least}"
     return _phrase(inner, value).said(unit)
 
 
@@ -78,6 +86,8 @@ def _phrase(inner: inspect.Type, value: object) -> Phrase:
     if isinstance(inner, inspect.IntType):
         return Phrase("whole number", "whole numbers", _range(inner.ge, inner.le, value))
     if isinstance(inner, inspect.FloatType):
+        if inner.gt == 0:
+            return Phrase("positive number", "positive numbers", _range(None, inner.le, value))
         if inner.ge is None or inner.ge <= 0:
             return Phrase("number", "numbers", _range(inner.ge, inner.le, value))
         below = isinstance(value, (int, float)) and 0 < value < inner.ge

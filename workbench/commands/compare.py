@@ -144,8 +144,8 @@ def _tell(published: Published, columns: list[str], about: dict[str, Any] | None
 
 def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, object]) -> Study:
     """Return the study that the arguments name, with the changes that the flags make to it."""
+    from instances.declared.reading import read_declared
     from workbench.jobs.study import load_tables, shipped_studies, study_from
-    from workbench.jobs.tables import typed
     from workbench.problems import PROBLEMS
     from workbench.settings import names
 
@@ -161,7 +161,7 @@ def _study(targets: tuple[str, ...], solvers: str | None, changes: dict[str, obj
     tables = load_tables(path) if path else {}
     name, base = (path.stem, path.parent) if path else ("compare", Path())
     try:
-        problem = PROBLEMS.load(typed(tables.get("problem", "routing"), str, "problem"))
+        problem = PROBLEMS.load(read_declared(str, tables.get("problem", "routing"), at=["problem"]))
         if solvers is not None:
             tables[problem.entries] = [{"name": name} for name in names(solvers, "--solvers")]
         study = study_from(tables, problem, name=name, base=base, changes=changes)

@@ -17,6 +17,7 @@ from formulations.limits import Limits
 from instances.errors import InputError
 from instances.registry import MethodRegistry
 from reports.record import Run
+from workbench.jobs.study_table import StudyTable
 
 if TYPE_CHECKING:
     from reports.columns import Column
@@ -122,8 +123,8 @@ class Problem(Protocol[Item]):
     """What an item is, in a sentence: instance, region, scenario."""
     entries: str
     """The study's table of methods: ``solvers`` or ``methods``."""
-    keys: tuple[str, ...]
-    """Keys of a study that are this problem's own."""
+    study: type[StudyTable]
+    """How its studies are declared."""
     limits: tuple[str, ...] = ()
     """Which of ``threads`` and ``iterations`` its methods know."""
     default_limit: float = 10.0
@@ -137,8 +138,8 @@ class Problem(Protocol[Item]):
     statuses: tuple[str, ...]
     """How a method may end on its own; the machinery adds KILLED, ERROR and NO_SOLUTION."""
 
-    def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[Item]]:
-        """Return where a study's items come from, files relative to `base`; InputError says what is wrong."""
+    def sources(self, study: Any, base: Path) -> Iterable[Source[Item]]:
+        """Return where the items of a `study`, as declared, come from, files relative to `base`."""
         ...
 
     def from_files(self, paths: Iterable[Path]) -> Iterable[Source[Item]]:

@@ -1,37 +1,23 @@
-"""Study: items × methods × seeds × limits, read from TOML.
-
-name = "mine"
-problem = "routing"              # or placement, moving-cost; the keys of each are said in workbench.problems
-seeds = 3                        # so many (0, 1, 2), or a list
-time_limit = 10                  # [s], or a list
-threads = 1
-
-[[methods]]                      # [[solvers]] where the problem is routing
-name = "nlp"                     # seeds, time_limit, threads, iterations here override those above
-options = { starts = [4, 8] }    # a grid: every list is tried in every combination
-max_tasks = 200                  # larger items are not given to this method
-"""
+"""Study: items × methods × seeds × limits, read from TOML. Its keys: `jobs.study_table` and `problems.tables`."""
 
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from formulations.limits import LARGEST_SEED, Limits
+from formulations.limits import Limits
+from instances.declared.reading import read_declared
 from instances.disk import read_toml
 from instances.errors import InputError
 from instances.instance import check_name
 from workbench.jobs.job import Job
 from workbench.jobs.problem import Problem, Source
-from workbench.jobs.tables import MOST_RUNS, grid, known_keys, listed, seeds_from, tables_of, typed
-
-STUDY_KEYS = ("name", "problem", "description", "seeds", "time_limit")
-ENTRY_KEYS = ("name", "options", "seeds", "time_limit", "max_tasks")
+from workbench.jobs.study_table import Changes, Limited, MethodTable, listed, seeds_of
+from workbench.jobs.tables import MOST_RUNS, grid
 
 
 @dataclass(frozen=True)
@@ -49,11 +35,6 @@ class Entry:
     def __post_init__(self) -> None:
         for limit in self.time_limits:
             Limits(time=limit, threads=self.threads, iterations=self.iterations)
-            if limit == math.inf:
-                raise InputError("time limit must be finite [s], got inf")
-        for seed in self.seeds:
-            if not 0 <= seed <= LARGEST_SEED:
-                raise InputError(f"seed must be from 0 to {LARGEST_SEED}, got {seed}")
 
     def jobs(self, folder: str, size: int) -> Iterator[Job]:
         """Yield this entry's jobs on the item of `size` tasks kept in `folder`."""
@@ -113,23 +94,22 @@ def study_from(
 
     changes : seeds, time_limit or threads that take the place of those in `data`, each method's included.
     """
-    changes = changes or {}
-    known_keys(data, (*STUDY_KEYS, *problem.limits, *problem.keys, problem.entries), "study")
-    for key in changes:
+    for key in changes or {}:
         if key in ("threads", "iterations") and key not in problem.limits:
             raise InputError(f"compare: --{key} cannot be given with a {problem.name} study")
-    asked = {"name": name, **data, **changes}
-    check_name(typed(asked["name"], str, "name"))  # its results go into a folder of this name
-    for key, read in READERS.items():  # also what no method takes, as every one has its own
-        if key in data:
-            read(data[key], key)
-    sources = tuple(itertools.islice(problem.sources(data, base), MOST_RUNS + 1))
-    entries: list[Entry] = []
-    for number, table in enumerate(tables_of(data, problem.entries), 1):
-        entries += _entries(problem, table, data, changes, f"{problem.entries}[{number}]")
+    flags = read_declared(Changes, changes or {})
+    said = read_declared(problem.study, data)
+    asked = {"name": name, **data, **(changes or {})}
+    check_name(asked["name"])  # its results go into a folder of this name
+    sources = tuple(itertools.islice(problem.sources(said, base), MOST_RUNS + 1))
+    tables: list[MethodTable] = getattr(said, problem.entries)
+    entries = [
+        each
+        for number, table in enumerate(tables, 1)
+        for each in _entries(problem, table, (flags, table, said), f"[[{problem.entries}]] {number}")
+    ]
     if not entries:
         raise InputError(f"study: names no {problem.entries} ([[{problem.entries}]] with name = …)")
-    typed(data.get("description", ""), str, "description")  # for people: it is checked and stored, and no more
     return Study(asked["name"], problem, sources, tuple(entries), asked)
 
 
@@ -145,43 +125,19 @@ def checked_entry(problem: Problem[Any], method: str, options: dict[str, Any], *
     return Entry(method, asked, **rest)
 
 
-def _entries(
-    problem: Problem[Any], table: dict[str, Any], study: Mapping[str, Any], changes: Mapping[str, Any], where: str
-) -> list[Entry]:
-    known_keys(table, (*ENTRY_KEYS, *problem.limits), where)
-    if "name" not in table:
-        raise InputError(f"{where}: 'name' is missing")
-    name = typed(table["name"], str, f"{where}.name")
+def _entries(problem: Problem[Any], table: MethodTable, holders: Sequence[Limited], where: str) -> list[Entry]:
+    """Return a method with every combination of its options; the first of `holders` that says a limit sets it."""
 
-    def either(key: str, default: Any) -> Any:
-        for holder, place in ((changes, key), (table, f"{where}.{key}"), (study, key)):
-            if key in holder:
-                return READERS[key](holder[key], place)
-        return default
+    def first(key: str, default: Any) -> Any:
+        said = (getattr(holder, key, None) for holder in holders)
+        return next((value for value in said if value is not None), default)
 
-    given = {
-        "threads": either("threads", 1),
-        "iterations": either("iterations", None),
-        "time_limits": either("time_limit", (problem.default_limit,)),
-        "seeds": either("seeds", (0,)),
-        "max_tasks": typed(table["max_tasks"], int, f"{where}.max_tasks") if "max_tasks" in table else None,
+    limits = {
+        "threads": first("threads", 1),
+        "iterations": first("iterations", None),
+        "time_limits": tuple(listed(first("time_limit", problem.default_limit))),
+        "seeds": seeds_of(first("seeds", 1)),
+        "max_tasks": table.max_tasks,
     }
-    combinations = grid(typed(table.get("options", {}), dict, f"{where}.options"), f"{where}.options")
-    return [checked_entry(problem, name, options, **given) for options in combinations]
-
-
-def _limits(value: Any, where: str) -> tuple[float, ...]:
-    return tuple(float(typed(limit, (int, float), where)) for limit in listed(value))
-
-
-def _whole(value: Any, where: str) -> int:
-    return int(typed(value, int, where))
-
-
-READERS: dict[str, Callable[[Any, str], Any]] = {
-    "threads": _whole,
-    "iterations": _whole,
-    "time_limit": _limits,
-    "seeds": seeds_from,
-}
-"""Key that a study and each of its methods may have → how it is read."""
+    combinations = grid(table.options, f"{where} options")
+    return [checked_entry(problem, table.name, options, **limits) for options in combinations]

@@ -1,11 +1,5 @@
 """The moving-cost problem: paths and costs between all nodes of a scenario in wind (sub-problem 2 of the paper).
 
-A study's own keys:
-
-scenarios = ["survey.toml"]      # scenario files, relative to the study
-starts = [10, 20]                # optional: only the first so many nodes
-[[families]]                     # as in a study of routing; each makes a scenario
-
 The objective of a run is the mean moving cost [s] over all ordered pairs of nodes. Its paths are flown again in the
 parent: length, wind, collisions.
 """
@@ -39,9 +33,10 @@ from reports.damage import reading
 from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
-from workbench.jobs.tables import counts_from, listed, tables_of, typed
+from workbench.jobs.study_table import listed
 from workbench.making import make_elsewhere
 from workbench.problems.routing import family_grid
+from workbench.problems.tables import MovingCostTable
 from workbench.sources import plugin_family
 from workbench.summary import Summary
 
@@ -125,19 +120,19 @@ class MovingCostStudy(Problem[MovingCostItem]):
     methods = METHODS
     item = "scenario"
     entries = "methods"
-    keys = ("scenarios", "families", "starts")
+    study = MovingCostTable
     default_limit = 60.0
     product = dict[str, list[Any]]
     found = "paths"
     statuses = ("FEASIBLE",)
 
-    def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[MovingCostItem]]:
+    def sources(self, study: MovingCostTable, base: Path) -> Iterable[Source[MovingCostItem]]:
         """Return every scenario with every number of starts."""
-        starts: list[int | None] = [*counts_from(tables.get("starts", []), "starts")] or [None]
-        for name, count in itertools.product(listed(tables.get("scenarios", [])), starts):
-            yield MovingCostItem(read_scenario(base / typed(name, str, "scenarios")), count)
-        for number, table in enumerate(tables_of(tables, "families"), 1):
-            for made, count in itertools.product(family_grid(table, f"families[{number}]"), starts):
+        starts: list[int | None] = [*listed(study.starts)] or [None]
+        for name, count in itertools.product(listed(study.scenarios), starts):
+            yield MovingCostItem(read_scenario(base / name), count)
+        for number, table in enumerate(study.families, 1):
+            for made, count in itertools.product(family_grid(table, f"[[families]] {number}"), starts):
                 yield FamilyScenario(made, count)
 
     def size(self, item: MovingCostItem) -> int:

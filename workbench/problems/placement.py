@@ -1,11 +1,5 @@
 """The placement problem: task locations of most information in a region (sub-problem 1 of the paper).
 
-A study's own keys:
-
-regions = ["square", "a.geojson"]   # the 20 km square, or GeoJSON files relative to the study
-tasks = [10, 20, 40]
-tests = "20x20"                  # as for `workbench place`; also signal_sd, length_scale, noise_sd, test_noise_sd
-
 As everywhere, lower is better: the objective of a run is −I [nats], and its bound minus the certificate, which is
 computed once for each problem. `check` computes it again: it is the claim that nothing better exists, and only its own
 argument can show it.
@@ -16,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -44,21 +38,15 @@ from reports.damage import reading
 from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
-from workbench.jobs.tables import counts_from, listed, typed
+from workbench.jobs.study_table import listed
+from workbench.problems.tables import PlacementTable
 from workbench.summary import Summary
 
 if TYPE_CHECKING:
     from reports.columns import Column
 
-NUMBER = (int, float)
-KERNEL_KEYS: dict[str, Any] = {
-    "tests": str,
-    "signal_sd": NUMBER,
-    "length_scale": (*NUMBER, str),
-    "noise_sd": NUMBER,
-    "test_noise_sd": NUMBER,
-}
-"""Key of the setting → its type."""
+SETTING = ("tests", "signal_sd", "length_scale", "noise_sd", "test_noise_sd")
+"""Keys of a study that say how information is measured."""
 TOLERANCE = 1e-6
 """Relative: a claim further from the recomputed information is refuted."""
 LOOSER = 1e-3
@@ -103,26 +91,23 @@ class PlacementStudy(Problem[PlacementItem]):
     methods = METHODS
     item = "problem"
     entries = "methods"
-    keys = ("regions", "tasks", *KERNEL_KEYS)
+    study = PlacementTable
     default_limit = 60.0
     product = list[tuple[float, float]]
     found = "points"
     statuses = tuple(status.value for status in PlacementStatus)
 
-    def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[PlacementItem]]:
+    def sources(self, study: PlacementTable, base: Path) -> Iterable[Source[PlacementItem]]:
         """Return every region with every number of tasks."""
-        setting = {key: tables[key] for key in KERNEL_KEYS if key in tables}
-        for key, kinds in KERNEL_KEYS.items():
-            if key in setting:
-                typed(setting[key], kinds, key)
+        setting = {key: value for key in SETTING if (value := getattr(study, key)) is not None}
         setting |= {key: str(setting[key]) for key in ("tests", "length_scale") if key in setting}
         if str(setting.get("tests", "")).lower().endswith(".csv"):
             setting["tests"] = rows_of_tests(base / setting["tests"]).tolist()  # a store explains itself
-        for region in listed(tables.get("regions", ["square"])):
-            area = region_of(None if typed(region, str, "regions") == "square" else base / region)
+        for region in listed(study.regions):
+            area = region_of(None if region == "square" else base / region)
             stem = region if region == "square" else Path(region).stem
             polygon = json.loads(json.dumps(mapping(area.polygon)))
-            for count in counts_from(tables.get("tasks", [40]), "tasks"):
+            for count in listed(study.tasks):
                 item = PlacementItem(f"{stem}-n{count}", polygon, setting, count)
                 _ = item.problem  # refuse now what cannot be built later
                 yield item

@@ -1,15 +1,5 @@
 """The routing problem: the min-max multi-depot multiple TSP (sub-problem 3 of the paper), routes of an instance.
 
-A study's own keys:
-
-files = ["sets/*.json"]          # instance files, folders and patterns, relative to the study
-[[families]]                     # a grid: every list is tried in every combination
-family = "uniform"
-tasks = [10, 20]
-depots = [2, 3]
-seeds = 5
-parameters = { wind = ["none", "shear"] }
-
 No solver grades itself. A claim is believed only where the routes are feasible, their recomputed cost is the claimed
 one, and the claimed bound does not contradict them; stored claims are looked at again by
 `reports.metrics.contradictions`.
@@ -18,7 +8,7 @@ one, and the claimed bound does not contradict them; stored claims are looked at
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,7 +22,9 @@ from reports.numbers import counted
 from reports.record import ITEM_FILES, Run, code_note
 from reports.tolerances import RELATIVE_ROUNDING, WIDEST_TOLERANCE
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
-from workbench.jobs.tables import combined, counts_from, grid, known_keys, listed, seeds_from, tables_of, typed
+from workbench.jobs.study_table import FamilyTable, listed, seeds_of
+from workbench.jobs.tables import combined, grid
+from workbench.problems.tables import RoutingTable
 from workbench.sources import FamilySource, FileSource, instance_files
 from workbench.summary import Summary
 
@@ -42,7 +34,6 @@ if TYPE_CHECKING:
     from reports.columns import Column
     from reports.compare import Comparison
 
-FAMILY_KEYS = ("family", "tasks", "depots", "seeds", "parameters")
 FIRST = ("failed", "solved", "proved", "gap_known", "gap_found", "time", "certified", "gap_bound", "proof_time")
 """Columns of the summary that are left out last."""
 LARGE = 500
@@ -56,19 +47,18 @@ class Routing(Problem[Instance]):
     methods = SOLVERS
     item = "instance"
     entries = "solvers"
-    keys = ("files", "families")
+    study = RoutingTable
     limits = ("threads", "iterations")
     outputs = ("latex", "markdown", "parquet", "against")
     product = list[list[int]]
     found = "routes"
     statuses = tuple(status.value for status in Status)
 
-    def sources(self, tables: Mapping[str, Any], base: Path) -> Iterable[Source[Instance]]:
+    def sources(self, study: RoutingTable, base: Path) -> Iterable[Source[Instance]]:
         """Return the files and families a study names."""
-        given = [typed(item, str, "files") for item in listed(tables.get("files", []))]
-        yield from self.from_files(base / item for item in given)
-        for number, table in enumerate(tables_of(tables, "families"), 1):
-            yield from (FamilySource(*made) for made in family_grid(table, f"families[{number}]"))
+        yield from self.from_files(base / item for item in listed(study.files))
+        for number, table in enumerate(study.families, 1):
+            yield from (FamilySource(*made) for made in family_grid(table, f"[[families]] {number}"))
 
     def from_files(self, paths: Iterable[Path]) -> Iterable[Source[Instance]]:
         """Return the instance files meant by files, folders and patterns."""
@@ -259,22 +249,15 @@ def _summaries(runs: pd.DataFrame, comparison: Comparison | None) -> list[Summar
     return found
 
 
-def family_grid(table: Mapping[str, Any], where: str) -> list[tuple[str, int, int, int, dict[str, Any]]]:
+def family_grid(table: FamilyTable, where: str) -> list[tuple[str, int, int, int, dict[str, Any]]]:
     """Return every combination a ``[[families]]`` table asks for: family, n, m, seed, parameters, all known."""
     from instances.families import check_family  # here: every run imports this file
 
-    known_keys(table, FAMILY_KEYS, where)
-    for key in ("family", "tasks", "depots"):
-        if key not in table:
-            raise InputError(f"{where}: '{key}' is missing")
-    names = [typed(name, str, f"{where}.family") for name in listed(table["family"])]
-    combinations = grid(typed(table.get("parameters", {}), dict, f"{where}.parameters"), f"{where}.parameters")
+    names = listed(table.family)
+    combinations = grid(table.parameters, f"{where} parameters")
     for name, combination in combined([names, combinations], where):
         check_family(name, combination)
-    tasks = counts_from(table["tasks"], f"{where}.tasks")
-    depots = counts_from(table["depots"], f"{where}.depots")
-    seeds = seeds_from(table.get("seeds", 1), f"{where}.seeds")
-    return combined([names, tasks, depots, seeds, combinations], where)
+    return combined([names, listed(table.tasks), listed(table.depots), seeds_of(table.seeds), combinations], where)
 
 
 def refute_routes(instance: Instance, routes: Sequence[Sequence[int]]) -> str:

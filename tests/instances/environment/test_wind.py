@@ -68,7 +68,7 @@ def test_rotation_and_shear_turn_the_stated_way() -> None:
         ({"kind": "vortices", "centres": [[0, 0]], "circulation": [1.0], "core": [-1.0]}, "at least 0"),
         ({"kind": "turbulence", "length_scale": 100.0}, "rms"),
         ({"kind": "turbulence", "rms": 1.0, "length_scale": 0.0}, "length_scale must be a positive number"),
-        ({"kind": "sum", "parts": []}, "at least one of tables"),
+        ({"kind": "sum", "parts": []}, "a list of tables, at least one"),
         ({"kind": "sum", "parts": [3]}, r"parts\[0\] must be a table, got 3"),
     ],
 )

@@ -1,0 +1,80 @@
+"""The formats of files: what each is declared as, its JSON Schema, and its keys as tables for people."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from instances.declared.schema import schema_of
+from instances.declared.tables import Key, key_tables
+
+
+class FileFormat(NamedTuple):
+    """One format. declared : ``module:Class`` of each variant, by the value of `by` where there are several."""
+
+    about: str
+    declared: Mapping[str, str]
+    by: str = ""
+    toml: bool = True
+
+    def kinds(self) -> dict[str, type]:
+        """Import and return the declarations."""
+        found = {}
+        for variant, target in self.declared.items():
+            module, _, name = target.partition(":")
+            found[variant] = getattr(importlib.import_module(module), name)
+        return found
+
+
+FORMATS = {
+    "study": FileFormat(
+        "A study of the MMMDMTSP workbench",
+        {
+            "routing": "workbench.problems.tables:RoutingTable",
+            "placement": "workbench.problems.tables:PlacementTable",
+            "moving-cost": "workbench.problems.tables:MovingCostTable",
+        },
+        by="problem",
+    ),
+    "scenario": FileFormat("A scenario of the MMMDMTSP workbench", {"": "instances.declared.scenario:ScenarioTable"}),
+}
+"""Format of a file → how it is declared."""
+
+
+def json_schema(name: str) -> dict[str, Any]:
+    """Return the JSON Schema of a format; `name` is one of FORMATS."""
+    found = FORMATS[name]
+    return schema_of(found.kinds(), found.about, found.by)
+
+
+def markdown(name: str) -> str:
+    """Return every key of a format as tables in Markdown."""
+    found = FORMATS[name]
+    lines: list[str] = []
+    told: set[str] = set()
+    for kind in found.kinds().values():
+        for table in key_tables(kind, toml=found.toml):
+            if table.heading + table.about in told:
+                continue
+            told.add(table.heading + table.about)
+            lines += [*([f"#### `{table.heading}`", ""] if table.heading else []), table.about, ""]
+            lines += ["| key | takes | unit | default | meaning | example |", "|---|---|---|---|---|---|"]
+            lines += [_row(key, found.toml) for key in table.keys] + [""]
+    return "\n".join(lines)
+
+
+def _row(key: Key, toml: bool) -> str:
+    example = "" if key.example is None else f"`{_inline(key.example, toml)}`"
+    cells = (f"`{key.name}`", key.wanted.replace(f" [{key.unit}]", ""), key.unit, key.default, key.meaning, example)
+    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
+
+
+def _inline(value: Any, toml: bool) -> str:
+    """Return a value on one line, as TOML or JSON writes it."""
+    if isinstance(value, list):
+        return f"[{', '.join(_inline(each, toml) for each in value)}]"
+    if isinstance(value, dict) and toml:
+        return f"{{ {', '.join(f'{key} = {_inline(each, toml)}' for key, each in value.items())} }}"
+    return json.dumps(value, ensure_ascii=False)

@@ -14,6 +14,8 @@ from reports.record import described as stored
 SHORT = "{:.3g}".format
 LONGEST_TEXT = 1000
 """Characters of one entry of a table."""
+UNITS = (numbers.PER_CENT, " MB", " GB")
+"""What texts may end with that is better said once, in the heading."""
 
 
 def least(values: pd.Series) -> list[str]:
@@ -24,6 +26,11 @@ def least(values: pd.Series) -> list[str]:
 def most(values: pd.Series) -> list[str]:
     """Mark the greatest of `values` as the best, unless all are equal or it is 0."""
     return ["" if value == 0 else mark for value, mark in zip(values, least(-values), strict=True)]
+
+
+def failed(values: pd.Series) -> list[str]:
+    """Mark those of `values` that are statuses of a run that failed."""
+    return ["bad" if value in ("ERROR", "KILLED") else "" for value in values]
 
 
 def wrong(values: pd.Series) -> list[str]:
@@ -57,6 +64,25 @@ class Column(NamedTuple):
     def text(self, value: Any) -> str:
         """Return `value` as text, one printable line, a dash where it is missing."""
         return numbers.NOTHING if numbers.missing(value) else one_line(self.write(value), LONGEST_TEXT)
+
+    def marks(self, values: pd.Series) -> list[str]:
+        """Return the mark of each of `values`; what reads the same is the best together, or none is where all does."""
+        if self.mark is None:
+            return [""] * len(values)
+        marks, words = self.mark(values), [self.text(value) for value in values]
+        best = {word for word, mark in zip(words, marks, strict=True) if mark == "best"}
+        alike = len(set(words)) == 1
+        return [
+            "best" * (not alike) if word in best else mark for word, mark in zip(words, marks, strict=True)
+        ]  # fmt: skip
+
+    def with_unit(self, words: Sequence[str]) -> tuple[Column, list[str]]:
+        """Return the column and its texts `words`, the unit that all of these end with being in the heading instead."""
+        held = [word for word in words if word not in (numbers.NOTHING, "∞")]
+        for sign in () if self.unit or self.is_text else UNITS:
+            if held and all(word.endswith(sign) for word in held):
+                return self._replace(unit=sign.strip()), [word.removesuffix(sign) for word in words]
+        return self, list(words)
 
 
 def shown(columns: Iterable[Column], table: pd.DataFrame) -> list[Column]:
@@ -137,7 +163,7 @@ RUNS = [
     Column("instance", "Instance"),
     Column("method", "Method"),
     Column("seed", "Seed", "", "{}".format),
-    Column("status", "Status", meaning=_STORED["status"].meaning),
+    Column("status", "Status", meaning=_STORED["status"].meaning, mark=failed),
     Column("value", "Longest tour", "s", numbers.cost, _STORED["value"].meaning),
     Column("bound", "Bound", "s", numbers.cost, _STORED["bound"].meaning),
     Column("gap_found", "Gap to best found", "", numbers.gap, "(longest tour − best found) / best found"),

@@ -56,12 +56,18 @@ def seconds(value: Any) -> str:
 
 def signed_seconds(value: Any) -> str:
     """Return a difference of times [s], without its unit."""
-    return NOTHING if missing(value) else ("−" if value < 0 else "") + seconds(abs(value))
+    if missing(value) or value >= 0:
+        return seconds(value)
+    size = seconds(-value)
+    return size.replace("< ", "> −") if size.startswith("<") else f"−{size}"
 
 
 def interval(write: Callable[[Any], str], low: Any, high: Any) -> str:
-    """Return both ends of an interval, each as `write` gives it."""
-    return NOTHING if missing(low) or missing(high) else f"{write(low)} … {write(high)}"
+    """Return both ends of an interval, each as `write` gives it; one where both read the same."""
+    if missing(low) or missing(high):
+        return NOTHING
+    ends = dict.fromkeys((write(low), write(high)))
+    return " … ".join(ends)
 
 
 def cost(value: Any) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from markupsafe import Markup
 
@@ -112,16 +113,29 @@ def column_help(columns: Iterable[Column]) -> list[Folded]:
 
 
 def table_of(
-    frame: pd.DataFrame, columns: Sequence[Column], *, caption: str = "", key: str = "", methods: Iterable[str] = ()
+    frame: pd.DataFrame,
+    columns: Sequence[Column],
+    *,
+    caption: str = "",
+    key: str = "",
+    methods: Iterable[str] = (),
+    rivals: Sequence[bool] | None = None,
 ) -> Table:
-    """Return `frame` as a table of `columns`; a cell that names one of `methods` has its line from the figures."""
+    """Return `frame` as a table of `columns`; a cell that names one of `methods` has its line from the figures.
+
+    rivals : which rows can be the best of a column, a truth value a row: those that can be compared; else all.
+    """
     lines = {method: line_of(method, methods) for method in methods}
-    cells = []
+    ranked = np.ones(len(frame), dtype=bool) if rivals is None else np.array(rivals, dtype=bool)
+    heads, cells = [], []
     for column in columns:
         made = [cell(column, value, lines) for value in frame[column.key]]
-        marks = column.mark(frame[column.key]) if column.mark else [""] * len(made)
-        cells.append([replace(one, mark=mark) for one, mark in zip(made, marks, strict=True)])
-    return Table(columns, [list(row) for row in zip(*cells, strict=True)], caption, key)
+        head, words = column.with_unit([one.text for one in made])
+        marks = np.full(len(frame), "", dtype=object)
+        marks[ranked] = column.marks(frame[column.key][ranked])
+        heads.append(head)
+        cells.append([replace(one, text=text, mark=mark) for one, text, mark in zip(made, words, marks, strict=True)])
+    return Table(heads, [list(row) for row in zip(*cells, strict=True)], caption, key)
 
 
 def cell(column: Column, value: Any, lines: dict[str, tuple[str, str]] | None = None) -> Cell:

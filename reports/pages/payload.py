@@ -1,13 +1,13 @@
-"""Payload: what the study page's lists and panels show, as compact JSON, with a cap on what is embedded.
+"""Payload: what the study page's panels show beyond its lists, as compact JSON, with a cap on what is embedded.
 
-Every run has its row. Routes, trace, options and log are embedded while the budget lasts, first for the best run of
-each method on each instance; the page says how many it holds.
+Every run has its row in the list. Routes, trace, options and log are embedded while the budget lasts, first for the
+best run of each method on each instance; the page says how many it holds.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -20,12 +20,11 @@ from instances.arrays import Floats
 from instances.errors import one_line
 from instances.files import read_instance
 from reports import numbers
-from reports.columns import INSTANCES, Column, listed_runs, shown
+from reports.columns import INSTANCES
 from reports.figures.routes import surroundings
 from reports.figures.style import COLOURS
-from reports.metrics import instance_table
 from reports.pages.blocks import line_of
-from reports.record import STATUSES, read_run
+from reports.record import read_run
 
 DETAILS_BUDGET = 1_300_000
 """Characters of JSON spent on runs' details."""
@@ -40,52 +39,26 @@ LOG_TAIL = 1500
 """Characters of a run's log that are embedded, its end."""
 
 
-KINDS: dict[Callable[[Any], str], str] = {
-    numbers.count: "number",
-    numbers.cost: "number",
-    numbers.gap: "percent",
-    numbers.seconds: "seconds",
-}
-"""How a column writes its values here → how the page's script does."""
-DIGITS = {"gap_found": 4, "gap_bound": 4, "elapsed": 4, "peak_memory": 3}
-"""Digits kept of a run's numbers; of the others 7."""
+def payload(runs: pd.DataFrame, table: pd.DataFrame, instance_files: dict[str, Path]) -> dict[str, Any]:
+    """Return what the lists of the page do not say of `runs` (with gaps), `table`'s instances and their files.
 
-
-def payload(runs: pd.DataFrame, instance_files: dict[str, Path]) -> dict[str, Any]:
-    """Return the page's data for `runs` (with gaps) and the files of their instances; tables come column by column."""
-    table = instance_table(runs)
-    table["proved"] = table["proved"].map(numbers.proved)
+    Tables come column by column, a value a row of the list.
+    """
     methods = sorted(runs["method"].unique())
     number = {digest: i for i, digest in enumerate(table.index)}
     maps = dict(_maps(list(table.index), number, instance_files))
-    listed = shown(INSTANCES, table)
+    written = table.assign(proved=table["proved"].map(numbers.proved))
     return {
         "methods": methods,
         "styles": {method: line_of(method, methods) for method in methods},
         "colours": COLOURS,
-        "statuses": STATUSES["routing"],
-        "families": sorted(runs["family"].unique()),
-        "columns": {"instances": _described(listed), "runs": _described(listed_runs(runs))},
-        "instances": {c.key: _values(table[c.key]) for c in INSTANCES} | {"digest": list(table.index)},
+        "instances": {c.key: _values(written[c.key]) for c in INSTANCES} | {"digest": list(table.index)},
         "maps": {i: places for i, (places, _) in maps.items()},
         "walls": {i: found for i, (_, found) in maps.items() if found},
-        "runs": _rows(runs, number, methods),
+        "runs": {"instance": [number[d] for d in runs["digest"]]}
+        | {key: _values(runs[key]) for key in ("value", "bound", "peak_memory")},
         "details": dict(_details(runs)),
     }
-
-
-def _described(columns: list[Column]) -> list[tuple[str, str, str, str]]:
-    return [(c.key, c.heading, "text" if c.is_text else KINDS.get(c.write, "plain"), c.meaning) for c in columns]
-
-
-def _rows(runs: pd.DataFrame, number: dict[Any, int], methods: list[str]) -> dict[str, list[Any]]:
-    """Return the runs column by column, what repeats as a number: of the instance, the method, the status."""
-    keys = [c.key for c in listed_runs(runs) if c.key not in ("instance", "method", "status")]
-    return {
-        "instance": [number[d] for d in runs["digest"]],
-        "method": runs["method"].map({method: i for i, method in enumerate(methods)}).tolist(),
-        "status": [STATUSES["routing"].index(s) for s in runs["status"]],
-    } | {key: _values(runs[key], DIGITS.get(key, 7)) for key in [*keys, "peak_memory"]}
 
 
 def _values(column: pd.Series, digits: int = 7) -> list[Any]:
@@ -126,6 +99,7 @@ def _maps(
 def _details(runs: pd.DataFrame) -> Iterator[tuple[int, dict[str, Any]]]:
     spent = 0
     tours, traces = runs["tour_costs"].tolist(), runs["trace"].tolist()
+    ends = runs[["elapsed", "value", "bound"]].to_numpy(dtype=float)
     for index in _by_interest(runs):
         path = Path(str(runs.at[index, "path"]))
         try:
@@ -135,7 +109,7 @@ def _details(runs: pd.DataFrame) -> Iterator[tuple[int, dict[str, Any]]]:
         detail: dict[str, Any] = {
             "routes": run.own["routes"],
             "tours": [_number(c, 6) for c in tours[index]],
-            "trace": [[_number(t, 4), _number(z), _number(b)] for t, z, b in _thinned(traces[index])],
+            "trace": [[_number(t, 4), _number(z), _number(b)] for t, z, b in _whole(traces[index], ends[index])],
             "options": _told(run.options, " = "),
             "message": run.message,
             "statistics": _told(run.statistics, " "),
@@ -165,6 +139,12 @@ def _by_interest(runs: pd.DataFrame) -> list[int]:
     order = order.sort_values(["_value", "elapsed"], kind="stable")
     order["_turn"] = order.groupby(["digest", "method"]).cumcount()
     return [int(i) for i in order.sort_values(["_fine", "_turn"], kind="stable").index]
+
+
+def _whole(trace: Floats, end: Floats) -> Floats:
+    """Return the trace thinned, and the `end` of the run: elapsed, value, bound, where it had either of these."""
+    kept = _thinned(trace)
+    return kept if np.isnan(end[1:]).all() else np.vstack([kept, end])
 
 
 def _thinned(trace: Floats) -> Floats:

@@ -101,7 +101,7 @@ def _pairs(values: pd.DataFrame, methods: list[str], key: str, about: str, lines
     )
     columns = [
         Column("first", "First"), Column("second", "Second"), Column("record", "Wins / ties / losses"),
-        Column("mean", "Mean difference", unit, write), Column("interval", "95 % interval"),
+        Column("mean", "Mean difference", unit, write), Column("interval", "95 % interval", unit),
         Column("p", "p", "", numbers.p_value), Column("p_holm", "p (Holm)", "", numbers.p_value),
         Column("verdict", "Verdict"),
     ]  # fmt: skip

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
-from markupsafe import Markup
 
 from instances import InputError
 from reports import numbers
-from reports.columns import INSTANCES, listed_runs
+from reports.columns import INSTANCES, listed_runs, shown
 from reports.compare import Comparison, compare_stores
 from reports.example import example_routes
 from reports.figures import study_figures
 from reports.foreign import foreign_notes
-from reports.metrics import contradictions, with_gaps
+from reports.metrics import contradictions, instance_table, with_gaps
 from reports.pages.blocks import Beside, Block, Folded, Lines, Note, Section, column_help
+from reports.pages.listing import listing
 from reports.pages.made import code_notes, limits_and_machines
 from reports.pages.page import Page, write_page
 from reports.pages.payload import payload
@@ -60,8 +60,9 @@ def write_report(
     comparison = compare_stores(stores.runs, baseline.runs) if baseline is not None else None
     report = Report(stores, contradictions(stores.runs), comparison)
     runs = with_gaps(stores.runs)
-    data = payload(runs, stores.instance_files)
-    blocks = _blocks(runs, report, len(data["details"]))
+    instances = instance_table(runs)
+    data = payload(runs, instances, stores.instance_files)
+    blocks = _blocks(runs, instances, report, len(data["details"]))
     write_page(Page(title, _about(runs, stores), blocks, UNITS, "study.js", data), path)
     return report
 
@@ -74,7 +75,9 @@ def _read(folders: Sequence[Path | str]) -> Stores:
     return stores
 
 
-def _blocks(runs: pd.DataFrame, report: Report, embedded: int) -> list[Block]:
+def _blocks(runs: pd.DataFrame, instances: pd.DataFrame, report: Report, embedded: int) -> list[Block]:
+    of_instances, of_runs = shown(INSTANCES, instances), listed_runs(runs)
+    listed = listing("instance-list", of_instances, instances), listing("run-list", of_runs, runs)
     opens = "A row opens the instance: its runs, its best routes, and how each method got there."
     example = example_routes(runs, report.stores.instance_files)
     return [
@@ -86,10 +89,8 @@ def _blocks(runs: pd.DataFrame, report: Report, embedded: int) -> list[Block]:
         Section("Quality and time", [Beside(study_figures(runs))], "figures"),
         significance(runs),
         groups(runs),
-        Section("Instances", [Note(opens), _list("instances-list"), *column_help(INSTANCES), *example], "instances"),
-        Section(
-            "Runs", [Note(_held(embedded, len(runs))), _list("runs-list"), *column_help(listed_runs(runs))], "runs"
-        ),
+        Section("Instances", [Note(opens), listed[0], *column_help(of_instances), *example], "instances"),
+        Section("Runs", [Note(_held(embedded, len(runs))), listed[1], *column_help(of_runs)], "runs"),
         limits_and_machines(runs, report.stores.environments),
     ]
 
@@ -98,12 +99,6 @@ def _foreign(runs: pd.DataFrame, claims: list[str]) -> list[Block]:
     """Return what must be known to read imported runs; nothing where there are none."""
     blocks: list[Block] = [Note(sentence) for sentence in foreign_notes(runs, claims)]
     return [*blocks, Folded("What others claim without routes", [Lines(claims)])] if claims else blocks
-
-
-def _list(key: str) -> Markup:
-    """Return the place where the page's script puts a list."""
-    why = "This list needs JavaScript; the tables and figures above do not."
-    return Markup('<div id="{}"></div><noscript><p>{}</p></noscript>').format(key, why)
 
 
 def _about(runs: pd.DataFrame, stores: Stores) -> str:

@@ -10,89 +10,102 @@ const percent = (value) => {
   return Math.abs(p) < 5e-5 ? "0 %" : Math.abs(p) < 0.005 ? "< 0.01 %" : (Math.abs(p) < 10 ? p.toFixed(2) : p.toFixed(1)) + " %";
 };
 const seconds = (value) => (value === null || value === undefined ? dash : value >= 100 ? Math.round(value).toLocaleString("en") : value >= 10 ? value.toFixed(1) : value >= 0.1 ? value.toFixed(2) : value > 0 && value < 0.0005 ? "< 0.001" : value.toFixed(3));
-// ---- lists made from the data: filter, sort, open; fifty rows at a time -------------------------------------------
-const list = (place, { name, columns, rows, filters, open }) => {
-  let shown = PAGE, column = null, way = "ascending";
-  const search = make("input", { type: "search", id: `${name}-search`, placeholder: "name, method, …", autocomplete: "off" });
-  const selects = filters.map(({ label, of, values }) => {
-    const select = make("select", { id: `${name}-${label.toLowerCase()}` }, make("option", { value: "" }, "all"));
-    values.forEach((value) => select.append(make("option", { value }, String(value))));
+
+// ---- lists: rows that are in the page, filtered, sorted and opened; fifty at a time ---------------------------------
+// entries: { row, … } in the order of the table's rows. filters: { label, of: entry → text }. name: in the address; none in a panel.
+const list = (table, { name = "", entries, filters, open }) => {
+  let shown = PAGE, order = entries;
+  const id = name || "own-list", heads = [...table.tHead.rows[0].cells];
+  const words = heads.map((head, i) => (head.classList.contains("left") ? i : -1)).filter((i) => i >= 0);
+  const told = new Map(entries.map((entry) => [entry, words.map((i) => entry.row.cells[i].textContent).join(" ").toLowerCase()]));
+  const search = make("input", { type: "search", id: `${id}-search`, placeholder: "name, method, …", autocomplete: "off" });
+  const selects = filters.map(({ label, of }) => {
+    const select = make("select", { id: `${id}-${label.toLowerCase()}` }, make("option", { value: "" }, "all"));
+    [...new Set(entries.map(of))].sort(compare).forEach((value) => select.append(make("option", { value }, value)));
     return { select, of, label };
   });
   const count = make("output", { "aria-live": "polite" });
   const bar = make("div", { class: "filters" }, make("label", {}, "Search", search),
     ...selects.map(({ select, label }) => make("label", {}, label, select)), count);
-  const body = make("tbody");
-  const heads = columns.map((c) => make("th", { scope: "col", title: c.meaning || null, class: c.text ? "left" : null }, c.heading));
-  const table = make("table", { id: `${name}-table` }, make("thead", {}, make("tr", {}, ...heads)), body);
   const more = make("button", { type: "button", class: "more", onclick: () => { shown += 4 * PAGE; show(); } }, "Show more");
-  const texts = rows.map((row) => columns.filter((c) => c.text).map((c) => c.of(row)).join(" ").toLowerCase());
 
-  const chosen = () => {
-    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const kept = rows.map((_, i) => i).filter((i) => words.every((w) => texts[i].includes(w)) &&
-      selects.every(({ select, of }) => select.value === "" || String(of(rows[i])) === select.value));
-    if (column) {
-      const sign = way === "ascending" ? 1 : -1;
-      kept.sort((a, b) => {
-        const x = column.of(rows[a]), y = column.of(rows[b]);
-        return x === null || y === null ? compare(x, y) : sign * compare(x, y);
-      });
+  const opening = (entry) => {
+    const cell = entry.row.cells[0];
+    if (entry.row.className !== "opens") {
+      const button = make("button", { type: "button" }, ...cell.childNodes);
+      cell.append(button);
+      entry.row.className = "opens";
+      entry.row.addEventListener("click", () => { button.focus(); open(entry); });
     }
-    return kept;
+    return entry.row;
   };
   const show = () => {
-    const kept = chosen();
-    body.replaceChildren(...kept.slice(0, shown).map((i) => {
-      const row = rows[i];
-      const cells = columns.map((c, j) => {
-        const text = c.write(c.of(row));
-        const cell = make("td", { class: [c.text ? "left" : "", c.mark(row)].join(" ").trim() || null });
-        cell.append(j === 0 ? make("button", { type: "button" }, text) : text);
-        return cell;
-      });
-      return make("tr", { class: "opens", onclick: () => open(row) }, ...cells);
-    }));
+    const wanted = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const kept = order.filter((entry) => wanted.every((word) => told.get(entry).includes(word)) &&
+      selects.every(({ select, of }) => select.value === "" || of(entry) === select.value));
+    table.tBodies[0].replaceChildren(...kept.slice(0, shown).map(opening));
     count.textContent = `${Math.min(shown, kept.length).toLocaleString("en")} of ${kept.length.toLocaleString("en")} shown` +
-      (kept.length < rows.length ? ` (${rows.length.toLocaleString("en")} in all)` : "");
+      (kept.length < entries.length ? ` (${entries.length.toLocaleString("en")} in all)` : "");
     more.hidden = kept.length <= shown;
   };
-  heads.forEach((head, i) => sortable(head, (to) => { column = columns[i]; way = to; setSorted(heads, head, to); show(); }));
-  const changed = () => { shown = PAGE; show(); };
-  search.addEventListener("input", changed);
-  selects.forEach(({ select }) => select.addEventListener("change", changed));
-  place.append(bar, make("div", { class: "scroll" }, table), more);
+  const valueOf = (entry, column) => {
+    const exact = entry[heads[column].dataset.key];
+    return typeof exact === "number" ? exact : shownValue(entry.row.cells[column]);
+  };
+  const fields = [[search, "search"], ...selects.map(({ select, label }) => [select, label.toLowerCase()])];
+  for (const [field, key] of fields) field.addEventListener("input", () => {
+    shown = PAGE;
+    if (name) tell(`${name}.${key}`, field.value);
+    show();
+  });
+  table.parentElement.before(bar);
+  table.parentElement.after(more);
+  sortable(table, (column, descending) => {
+    order = column < 0 ? entries : sorted(entries, (entry) => valueOf(entry, column), descending);
+    show();
+  }, name);
   show();
+  if (name) keep((said) => {
+    const changed = fields.filter(([field, key]) => field.value !== (said.get(`${name}.${key}`) ?? ""));
+    changed.forEach(([field, key]) => { field.value = said.get(`${name}.${key}`) ?? ""; });
+    if (changed.length) show(); // else the rows stay as they are, and the focus in them
+  });
 };
 
-// rows of a table that comes column by column
-const rowsOf = (table) => Object.values(table)[0].map((_, index) =>
-  ({ index, ...Object.fromEntries(Object.entries(table).map(([key, values]) => [key, values[index]])) }));
-const instances = rowsOf(data.instances);
-const runs = rowsOf(data.runs).map((run) => ({
-  ...run, on: instances[run.instance], instance: instances[run.instance].instance,
-  method: data.methods[run.method], status: data.statuses[run.status],
-}));
-const columnsOf = (described) => described.map(([key, heading, kind, meaning]) => ({
-  heading, meaning, key, text: kind === "text", write: { number, percent, seconds }[kind] || ((value) => value ?? dash),
-  of: (row) => row[key], mark: (row) => (key === "status" && ["ERROR", "KILLED"].includes(row[key]) ? "bad" : ""),
-}));
-const runColumns = columnsOf(data.columns.runs);
-
-list(document.getElementById("instances-list"), {
-  name: "instance-list", rows: instances, open: (row) => openInstance(row), columns: columnsOf(data.columns.instances),
-  filters: [
-    { label: "Family", of: (r) => r.family, values: data.families },
-    { label: "Proved", of: (r) => r.proved, values: ["proved", "open"] },
-  ],
+// ---- what the rows stand for ----------------------------------------------------------------------------------------
+const rowsOf = (id) => [...document.getElementById(id).tBodies[0].rows];
+const instances = rowsOf("instance-list-table").map((row, index) =>
+  ({ row, index, ...Object.fromEntries(Object.entries(data.instances).map(([key, values]) => [key, values[index]])) }));
+const runHeads = [...document.getElementById("run-list-table").tHead.rows[0].cells];
+const runPlace = Object.fromEntries(runHeads.map((head, i) => [head.dataset.key, i]));
+// what the list says of a run, with its unit
+const said = (run, key) => {
+  if (!(key in runPlace)) return dash;
+  const text = run.row.cells[runPlace[key]].textContent, unit = runHeads[runPlace[key]].dataset.unit;
+  return text === dash || !unit ? text : `${text} ${unit}`;
+};
+const runs = rowsOf("run-list-table").map((row, index) => {
+  const run = { row, index, on: instances[data.runs.instance[index]], value: data.runs.value[index], bound: data.runs.bound[index] };
+  for (const key of ["method", "seed", "status"]) run[key] = said(run, key);
+  return run;
 });
-list(document.getElementById("runs-list"), {
-  name: "run-list", rows: runs, open: (row) => openRun(row), columns: runColumns,
-  filters: [
-    { label: "Method", of: (r) => r.method, values: data.methods },
-    { label: "Status", of: (r) => r.status, values: [...new Set(runs.map((r) => r.status))].sort(compare) },
-    { label: "Family", of: (r) => r.on.family, values: data.families },
-  ],
+// label in the address → what it opens: an instance by its digest, a run by what tells it from the others
+const entries = new Map(instances.map((instance) => [instance.digest, instance]));
+for (const run of runs) {
+  const label = [run.on.digest, run.method, run.seed, said(run, "time_limit").split(" ")[0]].join("~");
+  run.label = label;
+  for (let k = 2; entries.has(run.label); k++) run.label = `${label}~${k}`;
+  entries.set(run.label, run);
+}
+const go = (entry) => openPanel(entry.label ?? entry.digest);
+
+list(document.getElementById("instance-list-table"), {
+  name: "instance-list", entries: instances, open: go,
+  filters: [{ label: "Family", of: (r) => r.family }, { label: "Proved", of: (r) => r.proved }],
+});
+list(document.getElementById("run-list-table"), {
+  name: "run-list", entries: runs, open: go,
+  filters: [{ label: "Method", of: (r) => r.method }, { label: "Status", of: (r) => r.status }, { label: "Family", of: (r) => r.on.family }],
 });
 
 // ---- drawings ---------------------------------------------------------------------------------------------------
@@ -156,8 +169,8 @@ const drawTrace = (lines, limit, label) => {
   const x = (t) => left + (W - left - right) * Math.max(0, Math.min(1, Math.log(Math.max(t, first) / first) / span));
   const y = (v) => top + (H - top - bottom) * (high - v) / (high - low);
   const svg = draw("svg", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": label });
-  for (const v of ticks(low, high)) svg.append(draw("line", { x1: left, x2: W - right, y1: y(v), y2: y(v), stroke: "var(--line)" }), text(left - 6, y(v) + 4, number(v, 6), { "text-anchor": "end" }));
-  for (let e = Math.ceil(Math.log10(first)); e <= Math.log10(limit); e++) svg.append(draw("line", { x1: x(10 ** e), x2: x(10 ** e), y1: top, y2: H - bottom, stroke: "var(--line)" }), text(x(10 ** e), H - bottom + 16, number(10 ** e), { "text-anchor": "middle" }));
+  for (const v of ticks(low, high)) svg.append(draw("line", { x1: left, x2: W - right, y1: y(v), y2: y(v), stroke: "var(--faint)", "stroke-width": 0.5 }), text(left - 6, y(v) + 4, number(v, 6), { "text-anchor": "end" }));
+  for (let e = Math.ceil(Math.log10(first)); e <= Math.log10(limit); e++) svg.append(draw("line", { x1: x(10 ** e), x2: x(10 ** e), y1: top, y2: H - bottom, stroke: "var(--faint)", "stroke-width": 0.5 }), text(x(10 ** e), H - bottom + 16, number(10 ** e), { "text-anchor": "middle" }));
   svg.append(text((left + W - right) / 2, H - 6, "time [s], logarithmic", { "text-anchor": "middle" }));
   const steps = (trace, k) => {
     let path = "", last = null;
@@ -170,40 +183,51 @@ const drawTrace = (lines, limit, label) => {
   }
   return svg;
 };
-// the trace with the end of the run appended
-const wholeTrace = (run) => {
-  const detail = data.details[run.index];
-  if (!detail) return [];
-  return run.value === null && run.bound === null ? detail.trace : [...detail.trace, [run.elapsed, run.value, run.bound]];
-};
 
 // ---- the panel ----------------------------------------------------------------------------------------------------
-const heading = make("h2", { id: "panel-h" }), body = make("div", { class: "body", id: "panel-body" });
+const heading = make("h2", { id: "panel-h", tabindex: "-1", autofocus: "" }), body = make("div", { class: "body", id: "panel-body" });
 const panel = make("dialog", { id: "panel", "aria-labelledby": "panel-h" },
   make("header", {}, heading, make("button", { type: "button", id: "panel-close", onclick: () => panel.close() }, "Close")), body);
 document.body.append(panel);
 panel.addEventListener("click", (event) => { if (event.target === panel) panel.close(); });
-const open = (title, ...content) => {
+// Closed by its button, Escape or a click beside it: back to the page as it was before the first panel opened.
+panel.addEventListener("close", () => {
+  const panels = history.state?.panels ?? 0;
+  if (!readAddress().said.has("open")) return;
+  if (panels > 0) history.go(-panels); else tell("open", null);
+});
+const openPanel = (label) => {
+  writeAddress(({ said }) => said.set("open", label), "panel");
+  showPanel(label);
+};
+const showPanel = (label) => {
+  const entry = entries.get(label);
+  if (!entry) { panel.close(); return; }
+  const { title, parts, then } = entry.digest ? aboutInstance(entry) : aboutRun(entry);
   heading.textContent = title;
-  body.replaceChildren(...content);
-  if (!panel.open) panel.showModal();
+  body.replaceChildren(...parts);
+  if (panel.open) heading.focus(); else panel.showModal();
   panel.scrollTop = 0;
+  then?.();
+  body.querySelectorAll(".scroll, pre").forEach((box) => watching.observe(box));
 };
 const facts = (pairs) => make("dl", {}, ...pairs.filter(([, v]) => v !== null && v !== "" && v !== undefined).flatMap(([k, v]) => [make("dt", {}, k), make("dd", {}, v)]));
 const part = (title, ...content) => make("section", {}, make("h3", {}, title), ...content);
+const limitOf = (run) => Number(said(run, "time_limit").replace(/,| .*/g, ""));
 
-const openRun = (run) => {
+const aboutRun = (run) => {
   const detail = data.details[run.index], instance = run.on, parts = [];
-  const back = make("button", { type: "button", onclick: () => openInstance(instance) }, `All runs on ${instance.instance}`);
+  const back = make("button", { type: "button", onclick: () => go(instance) }, `All runs on ${instance.instance}`);
+  const memory = data.runs.peak_memory[run.index], stopped = said(run, "stopped_by");
   parts.push(make("p", {}, back));
   parts.push(facts([
     ["Instance", `${instance.instance} (${instance.family}, n = ${instance.n_tasks}, m = ${instance.n_depots}, digest ${instance.digest})`],
-    ["Status", `${run.status}${run.stopped_by ? `, stopped by ${run.stopped_by}` : ""}`], ["Message", detail && detail.message],
+    ["Status", `${run.status}${[dash, ""].includes(stopped) ? "" : `, stopped by ${stopped}`}`], ["Message", detail && detail.message],
     ["Longest tour", run.value === null ? "none, or its stated cost is wrong" : `${number(run.value, 9)} s`],
     ["Lower bound", run.bound === null ? null : `${number(run.bound, 9)} s`],
-    ["Gap", `to best found ${percent(run.gap_found)}, to best bound ${percent(run.gap_bound)}${instance.bound_by ? ` (claimed by ${instance.bound_by})` : ""}`],
-    ["Time", `${seconds(run.elapsed)} s of ${number(run.time_limit)} s` + (detail ? `; start and compilation ${seconds(detail.times[0])} s, processor ${seconds(detail.times[2])} s` : "")],
-    ["Peak memory", run.peak_memory === null ? null : `${Math.round(run.peak_memory / 1e6)} MB`],
+    ["Gap", `to best found ${said(run, "gap_found")}, to best bound ${said(run, "gap_bound")}${instance.bound_by ? ` (claimed by ${instance.bound_by})` : ""}`],
+    ["Time", `${said(run, "elapsed")} of ${said(run, "time_limit")}` + (detail ? `; start and compilation ${seconds(detail.times[0])} s, processor ${seconds(detail.times[2])} s` : "")],
+    ["Peak memory", memory === null ? null : `${Math.round(memory / 1e6)} MB`],
     ["Options", detail && (detail.options || "all at their defaults")],
     ["Figures of the method", detail && detail.statistics],
     ["File", detail && detail.file],
@@ -215,17 +239,33 @@ const openRun = (run) => {
     drawings.push(beside);
     if (detail.tours.length) beside.append(part("Cost of each tour", drawTours(detail.tours)));
     const colour = data.styles[run.method][0];
-    beside.append(part("Trace: longest tour (solid) and bound (dotted) [s]", drawTrace([{ trace: wholeTrace(run), colour, bounds: true }], run.time_limit, "Objective and bound over time")));
+    beside.append(part("Trace: longest tour (solid) and bound (dotted) [s]", drawTrace([{ trace: detail.trace, colour, bounds: true }], limitOf(run), "Objective and bound over time")));
     parts.push(make("div", { class: "pair" }, ...drawings));
     if (detail.routes) parts.push(make("details", {}, make("summary", {}, "Routes as task numbers"), make("pre", {}, detail.routes.map((r, k) => `UAV ${k}: ${r.join(" ") || "stays home"}`).join("\n"))));
     if (detail.log) parts.push(make("details", {}, make("summary", {}, "End of its output"), make("pre", {}, detail.log)));
   }
-  open(`${run.method}, seed ${run.seed}, on ${instance.instance}`, ...parts);
+  return { title: `${run.method}, seed ${run.seed}, on ${instance.instance}`, parts };
 };
 
-const openInstance = (instance) => {
-  const own = runs.filter((r) => r.on === instance);
-  const better = (a, b) => (a.value ?? Infinity) - (b.value ?? Infinity) || a.elapsed - b.elapsed;
+// the runs of one instance as a list of their own, without the column that names it
+const ownList = (own) => {
+  const table = make("table", { id: "own-list-table" }, make("thead", {}, make("tr")), make("tbody"));
+  table.className = document.getElementById("run-list-table").className.replace(/\bl(\d+)\b/g, (_, k) => `l${k - 1}`);
+  table.tHead.rows[0].append(...runHeads.slice(1).map((head) => {
+    const copy = make("th", { scope: "col", class: head.className || null, title: head.title || null, "data-key": head.dataset.key }, head.textContent);
+    return copy;
+  }));
+  const copies = own.map((run) => {
+    const row = make("tr", {}, ...[...run.row.cells].slice(1).map((cell) => make("td", { class: cell.className || null }, cell.textContent)));
+    return { row, run, value: run.value, bound: run.bound };
+  });
+  table.tBodies[0].append(...copies.map(({ row }) => row));
+  return { box: make("div", { class: "list" }, make("div", { class: "scroll" }, table)), table, copies };
+};
+
+const aboutInstance = (instance) => {
+  const own = runs.filter((r) => r.on === instance), elapsed = (r) => shownValue(r.row.cells[runPlace.elapsed]) ?? Infinity;
+  const better = (a, b) => (a.value ?? Infinity) - (b.value ?? Infinity) || elapsed(a) - elapsed(b);
   const ordered = [...own].sort(better), best = ordered.find((r) => data.details[r.index] && data.details[r.index].routes);
   const parts = [facts([
     ["What", `${instance.family}, n = ${instance.n_tasks} tasks, m = ${instance.n_depots} UAVs, cost asymmetry ${percent(instance.asymmetry)}, digest ${instance.digest}`],
@@ -238,18 +278,19 @@ const openInstance = (instance) => {
   const seen = new Set(), lines = [];
   for (const run of ordered) if (!seen.has(run.method) && data.details[run.index]) {
     seen.add(run.method);
-    lines.push({ trace: wholeTrace(run), colour: data.styles[run.method][0], dashes: data.styles[run.method][1], method: run.method });
+    lines.push({ trace: data.details[run.index].trace, colour: data.styles[run.method][0], dashes: data.styles[run.method][1], method: run.method });
   }
   if (lines.length) {
     const legend = make("p", { class: "soft" }, ...lines.flatMap((l) => {
       const key = draw("svg", { class: "key", viewBox: "0 0 30 10", "aria-hidden": "true" }, draw("line", { x1: 0, x2: 30, y1: 5, y2: 5, stroke: l.colour, "stroke-width": 3.5, "stroke-dasharray": l.dashes }));
       return [key, `${l.method}   `];
     }));
-    drawings.push(part("Longest tour over time, best run of each method [s]", drawTrace(lines, Math.max(...own.map((r) => r.time_limit)), "Objective over time of each method"), legend));
+    drawings.push(part("Longest tour over time, best run of each method [s]", drawTrace(lines, Math.max(...own.map(limitOf)), "Objective over time of each method"), legend));
   }
   parts.push(make("div", { class: "pair" }, ...drawings));
-  const place = make("div");
-  parts.push(part("Runs", place));
-  open(instance.instance, ...parts);
-  list(place, { name: "own-list", rows: ordered, columns: runColumns.filter((c) => c.key !== "instance"), open: openRun, filters: [] });
+  const { box, table, copies } = ownList(ordered);
+  parts.push(part("Runs", box));
+  return { title: instance.instance, parts, then: () => list(table, { entries: copies, filters: [], open: ({ run }) => go(run) }) };
 };
+
+keep((address) => showPanel(address.get("open")));

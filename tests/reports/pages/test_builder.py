@@ -78,9 +78,8 @@ def test_the_best_are_marked_and_the_missing_sort_last(frame):
         ],
         methods=["x", "y"],
     )
-    assert [[c.text.replace("\u00a0", " ") for c in row] for row in found.rows] == [
-        ["x", "2.00", "0 %"], ["y", "–", "50 %"], ["z", "1.00", "50 %"],
-    ]  # fmt: skip
+    assert [[c.text for c in row] for row in found.rows] == [["x", "2.00", "0"], ["y", "–", "50"], ["z", "1.00", "50"]]
+    assert [c.heading for c in found.columns] == ["Name", "Time [s]", "Share [%]"]
     assert [[c.mark for c in row] for row in found.rows] == [["", "", ""], ["", "", "best"], ["", "best", "best"]]
     assert [row[1].sort for row in found.rows] == [2.0, None, 1.0]
     assert [row[0].line is not None for row in found.rows] == [True, True, False]
@@ -90,6 +89,40 @@ def test_where_all_are_equal_none_is_the_best():
     assert (
         least(pd.Series([1.0, 1.0])) == most(pd.Series([1.0, 1.0])) == most(pd.Series([0.0, float("nan")])) == ["", ""]
     )
+
+
+def test_the_best_is_what_reads_as_the_best():
+    time = Column("time", "Time", "s", numbers.seconds, mark=least)
+    assert time.marks(pd.Series([1.001, 1.004, 2.0])) == ["best", "best", ""]
+    assert time.marks(pd.Series([1.001, 1.004])) == ["", ""]
+    assert time.marks(pd.Series([1.0, float("nan")])) == ["best", ""]
+
+
+def test_only_rivals_can_be_the_best(frame):
+    found = table_of(frame, [Column("time", "Time", "s", numbers.seconds, mark=least)], rivals=[True, True, False])
+    assert [row[0].mark for row in found.rows] == ["best", "", ""]
+
+
+def test_a_unit_goes_into_the_heading_where_all_that_is_there_has_it():
+    gap, memory = Column("gap", "Gap", "", numbers.gap), Column("m", "Memory", "", numbers.memory)
+    assert gap.with_unit(["< 0.01\u00a0%", "–", "∞"])[0].heading == "Gap [%]"
+    assert gap.with_unit(["< 0.01\u00a0%", "–"])[1] == ["< 0.01", "–"]
+    assert memory.with_unit(["1.20 GB", "120 MB"]) == (memory, ["1.20 GB", "120 MB"])
+    text = Column("i", "Interval")
+    assert text.with_unit(["1\u00a0% … 2\u00a0%"]) == (text, ["1\u00a0% … 2\u00a0%"])
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "said"),
+    [
+        (-2e-4, -1e-4, "> −0.001"),
+        (-2e-4, 1e-4, "> −0.001 … < 0.001"),
+        (-2.0, 1.0, "−2.00 … 1.00"),
+        (float("nan"), 1.0, "–"),
+    ],
+)
+def test_intervals_of_small_differences_can_be_read(low, high, said):
+    assert numbers.interval(numbers.signed_seconds, low, high) == said
 
 
 def test_columns_are_explained_by_name_unit_and_meaning():

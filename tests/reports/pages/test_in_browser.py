@@ -1,121 +1,16 @@
-"""The page in headless Chromium: no console error, no request, sorting, filtering, panels, themes and keys work.
-
-Chromium is driven through chromedriver's plain HTTP interface (W3C WebDriver), so no Python package is needed.
-"""
-
-import json
-import shutil
-import socket
-import subprocess
-import time
-import urllib.error
-import urllib.request
+"""The study's page in headless Chromium: sorting, filtering, panels, the address, themes and keys work."""
 
 import pytest
 
-from reports.pages.study import write_report
-
 pytestmark = pytest.mark.slow
-
-FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--window-size=1280,1000",
-)  # fmt: skip
-
-
-class Browser:
-    """A session of headless Chromium."""
-
-    def __init__(self, driver, folder):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        self.process = subprocess.Popen(
-            [driver, f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-        self.base = f"http://127.0.0.1:{port}"
-        wanted = {
-            "browserName": "chrome",
-            "goog:chromeOptions": {"args": [*FLAGS, f"--user-data-dir={folder}"]},
-            "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"},
-        }
-        for _ in range(100):
-            try:
-                session = self.call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})
-                break
-            except (ConnectionError, urllib.error.URLError):
-                time.sleep(0.1)
-        self.base += f"/session/{session['sessionId']}"
-
-    def call(self, method, path, body=None):
-        data = None if body is None else json.dumps(body).encode()
-        request = urllib.request.Request(self.base + path, data=data, method=method)
-        request.add_header("Content-Type", "application/json")
-        try:
-            with urllib.request.urlopen(request, timeout=120) as answer:
-                return json.load(answer)["value"]
-        except urllib.error.HTTPError as error:
-            raise AssertionError(error.read().decode()[:500]) from None
-
-    def open(self, path):
-        self.call("POST", "/url", {"url": path.as_uri()})
-
-    def run(self, script, *arguments):
-        return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
-
-    def keys(self, text):
-        actions = [{"type": kind, "value": key} for key in text for kind in ("keyDown", "keyUp")]
-        self.call("POST", "/actions", {"actions": [{"type": "key", "id": "keys", "actions": actions}]})
-
-    def emulate(self, **features):
-        listed = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]
-        body = {"cmd": "Emulation.setEmulatedMedia", "params": {"features": listed}}
-        self.call("POST", "/goog/cdp/execute", body)
-
-    def errors(self):
-        return [entry for entry in self.call("POST", "/se/log", {"type": "browser"}) if entry["level"] == "SEVERE"]
-
-    def requests(self):
-        events = [json.loads(e["message"])["message"] for e in self.call("POST", "/se/log", {"type": "performance"})]
-        sent = [e["params"]["request"]["url"] for e in events if e["method"] == "Network.requestWillBeSent"]
-        return [url for url in sent if not url.startswith(("file:", "data:", "chrome", "about:"))]
-
-    def close(self):
-        try:
-            self.call("DELETE", "")
-        finally:
-            self.process.terminate()
-            self.process.wait(10)
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    driver = shutil.which("chromedriver")
-    if driver is None:
-        pytest.skip("chromedriver (and Chromium) is not installed")
-    session = Browser(driver, tmp_path_factory.mktemp("profile"))
-    yield session
-    session.close()
-
-
-@pytest.fixture(scope="module")
-def written(store_maker, tmp_path_factory):
-    """A page with everything on it: a lie, a broken file, rubbish in a log, a comparison with a baseline."""
-    folder = tmp_path_factory.mktemp("stores")
-    old = store_maker(folder / "old").study(count=2, seeds=3)
-    root = store_maker(folder / "new").study(count=4, seeds=3, sizes=((8, 2), (12, 3), (40, 4)))
-    path = sorted(root.glob("*/ga-*.json"))[0]
-    rubbish = {"objective": 1.0, "log": "</script><b>rubbish</b> \u2028 & <!-- ", "message": "<i>x</i>"}
-    path.write_text(json.dumps(json.loads(path.read_text()) | rubbish))
-    (path.parent / "broken.json").write_text("{")
-    write_report([root], folder / "report.html", against=[old])
-    return folder / "report.html"
 
 
 @pytest.fixture
-def page(browser, written):
+def page(browser, study):
     """The page open in the browser; afterwards nothing was logged as an error, nothing asked of the network."""
-    browser.open(written)
+    browser.events.clear()
+    browser.emulate(prefers_color_scheme="light")
+    browser.open(study)
     yield browser
     assert browser.errors() == []
     assert browser.requests() == []
@@ -151,7 +46,7 @@ def test_runs_sort_filter_and_search(page):
     assert len(values) > 10
     assert values == sorted(values)
     choose = (
-        "const s = document.getElementById(arguments[0]); s.value = arguments[1]; s.dispatchEvent(new Event('change'));"
+        "const s = document.getElementById(arguments[0]); s.value = arguments[1]; s.dispatchEvent(new Event('input'));"
     )
     page.run(choose, "run-list-method", "milp")
     assert set(page.run(COLUMN, "run-list-table", 1)) == {"milp"}
@@ -166,7 +61,7 @@ def test_runs_sort_filter_and_search(page):
     assert all("ring" in name and "n8" in name for name in names)
     page.run(type_in, "run-list-search", "no such thing")
     assert page.run(COLUMN, "run-list-table", 0) == []
-    assert "0 of 0 shown" in page.run("return document.querySelector('#runs-list output').textContent")
+    assert "0 of 0 shown" in page.run("return document.querySelector('#run-list output').textContent")
 
 
 def test_a_row_opens_its_run_and_the_instance(page):
@@ -184,16 +79,17 @@ def test_a_row_opens_its_run_and_the_instance(page):
 
 def test_the_keyboard_alone_opens_and_closes_a_run(page):
     page.run("document.querySelector('#run-list-table tbody button').focus()")
-    page.keys(["\ue007"])  # Enter
+    page.keys("Enter")
     assert page.run("return document.getElementById('panel').open")
-    page.keys(["\ue00c"])  # Escape
+    page.keys("Escape")
+    page.settle()
     assert not page.run("return document.getElementById('panel').open")
     assert page.run("return document.activeElement.closest('#run-list-table') !== null")
 
 
 def test_what_a_run_printed_is_shown_as_text(page):
     script = """
-    const s = document.getElementById('run-list-method'); s.value = 'ga'; s.dispatchEvent(new Event('change'));
+    const s = document.getElementById('run-list-method'); s.value = 'ga'; s.dispatchEvent(new Event('input'));
     for (const row of document.querySelectorAll('#run-list-table tbody tr')) {
       row.click();
       const body = document.getElementById('panel-body');
@@ -231,9 +127,91 @@ def test_alarms_are_on_top_and_everything_has_a_name(page):
     )
 
 
-def test_nothing_overflows_a_narrow_screen(page):
-    size = {"width": 420, "height": 800, "deviceScaleFactor": 1, "mobile": True}
-    page.call("POST", "/goog/cdp/execute", {"cmd": "Emulation.setDeviceMetricsOverride", "params": size})
-    wide = page.run("return document.documentElement.scrollWidth")
-    page.call("POST", "/goog/cdp/execute", {"cmd": "Emulation.clearDeviceMetricsOverride", "params": {}})
-    assert wide <= 420
+ADDRESS = "return decodeURIComponent(location.hash)"
+PANEL = (
+    "const p = document.getElementById('panel'); return p.open ? document.getElementById('panel-h').textContent : null"
+)
+SET = "const s = document.getElementById(arguments[0]); s.value = arguments[1]; s.dispatchEvent(new Event('input'));"
+ORDER = "return [...document.querySelectorAll('#run-list-table tbody tr')].map(row => row.innerText)"
+
+
+def test_back_closes_a_panel_and_forward_opens_it_again(page):
+    page.run("document.querySelector('#run-list-table tbody tr').click()")
+    title = page.run(PANEL)
+    assert title
+    page.run("history.back()")
+    page.settle()
+    assert page.run(PANEL) is None
+    assert "open=" not in page.run(ADDRESS)
+    page.run("history.forward()")
+    page.settle()
+    assert page.run(PANEL) == title
+
+
+def test_back_goes_from_panel_to_panel_and_close_leaves_both(page):
+    page.run("document.querySelector('nav a[href=\"#runs\"]').click()")
+    page.run("document.querySelector('#run-list-table tbody tr').click()")
+    first = page.run(PANEL)
+    page.run("[...document.querySelectorAll('#panel button')].find(b => b.textContent.startsWith('All runs')).click()")
+    assert page.run(PANEL) not in (None, first)
+    page.run("history.back()")
+    page.settle()
+    assert page.run(PANEL) == first
+    page.run("history.forward()")
+    page.settle()
+    page.run("document.getElementById('panel-close').click()")
+    page.settle()
+    assert page.run(PANEL) is None
+    assert page.run(ADDRESS) == "#runs"  # the section the reader had gone to before
+
+
+def test_a_link_and_a_reload_show_the_same(page, study):
+    page.run(SET, "run-list-method", "milp (cuts=false)")
+    page.run(SET, "run-list-search", "ring")
+    page.run(PRESS, "run-list-table", 6)
+    page.run(PRESS, "run-list-table", 6)
+    page.run(PRESS, "summary-table", 1)
+    page.run("document.getElementById('theme').click()")
+    page.run("document.querySelector('#run-list-table tbody tr').click()")
+    look = "return [document.documentElement.dataset.theme, document.querySelector('#summary-table tbody').innerText]"
+    seen = page.run(PANEL), page.run(ORDER), page.run(look)
+    assert None not in seen
+    hash = page.run("return location.hash")
+    page.reload()
+    assert (page.run(PANEL), page.run(ORDER), page.run(look)) == seen
+    page.run("localStorage.clear()")
+    page.open(study, hash)
+    assert (page.run(PANEL), page.run(ORDER), page.run(look)) == seen
+    page.run("document.getElementById('panel-close').click()")
+    page.settle()
+    assert page.run(PANEL) is None  # without a page before it to go back to
+    assert "sort.run-list=-" in page.run(ADDRESS)
+
+
+def test_the_address_of_something_that_is_not_there_opens_the_page_as_it_is(page, study):
+    page.open(study, "#nowhere&open=no~such~run&sort.run-list=what&run-list.method=none&theme=pink")
+    assert page.run(PANEL) is None
+    assert page.run("return document.querySelectorAll('#instance-list-table tbody tr').length") > 3
+
+
+def test_methods_shown_in_the_figures_stand_in_the_address(page, study):
+    page.open(study, "#summary")
+    if not page.run("return Boolean(window.charts)"):
+        pytest.skip("the figures of this page are no charts")
+    first, *others = page.run("return window.charts.shown()")
+    page.run("window.charts.show(arguments[0])", others)
+    page.settle()
+    assert first not in page.run("return new URLSearchParams(location.hash.slice(1)).getAll('method')")
+    page.reload()
+    page.settle()
+    assert page.run("return window.charts.shown()") == others
+
+
+def test_the_section_of_the_navigation_comes_into_view_and_the_keyboard_goes_on_there(page, study):
+    page.run("document.querySelector('nav a[href=\"#groups\"]').click()")
+    assert page.run("return location.hash") == "#groups"
+    assert page.run("return document.activeElement.id") == "groups"
+    assert 0 <= page.run("return document.getElementById('groups').getBoundingClientRect().top") < 200
+    page.open(study, "#groups&theme=dark")
+    page.settle()
+    assert 0 <= page.run("return document.getElementById('groups').getBoundingClientRect().top") < 200

@@ -16,6 +16,8 @@ class Outline(HTMLParser):
     """Notes what a page loads and whether its tags balance."""
 
     VOID = ("meta", "link", "br", "input", "img")
+    SHORT = ("td", "tr")
+    """Elements that HTML lets end without a tag, as the long lists do."""
 
     def __init__(self):
         super().__init__()
@@ -27,6 +29,10 @@ class Outline(HTMLParser):
         self.loaded += [v for k, v in attrs if k in ("src", "href", "xlink:href") and not v.startswith(("#", "data:"))]
 
     def handle_endtag(self, tag):
+        while tag not in self.SHORT and self.open[-1] in self.SHORT:
+            self.open.pop()
+        while tag == "tr" and self.open[-1] == "td":
+            self.open.pop()
         assert self.open.pop() == tag
 
 
@@ -42,6 +48,14 @@ def write(root, target):
     return html, json.loads(data)
 
 
+def listed(html, key):
+    """Return the rows of a list as its columns' keys → texts."""
+    table = re.search(rf'<table id="{key}-table".*?</table>', html, flags=re.S).group()
+    keys = re.findall(r'data-key="(\w+)"', table)
+    rows = table.split("<tbody>")[1].split("<tr>")[1:]
+    return [dict(zip(keys, re.findall(r"<td[^>]*>([^<]*)", row), strict=True)) for row in rows]
+
+
 def instance(name, cost, n, coordinates=None):
     return Instance(name, np.array(cost, dtype=float), n, len(cost) - n, coordinates, {"family": "file"})
 
@@ -55,9 +69,9 @@ def test_costs_of_any_size(store_maker, make_store, tmp_path, scale):
     store = make_store()
     given = instance("tiny", scale * np.array([[0, 2.0], [3.0, 0]]), 1, np.zeros((2, 2)))
     store.put(given, record(store_maker, given, [[0]], values=[8.0 * scale, 5.0 * scale]))
-    _, data = write(store.root, tmp_path / "page.html")
+    html, data = write(store.root, tmp_path / "page.html")
     assert data["runs"]["value"] == pytest.approx([5 * scale])
-    assert data["runs"]["gap_found"] == [0]
+    assert [run["gap_found"] for run in listed(html, "run-list")] == ["0"]
 
 
 def test_nothing_solved(store_maker, make_store, tmp_path):
@@ -85,11 +99,24 @@ def test_without_coordinates_nor_trace(store_maker, make_store, tmp_path):
 def test_a_large_store_embeds_only_so_much_and_says_so(make_store, tmp_path, monkeypatch):
     monkeypatch.setattr("reports.pages.payload.DETAILS_BUDGET", 12_000)
     html, data = write(make_store().study(count=2, seeds=3), tmp_path / "page.html")
-    assert 0 < len(data["details"]) < len(data["runs"]["seed"])
-    assert f"routes, trace and log of {len(data['details'])} of {len(data['runs']['seed'])} runs" in html
-    best = {(i, m) for i, m in zip(data["runs"]["instance"], data["runs"]["method"], strict=True)}
-    held = [(data["runs"]["instance"][int(k)], data["runs"]["method"][int(k)]) for k in data["details"]]
+    runs = listed(html, "run-list")
+    assert 0 < len(data["details"]) < len(runs)
+    assert f"routes, trace and log of {len(data['details'])} of {len(runs)} runs" in html
+    assert [data["instances"]["instance"][i] for i in data["runs"]["instance"]] == [run["instance"] for run in runs]
+    best = {(run["instance"], run["method"]) for run in runs}
+    held = [(runs[int(k)]["instance"], runs[int(k)]["method"]) for k in data["details"]]
     assert len(set(held)) == min(len(held), len(best))  # one of each method and instance before a second of any
+
+
+def test_lists_hold_every_run_and_instance_with_units_in_their_heads(make_store, tmp_path):
+    html, data = write(make_store().study(count=2, seeds=3), tmp_path / "page.html")
+    runs, instances = listed(html, "run-list"), listed(html, "instance-list")
+    assert len(runs) == len(data["runs"]["value"]) == 4 * 11
+    assert {run["instance"] for run in runs} == {each["instance"] for each in instances}
+    assert [float(run["value"].replace(",", "")) for run in runs] == pytest.approx(data["runs"]["value"], rel=1e-5)
+    assert 'data-key="gap_found" data-unit="%"' in html
+    assert not any("%" in text for run in runs for text in run.values())
+    assert '<th scope="col" data-key="elapsed" data-unit="s"' in html
 
 
 def test_text_cannot_leave_its_script():

@@ -119,14 +119,14 @@ def table_of(
     caption: str = "",
     key: str = "",
     methods: Iterable[str] = (),
-    rivals: Sequence[bool] | None = None,
+    rivals: Iterable[bool] | None = None,
 ) -> Table:
     """Return `frame` as a table of `columns`; a cell that names one of `methods` has its line from the figures.
 
     rivals : which rows can be the best of a column, a truth value a row: those that can be compared; else all.
     """
     lines = {method: line_of(method, methods) for method in methods}
-    ranked = np.ones(len(frame), dtype=bool) if rivals is None else np.array(rivals, dtype=bool)
+    ranked = np.ones(len(frame), dtype=bool) if rivals is None else np.array(list(rivals), dtype=bool)
     heads, cells = [], []
     for column in columns:
         made = [cell(column, value, lines) for value in frame[column.key]]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -197,12 +196,8 @@ def _plans(table: pd.DataFrame, judged: list[Verdict], unit: str) -> Table:
     said = {v.name: v.outcome for v in judged}
     names = [f"{name}, not flyable" if name in refused else name for name in table["name"]]
     shown = table.assign(name=names, **{key: table["name"].map(of) for key, of in (("more", more), ("verdict", said))})
-    made = table_of(shown, survey(unit), key="plans", caption=CAPTION)
-    rows = [
-        [replace(cell, mark="") for cell in row] if name in refused else row
-        for name, row in zip(table["name"], made.rows, strict=True)
-    ]
-    return replace(made, rows=rows)
+    flyable = [name not in refused for name in table["name"]]
+    return table_of(shown, survey(unit), key="plans", caption=CAPTION, rivals=flyable)
 
 
 def _more(verdict: Verdict) -> str:

@@ -27,7 +27,9 @@ from reports.pages.blocks import line_of
 from reports.record import read_run
 
 DETAILS_BUDGET = 1_300_000
-"""Characters of JSON spent on runs' details."""
+"""Characters of JSON spent on runs' details at most; with long lists it is less, down to a quarter."""
+LISTED_BESIDE = 900_000
+"""Characters of lists from which on the details have less, so that a page of 10,000 runs stays below 4 MB."""
 MAPS_BUDGET = 300_000
 """Characters of JSON spent on coordinates."""
 TRACE_POINTS = 80
@@ -39,10 +41,12 @@ LOG_TAIL = 1500
 """Characters of a run's log that are embedded, its end."""
 
 
-def payload(runs: pd.DataFrame, table: pd.DataFrame, instance_files: dict[str, Path]) -> dict[str, Any]:
+def payload(
+    runs: pd.DataFrame, table: pd.DataFrame, instance_files: dict[str, Path], listed: int = 0
+) -> dict[str, Any]:
     """Return what the lists of the page do not say of `runs` (with gaps), `table`'s instances and their files.
 
-    Tables come column by column, a value a row of the list.
+    Tables come column by column, a value a row of the list. listed : characters that the lists take.
     """
     methods = sorted(runs["method"].unique())
     number = {digest: i for i, digest in enumerate(table.index)}
@@ -57,7 +61,7 @@ def payload(runs: pd.DataFrame, table: pd.DataFrame, instance_files: dict[str, P
         "walls": {i: found for i, (_, found) in maps.items() if found},
         "runs": {"instance": [number[d] for d in runs["digest"]]}
         | {key: _values(runs[key]) for key in ("value", "bound", "peak_memory")},
-        "details": dict(_details(runs)),
+        "details": dict(_details(runs, max(DETAILS_BUDGET // 4, DETAILS_BUDGET - max(0, listed - LISTED_BESIDE)))),
     }
 
 
@@ -96,7 +100,7 @@ def _maps(
                 yield number[digest], (places, rings)
 
 
-def _details(runs: pd.DataFrame) -> Iterator[tuple[int, dict[str, Any]]]:
+def _details(runs: pd.DataFrame, budget: int) -> Iterator[tuple[int, dict[str, Any]]]:
     spent = 0
     tours, traces = runs["tour_costs"].tolist(), runs["trace"].tolist()
     ends = runs[["elapsed", "value", "bound"]].to_numpy(dtype=float)
@@ -118,10 +122,10 @@ def _details(runs: pd.DataFrame) -> Iterator[tuple[int, dict[str, Any]]]:
             "times": [_number(getattr(run, k), 4) for k in ("prepare_elapsed", "wall_elapsed", "cpu_seconds")],
         }
         size = len(json.dumps(detail, separators=(",", ":")))
-        if size > DETAILS_BUDGET // 4:  # one run alone leaves room for others
+        if size > budget // 4:  # one run alone leaves room for others
             continue
         spent += size
-        if spent > DETAILS_BUDGET:
+        if spent > budget:
             return
         yield index, detail
 

@@ -61,8 +61,12 @@ def write_report(
     report = Report(stores, contradictions(stores.runs), comparison)
     runs = with_gaps(stores.runs)
     instances = instance_table(runs)
-    data = payload(runs, instances, stores.instance_files)
-    blocks = _blocks(runs, instances, report, len(data["details"]))
+    lists = (
+        listing("instance-list", shown(INSTANCES, instances), instances),
+        listing("run-list", listed_runs(runs), runs),
+    )
+    data = payload(runs, instances, stores.instance_files, sum(map(len, lists)))
+    blocks = _blocks(runs, lists, report, len(data["details"]))
     write_page(Page(title, _about(runs, stores), blocks, UNITS, "study.js", data), path)
     return report
 
@@ -75,9 +79,8 @@ def _read(folders: Sequence[Path | str]) -> Stores:
     return stores
 
 
-def _blocks(runs: pd.DataFrame, instances: pd.DataFrame, report: Report, embedded: int) -> list[Block]:
-    of_instances, of_runs = shown(INSTANCES, instances), listed_runs(runs)
-    listed = listing("instance-list", of_instances, instances), listing("run-list", of_runs, runs)
+def _blocks(runs: pd.DataFrame, lists: tuple[Block, Block], report: Report, embedded: int) -> list[Block]:
+    of_instances, of_runs = lists
     opens = "A row opens the instance: its runs, its best routes, and how each method got there."
     example = example_routes(runs, report.stores.instance_files)
     return [
@@ -89,8 +92,8 @@ def _blocks(runs: pd.DataFrame, instances: pd.DataFrame, report: Report, embedde
         Section("Quality and time", [Beside(study_figures(runs))], "figures"),
         significance(runs),
         groups(runs),
-        Section("Instances", [Note(opens), listed[0], *column_help(of_instances), *example], "instances"),
-        Section("Runs", [Note(_held(embedded, len(runs))), listed[1], *column_help(of_runs)], "runs"),
+        Section("Instances", [Note(opens), of_instances, *column_help(INSTANCES), *example], "instances"),
+        Section("Runs", [Note(_held(embedded, len(runs))), of_runs, *column_help(listed_runs(runs))], "runs"),
         limits_and_machines(runs, report.stores.environments),
     ]
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pandas as pd
 
+from instances.arrays import Bools
 from reports import numbers
-from reports.columns import SUMMARY, Column, shown
+from reports.columns import SUMMARY, Column, least, shown
 from reports.compare import Comparison
 from reports.metrics import contributions, shifted_geometric_mean, summary, virtual_best
 from reports.metrics.means import PENALTY, SHIFT
@@ -18,6 +20,8 @@ MOST_CONTRADICTIONS = 200
 MOST_WARNINGS = 50
 LONGEST_MESSAGE = 240
 MOST_FAILURES = 20
+GROUPED = Column("gap_found", "Gap to best found", "", numbers.gap, mark=least)
+"""What the tables by group hold, a column a method."""
 MOST_CHANGES = 40
 """Changed instances listed at most."""
 
@@ -71,21 +75,41 @@ def _failures(failed: pd.DataFrame) -> Table:
 def methods(runs: pd.DataFrame) -> Section:
     """Return the table of methods, the best of each column marked, and what must be known to read it."""
     found = summary(runs).reset_index()
+    held = runs.groupby("method")["digest"].agg(frozenset)
+    rivals, ranked = rivals_of(held[found["method"]]), held.nunique() == 1
+    best = (
+        "The best of each column is shaded."
+        if ranked
+        else "The best of each column is shaded among the methods that ran on every instance."
+        if rivals.any()
+        else "None is shaded, as no two methods ran on every instance."
+    )
     caption = (
         f"One row a method over {numbers.counted(runs['digest'].nunique(), 'instance')} and "
         f"{numbers.counted(runs['seed'].nunique(), 'seed')}. Times are shifted geometric means (shift {SHIFT:g} s); "
-        f"a run that failed counts {PENALTY:g} times its limit. The best of each column is shaded."
+        f"a run that failed counts {PENALTY:g} times its limit. {best}"
     )
-    shaded = table_of(found, shown(SUMMARY, found), caption=caption, key="summary", methods=found["method"])
-    held = runs.groupby("method")["digest"].agg(frozenset)
+    columns = shown(SUMMARY, found)
+    shaded = table_of(found, columns, caption=caption, key="summary", methods=found["method"], rivals=rivals)
     notes = []
-    if held.nunique() > 1:
+    if not ranked:
         counts = ", ".join(f"{method} {len(on)}" for method, on in held.items())
         notes.append(
             f"The methods did not run on the same instances ({counts}), so the rows above are means over different "
             "ones; the pairs below are compared on the instances both ran on."
         )
     return Section("Methods", [shaded, *notes, _virtual_best(runs)], "summary")
+
+
+def rivals_of(held: pd.Series) -> Bools:
+    """Return which methods can be compared: those that ran on all instances that any ran on, where there are several.
+
+    held : the set of instances that a method ran on, a row a method; empty or missing where it ran on none.
+    """
+    sets = [of if isinstance(of, frozenset) else frozenset() for of in held]
+    everything = frozenset().union(*sets)
+    found = np.array([of == everything for of in sets], dtype=bool)
+    return found if found.sum() > 1 else np.zeros(len(found), dtype=bool)
 
 
 def _virtual_best(runs: pd.DataFrame) -> str:
@@ -109,7 +133,10 @@ def groups(runs: pd.DataFrame) -> Section:
         for key, title in GROUPINGS.items()
         if grouped[key].nunique() > 1
     ]
-    note = Note("Mean gap to the best found, and in brackets the share of runs proved.")
+    note = Note(
+        "Mean gap to the best found, and in brackets the share of runs proved. The best of a row is shaded among the "
+        "methods that ran on all its instances."
+    )
     return Section("Where each method is good", [note, *tables], "groups", "By group")
 
 
@@ -117,6 +144,7 @@ def _by_group(runs: pd.DataFrame, key: str, title: str) -> Table:
     found = scores(runs, [key])
     gaps, proved = found["gap_found"].unstack(), found["proved"].unstack()
     instances = runs.groupby(key, observed=True)["digest"].nunique()
+    held = runs.groupby([key, "method"], observed=True)["digest"].agg(frozenset).unstack()
     columns = [
         Column(key, title),
         Column("instances", "Instances", "", numbers.count),
@@ -125,14 +153,15 @@ def _by_group(runs: pd.DataFrame, key: str, title: str) -> Table:
     rows = []
     counts = instances.reindex(gaps.index)
     for (group, of), shares, count in zip(gaps.iterrows(), proved.to_numpy(), counts, strict=True):
-        least = of.min() if len(of) > 1 else None
         made = [cell(column, gap) for column, gap in zip(columns[2:], of, strict=True)]
+        rivals, marks = rivals_of(held.loc[group].reindex(of.index)), np.full(len(of), "", dtype=object)
+        marks[rivals] = GROUPED.marks(of[rivals])
         marked = [
-            replace(one, text=f"{one.text} ({numbers.share(share)})" if share > 0 else one.text, mark="best" * best)
-            for one, share, best in zip(made, shares, of == least, strict=True)
+            replace(one, text=f"{one.text} ({numbers.share(share)})" if share > 0 else one.text, mark=mark)
+            for one, share, mark in zip(made, shares, marks, strict=True)
         ]
         rows.append([Cell(str(group)), cell(columns[1], count), *marked])
-    return Table(columns, rows)
+    return Table(columns, rows, key=f"by-{key}")
 
 
 def against(comparison: Comparison) -> Section:

@@ -129,3 +129,38 @@ def test_the_page_is_the_same_for_the_same_store(make_store, tmp_path):
     for name in ("a.html", "b.html"):
         write_report([root], tmp_path / name)
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
+
+
+def best_in(html, key):
+    """Return the rows' names → the texts marked as best in a table."""
+    table = re.search(rf'<table class="sortable" id="{key}-table".*?</table>', html, flags=re.S).group()
+    rows = re.findall(r"<tr><th scope=\"row\".*?</tr>", table, flags=re.S)
+    name = r"<th scope=\"row\"[^>]*>(?:<svg.*?</svg>)?([^<]*)"
+    return {re.search(name, row).group(1): re.findall(r'class="best"[^>]*>([^<]*)', row) for row in rows}
+
+
+def small_study(store_maker, make_store, **skipped):
+    """A store in which `slow` and `late` find longer tours than `fast`, and skip the instances named."""
+    store, cost = make_store(), np.array([[0, 2.0, 3.0], [3.0, 0, 2.0], [2.0, 2.0, 0]])
+    for k, name in enumerate(("one", "two")):
+        given = instance(name, (1 + k) * cost, 2)
+        for solver, route in (("fast", [[0, 1]]), ("slow", [[1, 0]]), ("late", [[1, 0]])):
+            if skipped.get(solver) != name:
+                store.put(given, store_maker.record(given, solver, 0, route))
+    return store.root
+
+
+@pytest.mark.usefixtures("without_figures")
+@pytest.mark.parametrize(
+    ("skipped", "best"),
+    [
+        ({}, {"fast": True, "slow": False, "late": False}),
+        ({"fast": "two"}, {"fast": False, "slow": False, "late": False}),  # slow and late read the same
+        ({"late": "one"}, {"fast": True, "slow": False, "late": False}),
+        ({"fast": "two", "slow": "one"}, {"fast": False, "slow": False, "late": False}),
+    ],
+)
+def test_the_best_is_marked_among_methods_on_the_same_instances(store_maker, make_store, tmp_path, skipped, best):
+    html, _ = write(small_study(store_maker, make_store, **skipped), tmp_path / "page.html")
+    assert {name: bool(found) for name, found in best_in(html, "summary").items()} == best
+    assert ("ran on every instance" in html) == bool(skipped)

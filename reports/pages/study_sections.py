@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -101,10 +102,10 @@ def methods(runs: pd.DataFrame) -> Section:
     return Section("Methods", [shaded, *notes, _virtual_best(runs)], "summary")
 
 
-def rivals_of(held: pd.Series) -> Bools:
+def rivals_of(held: Iterable[object]) -> Bools:
     """Return which methods can be compared: those that ran on all instances that any ran on, where there are several.
 
-    held : the set of instances that a method ran on, a row a method; empty or missing where it ran on none.
+    held : the set of instances that each method ran on; empty or missing where it ran on none.
     """
     sets = [of if isinstance(of, frozenset) else frozenset() for of in held]
     everything = frozenset().union(*sets)
@@ -145,6 +146,7 @@ def _by_group(runs: pd.DataFrame, key: str, title: str) -> Table:
     gaps, proved = found["gap_found"].unstack(), found["proved"].unstack()
     instances = runs.groupby(key, observed=True)["digest"].nunique()
     held = runs.groupby([key, "method"], observed=True)["digest"].agg(frozenset).unstack()
+    sets = held.reindex(index=gaps.index, columns=gaps.columns).to_numpy()
     columns = [
         Column(key, title),
         Column("instances", "Instances", "", numbers.count),
@@ -152,9 +154,9 @@ def _by_group(runs: pd.DataFrame, key: str, title: str) -> Table:
     ]
     rows = []
     counts = instances.reindex(gaps.index)
-    for (group, of), shares, count in zip(gaps.iterrows(), proved.to_numpy(), counts, strict=True):
+    for (group, of), shares, count, ran in zip(gaps.iterrows(), proved.to_numpy(), counts, sets, strict=True):
         made = [cell(column, gap) for column, gap in zip(columns[2:], of, strict=True)]
-        rivals, marks = rivals_of(held.loc[group].reindex(of.index)), np.full(len(of), "", dtype=object)
+        rivals, marks = rivals_of(ran), np.full(len(of), "", dtype=object)
         marks[rivals] = GROUPED.marks(of[rivals])
         marked = [
             replace(one, text=f"{one.text} ({numbers.share(share)})" if share > 0 else one.text, mark=mark)

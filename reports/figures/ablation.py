@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
-from reports.figures.style import FAINT, INK, RC, new_figure, styles
+from reports.figures.chart import Axis, Chart, Panel, Rule, Series
+from reports.figures.static import drawn
+from reports.figures.style import Style, styles
 from reports.figures.svg import Drawn
 from reports.metrics.means import SHIFT, penalised
 from reports.metrics.targets import time_to_proof
@@ -64,29 +63,20 @@ def ablated_solvers(runs: pd.DataFrame) -> list[str]:
     return [str(solver) for solver in variants.index[variants.to_numpy(bool)]]
 
 
-@rc_context(RC)
 def ablation(runs: pd.DataFrame, solver: str) -> Drawn:
     """Draw what each variant of `solver` is worth in time to proof and in gap."""
     rows = worth(runs, solver)
-    style = styles(runs["method"])
-    figure = new_figure(height=1.15 + 0.3 * len(rows))
-    left, right = figure.subplots(1, 2, sharey=True)
-    colours = [style[r.method].colour for r in rows]
-    _dots(left, [r.ratio for r in rows], colours)
-    _dots(right, [(100 * r.gap[0], 100 * r.gap[1], 100 * r.gap[2]) for r in rows], colours)
-    left.set_xscale("log")
-    low, high = left.get_xlim()
-    left.set_xlim(min(low, 0.45), max(high, 2.2))
-    left.xaxis.set_major_locator(FixedLocator([t for t in _FACTORS if low <= t <= high or 0.5 <= t <= 2]))
-    left.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}×"))
-    left.xaxis.set_minor_formatter(NullFormatter())
-    left.axvline(1, color=FAINT, linewidth=1)
-    right.axvline(0, color=FAINT, linewidth=1)
-    left.set(xlabel="time to proof, times the default's")
-    right.set(xlabel="gap minus the default's [% points]")
-    names = [f"{_variant(r.method, solver)}   ({100 * r.proved:.0f} % proved)" for r in rows]
-    left.set_yticks(range(len(rows)), names)
-    left.invert_yaxis()
+    look = styles(runs["method"])
+    names = Axis("variant", names=[f"{_variant(r.method, solver)}   ({100 * r.proved:.0f} % proved)" for r in rows])
+    factors = np.array([r.ratio for r in rows])
+    low, high = min(0.45, 0.9 * factors.min()), max(2.2, 1.1 * factors.max())
+    ticks = [t for t in _FACTORS if low <= t <= high]
+    panels = [
+        _panel(Axis("time to proof, times the default's", scale="log", span=(low, high), ticks=ticks), names, 1.0,
+               [(r.method, look[r.method], r.ratio) for r in rows]),
+        _panel(Axis("gap minus the default's", "% points"), names, 0.0,
+               [(r.method, look[r.method], (100 * r.gap[0], 100 * r.gap[1], 100 * r.gap[2])) for r in rows]),
+    ]  # fmt: skip
     caption = (
         f"What each option of {solver} is worth: every variant against the same solver with its defaults, over the "
         f"instances both ran on ({min(r.instances for r in rows)} at least). Left: geometric mean of the ratio of "
@@ -94,15 +84,18 @@ def ablation(runs: pd.DataFrame, solver: str) -> Drawn:
         "the gap between own routes and bound. Bars are 95 % bootstrap intervals; one that crosses the line shows "
         "no effect."
     )
-    return Drawn(f"ablation-{solver}", f"What strengthening {solver} is worth", caption, figure)
+    chart = Chart(panels, 2, 0.85 + 0.3 * len(rows))
+    return drawn(f"ablation-{solver}", f"What strengthening {solver} is worth", caption, chart)
 
 
 def _variant(method: str, solver: str) -> str:
     return "defaults" if method == solver else method.removeprefix(f"{solver} ").strip("()")
 
 
-def _dots(axes: Axes, values: list[tuple[float, float, float]], colours: list[str]) -> None:
-    for i, ((mean, low, high), colour) in enumerate(zip(values, colours, strict=True)):
-        axes.plot([low, high], [i, i], color=colour, linewidth=2)
-        axes.plot([mean], [i], "o", color=colour, markersize=6, markeredgecolor=INK, markeredgewidth=0.6)
-    axes.set_ylim(-0.6, len(values) - 0.4)
+def _panel(x: Axis, names: Axis, default: float, rows: list[tuple[str, Style, tuple[float, float, float]]]) -> Panel:
+    """Return a dot a row with its interval, about the default's value."""
+    series = [
+        Series(name, [mean], [i], look, "points", [low], [high], "across", size=6)
+        for i, (name, look, (mean, low, high)) in enumerate(rows)
+    ]
+    return Panel(x, names, series, rules=[Rule("x", default)])

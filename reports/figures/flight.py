@@ -20,7 +20,7 @@ from reports.figures.style import COLOURS, FAINT, INK, PAPER, RC, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes, wind_arrows
 
-DEPOT = "#c1121f"
+DEPOT = "#cc2936"
 """Colour of depots."""
 
 

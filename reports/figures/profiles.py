@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
-from reports.figures.steps import step_figure
+from reports.figures.chart import Axis, Chart
+from reports.figures.static import drawn
+from reports.figures.steps import step_panel
 from reports.figures.style import SOONEST, Style, styles
 from reports.figures.svg import Drawn
 from reports.metrics.targets import time_to_proof, time_to_target
@@ -28,8 +29,8 @@ def time_profile(runs: pd.DataFrame) -> Drawn | None:
         "found in at most τ times the time of the soonest method. At τ = 1 it was the soonest; the right end is the "
         f"share it reached at all within its limit. {_READING}"
     )
-    figure = _profile(measured, styles(runs["method"]), "times the soonest method's time, τ")
-    return None if figure is None else Drawn("profile-time", "Profile of time to 1 %", caption, figure)
+    chart = _profile(measured, styles(runs["method"]), "times the soonest method's time, τ")
+    return None if chart is None else drawn("profile-time", "Profile of time to 1 %", caption, chart)
 
 
 def proof_profile(runs: pd.DataFrame) -> Drawn | None:
@@ -40,8 +41,8 @@ def proof_profile(runs: pd.DataFrame) -> Drawn | None:
         f"soonest proof; only methods that can prove take part. {_READING}"
     )
     measured = able.assign(_time=time_to_proof(able))
-    figure = _profile(measured, styles(runs["method"]), "times the soonest proof's time, τ")
-    return None if figure is None else Drawn("profile-proof", "Profile of time to proof", caption, figure)
+    chart = _profile(measured, styles(runs["method"]), "times the soonest proof's time, τ")
+    return None if chart is None else drawn("profile-proof", "Profile of time to proof", caption, chart)
 
 
 _READING = "Higher is better. With three methods or more, compare each with the best only."
@@ -53,16 +54,17 @@ def quality_profile(runs: pd.DataFrame) -> Drawn | None:
     finite = gaps.to_numpy(float)[np.isfinite(gaps.to_numpy(float))]
     if not finite.size:
         return None
-    span, label = (0.0, max(1.0, float(np.quantile(finite, 0.99)))), "gap to the best known or found, at most [%]"
+    axis = Axis(
+        "gap to the best known or found, at most", "%", "gap", (0.0, max(1.0, float(np.quantile(finite, 0.99))))
+    )
     caption = (
         "Of the instances a method ran on, the share on which its routes (median over seeds) are within the given "
         "gap of the best known or found at the end of the run. At 0 % it found the best; what is missing to 100 % "
         "at the right end it did not solve, or worse than the scale shows. Higher is better; the scale is linear "
         "below 0.1 %."
     )
-    lines, scale = {m: gaps[m].dropna() for m in gaps}, {"value": "symlog", "linthresh": 0.1, "linscale": 0.4}
-    figure = step_figure(lines, styles(runs["method"]), span, label, "instances", **scale)
-    return Drawn("profile-quality", "Profile of quality", caption, figure)
+    panel = step_panel({m: gaps[m].dropna() for m in gaps}, styles(runs["method"]), axis, "instances")
+    return drawn("profile-quality", "Profile of quality", caption, Chart([panel]))
 
 
 def ratios(table: pd.DataFrame) -> pd.DataFrame:
@@ -73,14 +75,12 @@ def ratios(table: pd.DataFrame) -> pd.DataFrame:
     return found
 
 
-def _profile(runs: pd.DataFrame, look: dict[str, Style], label: str) -> Figure | None:
+def _profile(runs: pd.DataFrame, look: dict[str, Style], label: str) -> Chart | None:
     if runs.empty:
         return None
     table = ratios(blocks(runs, "_time").clip(lower=SOONEST))
     finite = table.to_numpy(float)[np.isfinite(table.to_numpy(float))]
     if not finite.size:
         return None
-    end = max(2.0, float(finite.max()) * 1.2)
-    base = 2 if end < 100 else 10
-    lines = {m: table[m].dropna() for m in table}
-    return step_figure(lines, look, (1.0, end), label, "instances", value="log", base=base)
+    axis = Axis(label, scale="log", span=(1.0, max(2.0, float(finite.max()) * 1.2)))
+    return Chart([step_panel({m: table[m].dropna() for m in table}, look, axis, "instances")])

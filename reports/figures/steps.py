@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from reports.figures.style import MARKERS, RC, Style, legend_below, new_figure, plain
+from reports.figures.chart import Axis, Panel, Series
+from reports.figures.style import Style
 
 Lines = Mapping[Any, Any]
 """Method → its figures, infinite where it never got there."""
@@ -31,42 +29,21 @@ def cumulative(values: ArrayLike) -> tuple[Floats, Floats]:
     return finite, share
 
 
-@rc_context(RC)
-def step_figure(
-    values: Lines, look: dict[str, Style], span: tuple[float, float], x: str, of: str, **scale: Any
-) -> Figure:
-    """Draw `step_axes` as a figure of its own with its legend. of : what the shares are of."""
-    figure = new_figure()
-    axes = figure.add_subplot()
-    step_axes(axes, values, look, span, x, **scale)
-    axes.set_ylabel(f"share of {of} [%]")
-    legend_below(figure, axes)
-    return figure
+def step_panel(values: Lines, look: dict[str, Style], x: Axis, of: str, title: str = "") -> Panel:
+    """Return a panel with a line a method: the share of its `values` at or below x, from end to end of `x`.
 
-
-def step_axes(
-    axes: Axes, values: Lines, look: dict[str, Style], span: tuple[float, float], x: str, **scale: Any
-) -> None:
-    """Draw a line a method: the share of its `values` at or below x, labelled `x`, from end to end of `span`.
-
-    scale : of x, as `set_xscale` takes it.
+    of : what the shares are of.
     """
-    for method, mine in values.items():
-        step_line(axes, mine, look[str(method)], str(method), *span)
-    axes.set_xscale(**scale)
-    plain(axes.xaxis)
-    axes.set(xlabel=x, xlim=span, ylim=(-2, 102))
+    start, end = x.span
+    assert start is not None
+    assert end is not None
+    series = [_line(str(method), mine, look[str(method)], start, end) for method, mine in values.items()]
+    return Panel(x, Axis(f"share of {of}", "%", span=(-2.0, 102.0)), series, title)
 
 
-def step_line(axes: Axes, values: ArrayLike, look: Style, label: str, start: float, end: float) -> None:
-    """Draw the share of `values` at or below x [%], from `start` to `end`; infinite ones are never reached."""
+def _line(name: str, values: ArrayLike, look: Style, start: float, end: float) -> Series:
+    """Return the share of `values` at or below x [%], from `start` to `end`; infinite ones are never reached."""
     x, share = cumulative(values)
     x = np.concatenate([[start], np.maximum(x, start), [max(end, start)]])
     y = np.concatenate([[0.0], share, [share[-1] if share.size else 0.0]])
-    axes.plot(x, 100 * y, color=look.colour, linestyle=look.dash, drawstyle="steps-post")
-    axes.plot([], [], color=look.colour, linestyle=look.dash, marker=look.marker, markersize=4, label=label)
-    shift = 0.8 * MARKERS.index(look.marker) / len(MARKERS)  # so that marks of lines that coincide stand side by side
-    low, high = max(start, end / 1e3), max(end, start)
-    marks = low * (high / low) ** ((np.arange(4) + 0.15 + shift) / 4)
-    height = y[np.searchsorted(x, marks, side="right") - 1]
-    axes.plot(marks, 100 * height, look.marker, color=look.colour, markersize=4, linestyle="none")
+    return Series(name, x, 100 * y, look, "step")

@@ -13,17 +13,22 @@ from matplotlib.figure import Figure
 
 from instances import InputError
 from instances.disk import write_aside
+from reports.figures.chart import Chart
 from reports.figures.style import FAINT, INK, PAPER, RC
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure with its words: `title`, and `caption`, which says what is seen and how to read it."""
+    """A figure with its words: `title`, and `caption`, which says what is seen and how to read it.
+
+    chart : what it was drawn from, None for a map or another drawing.
+    """
 
     key: str
     title: str
     caption: str
     figure: Figure
+    chart: Chart | None = None
 
 
 def inline_svg(drawn: Drawn) -> str:

@@ -106,6 +106,17 @@ Block = str | Markup | list["Block"] | Note | Lines | Facts | Source | Table | F
 """A plain text is a paragraph, a list keeps its blocks together, Markup goes into the page as it is."""
 
 
+def figures_in(blocks: Iterable[Block]) -> list[Drawn]:
+    """Return the figures among `blocks` and inside them, in reading order."""
+    found = list[Drawn]()
+    for block in blocks:
+        if isinstance(block, Drawn):
+            found.append(block)
+        elif isinstance(block, Section | Beside | Folded | list):
+            found += figures_in(block if isinstance(block, list) else block.blocks)
+    return found
+
+
 def column_help(columns: Iterable[Column]) -> list[Folded]:
     """Return the meanings of `columns` in one folded block; in none where no column states one."""
     rows = [(c.heading, c.meaning) for c in columns if c.meaning]

@@ -1,7 +1,8 @@
 """The one builder of pages: blocks in, one self-contained HTML file out. It runs nothing and needs no network.
 
 What a page shows comes from files that others may have written, so it carries a Content-Security-Policy: the browser
-runs the page's one script, known by its digest, and nothing else, and asks nothing of the network (W3C, CSP Level 3).
+runs the page's own scripts, known by their digests, and nothing else, and asks nothing of the network (W3C, CSP Level
+3).
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ from markupsafe import Markup
 
 from instances.disk import write_aside
 from reports import numbers
+from reports.figures.chart import Chart
 from reports.figures.svg import inline_svg
-from reports.pages.blocks import Block, Section
+from reports.pages.blocks import Block, Section, figures_in
 
 REFRESH = 5
 """Seconds after which a live page is loaded again where scripts are off."""
@@ -59,8 +61,9 @@ def write_page(page: Page, path: Path | str) -> None:
 
 def page_text(page: Page) -> Markup:
     """Return `page` as one HTML text."""
-    script = _script(page.script)
-    return fragment("page.html.j2", page=page, script=script, policy=policy(page), version=_version(), refresh=REFRESH)
+    scripts = _scripts(page)
+    given = {"page": page, "scripts": scripts, "policy": policy(page, scripts), "refresh": REFRESH}
+    return fragment("page.html.j2", **given, version=_version())
 
 
 def blocks_text(blocks: Sequence[Block]) -> Markup:
@@ -82,17 +85,29 @@ def embedded(data: Any) -> Markup:
 _READ_BY_HTML = {ord(character): f"\\u{ord(character):04x}" for character in "<>&"}
 
 
-def _script(own: str) -> Markup:
-    """Return the page's script: what every page does, then what the file `own` adds, in a scope of its own."""
-    parts = [_asset("page.js"), *([_asset(own)] if own else [])]
+def _script(*own: str) -> Markup:
+    """Return the page's script: what every page does, then what the files `own` add, in a scope of its own."""
+    parts = [_asset(name) for name in ("page.js", *own) if name]
     return Markup("\n").join([Markup('\n"use strict";\n{'), *parts, Markup("}\n")])
 
 
-def policy(page: Page) -> str:
+def _scripts(page: Page) -> list[Markup]:
+    """Return the scripts of `page`, the charts' library only where there are charts."""
+    scripts = [_script("charts.js", page.script)]
+    if any(drawn.chart for drawn in figures_in(page.blocks)):
+        from reports.figures.interactive import library  # here: Bokeh takes its time
+
+        scripts.insert(0, Markup(library()))
+    return scripts
+
+
+def policy(page: Page, scripts: Sequence[str] | None = None) -> str:
     """Return the page's Content-Security-Policy; figures and markers style themselves, pictures are data."""
-    digest = base64.b64encode(hashlib.sha256(_script(page.script).encode()).digest()).decode()
+    told = _scripts(page) if scripts is None else scripts
+    digests = [base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in told]
+    sources = " ".join(f"'sha256-{digest}'" for digest in digests)
     return (
-        f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:; "
+        f"default-src 'none'; script-src {sources}; style-src 'unsafe-inline'; img-src data:; "
         "base-uri 'none'; form-action 'none'" + ("; connect-src 'self'" if page.live else "")
     )
 
@@ -109,11 +124,18 @@ def _templates() -> jinja2.Environment:
     environment.filters |= {
         "kind": lambda block: type(block).__name__,
         "svg": lambda drawn: Markup(inline_svg(drawn)),
+        "chart": _chart,
         "embedded": embedded,
         "asset": _asset,
         "joined": lambda text: text.replace(" %", numbers.PER_CENT),
     }
     return environment
+
+
+def _chart(chart: Chart) -> dict[str, Any]:
+    from reports.figures.interactive import embedded as interactive  # here: Bokeh takes its time
+
+    return interactive(chart)
 
 
 def _asset(name: str) -> Markup:

@@ -35,9 +35,8 @@ def test_every_figure_is_there_with_title_caption_and_units(runs):
     for d in drawn:
         assert d.caption.endswith(".")
         assert len(d.caption) > 100
-        for axes in d.figure.axes:
-            label = axes.get_xlabel() or d.figure.get_supxlabel()
-            assert re.search(r"\[|τ|tasks n|times the", label), (d.key, label)
+        for panel in d.chart.panels:
+            assert re.search(r"\[|τ|tasks n|times the", panel.x.words), (d.key, panel.x)
 
 
 def test_inline_svg_is_well_formed_self_contained_and_repeatable(runs):

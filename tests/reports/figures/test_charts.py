@@ -1,0 +1,168 @@
+"""Charts: both renderers show the same values, axes say what they are, toggles reach every method, lines are seen."""
+
+import json
+import re
+from importlib import resources
+
+import numpy as np
+import pandas as pd
+import pytest
+from bokeh.document import Document
+from bokeh.models.renderers import GlyphRenderer
+from matplotlib.scale import SymmetricalLogTransform
+
+from reports import load
+from reports.figures import study_figures
+from reports.figures.chart import Axis, Chart, Panel, Rule, Series, marks
+from reports.figures.flight import DEPOT
+from reports.figures.interactive import embedded
+from reports.figures.static import LINEAR_BELOW, LINEAR_SHARE, draw, transformed
+from reports.figures.style import COLOURS, FAINT, INK, PAPER, styles
+from reports.metrics import with_gaps
+
+LOOKS = list(styles("abc").values())
+
+
+@pytest.fixture(scope="module")
+def drawn(store_maker, tmp_path_factory):
+    store = store_maker(tmp_path_factory.mktemp("charts"))
+    return study_figures(with_gaps(load(store.study(count=2, sizes=((8, 2), (14, 3)), seeds=2))))
+
+
+@pytest.fixture(scope="module")
+def told(drawn):
+    """What goes into the page: key → embedded, as JSON holds it."""
+    return {d.key: json.loads(json.dumps(embedded(d.chart), allow_nan=False)) for d in drawn}
+
+
+def table(told):
+    """The table that charts.js makes of a chart, from Bokeh's sources."""
+    document = Document.from_json(told["document"])
+    rows = []
+    for series in told["series"]:
+        columns = document.get_model_by_id(series["source"]).data
+        fields = {head: list(columns[field]) for head, field in series["fields"].items()}
+        rows += [series["same"] | dict(zip(fields, of, strict=True)) for of in zip(*fields.values(), strict=True)]
+    return pd.DataFrame(rows, columns=told["columns"])
+
+
+def test_the_page_holds_the_same_values_as_the_table(drawn, told):
+    for d in drawn:
+        frame = d.chart.frame()
+        assert len(frame) > 1
+        pd.testing.assert_frame_equal(table(told[d.key]), frame, check_dtype=False)
+
+
+def test_paper_shows_the_same_values_as_the_table(drawn):
+    for d in drawn:
+        for panel, axes in zip(d.chart.panels, d.figure.axes, strict=False):
+            lines = [np.asarray(line.get_xydata()) for line in axes.lines]
+            dots = [np.asarray(dots.get_offsets()) for dots in axes.collections]
+            for series in panel.series:
+                values = series.values
+                shown = np.column_stack([values["x"] * series.aside, values["y"]])
+                among = dots if series.kind == "points" else lines
+                assert any(np.array_equal(shown, of, equal_nan=True) for of in among), (d.key, series.name)
+
+
+def test_every_axis_says_what_it_is(drawn):
+    for d in drawn:
+        for panel in d.chart.panels:
+            for axis in (panel.x, panel.y):
+                assert axis.names or re.search(r"\[.+\]|τ|number of tasks|times the default", axis.words), axis
+        words = [axes.get_xlabel() for axes in d.figure.axes] + [axes.get_ylabel() for axes in d.figure.axes]
+        assert {panel.x.words for panel in d.chart.panels} <= set(words)
+        assert {panel.y.words for panel in d.chart.panels} <= {*words, d.figure.get_supylabel()}
+
+
+def test_toggles_reach_every_method_in_every_panel(drawn, told):
+    methods = {name for d in drawn for name in d.chart.looks}
+    assert methods == {"greedy", "ga", "memetic", "milp", "milp (cuts=false)"}
+    for d in drawn:
+        plots = Document.from_json(told[d.key]["document"]).roots
+        assert [plot.id for plot in plots] == told[d.key]["roots"]
+        assert {entry["name"] for entry in told[d.key]["legend"]} == set(d.chart.looks)
+        for panel, plot in zip(d.chart.panels, plots, strict=True):
+            renderers = [model for model in plot.renderers if isinstance(model, GlyphRenderer)]
+            assert {model.name for model in renderers} == {series.name for series in panel.series}
+
+
+def test_the_same_chart_is_embedded_the_same(drawn):
+    assert embedded(drawn[0].chart) == embedded(drawn[0].chart)
+
+
+def test_names_of_places_do_not_become_ids():
+    series = Series("p1001", [1.0], [2.0], LOOKS[0], "points", more={"id": np.array(["p1002"])})
+    found = table(embedded(Chart([Panel(Axis("x", "m"), Axis("y", "m"), [series])])))
+    assert found.to_dict("records") == [{"series": "p1001", "x [m]": 1.0, "y [m]": 2.0, "id": "p1002"}]
+
+
+def test_first_routes_do_not_flatten_the_axis(drawn):
+    """Half of the height is for gaps below a tenth of the greatest: the scale is logarithmic."""
+    panel = next(d for d in drawn if d.key == "convergence").chart.panels[0]
+    low, high = panel.span("y")
+    below, top = transformed(panel.y, np.array([high / 10, high]))
+    assert (below - transformed(panel.y, low)) > 0.5 * (top - transformed(panel.y, low))
+
+
+def test_gaps_lie_where_matplotlib_puts_them():
+    values = np.array([-30.0, -0.05, 0.0, 0.1, 0.2, 500.0])
+    expected = SymmetricalLogTransform(10, LINEAR_BELOW, LINEAR_SHARE).transform(values)
+    np.testing.assert_allclose(transformed(Axis("gap", "%", "gap"), values), expected)
+
+
+def test_the_panel_above_a_hole_has_ticks_and_words():
+    panels = [
+        Panel(Axis("time", "s"), Axis("gap", "%"), [Series("a", [0, 1], [1, 0], LOOKS[0])], str(i)) for i in "1234"
+    ]
+    figure = draw(Chart(panels, 3, shared=True))
+    lowest = [axes for axes in figure.axes if axes.get_visible() and axes.get_xlabel()]
+    assert [axes.get_title(loc="left") for axes in lowest] == ["2", "3", "4"]
+    assert all(axes.xaxis.get_tick_params()["labelbottom"] for axes in lowest)
+
+
+def test_spans_hold_every_value_and_names_have_rows():
+    across = Series("a", [2.0], [0], LOOKS[0], "points", [1.0], [8.0], "across")
+    panel = Panel(Axis("time", "s", "log"), Axis("row", names=["one"]), [across], rules=[Rule("x", 16.0)])
+    low, high = panel.span("x")
+    assert 0.5 < low < 1 < 16 < high < 32
+    assert panel.span("y") == (-0.6, 0.6)
+    assert Chart([panel]).frame().to_dict("records") == [
+        {"series": "a", "time [s]": 2.0, "row": "one", "low": 1.0, "high": 8.0}
+    ]
+
+
+def test_marks_of_lines_that_coincide_stand_apart():
+    step = Series("a", [0.0, 4.0, 10.0], [0.0, 1.0, 1.0], LOOKS[0], "step")
+    panel = Panel(Axis("time", "s", span=(0.0, 10.0)), Axis("share", "%"), [step])
+    (x, y), (beside, _) = marks(panel, step, 0), marks(panel, step, 1)
+    assert not set(x) & set(beside)
+    assert y.tolist() == [float(place >= 4) for place in x]
+
+
+def luminance(colour):
+    """Relative luminance (WCAG 2.2) of #rrggbb."""
+    channels = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return float(np.dot([0.2126, 0.7152, 0.0722], linear))
+
+
+def contrast(one, other):
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.fixture(scope="module")
+def inks():
+    """The page's colours: name → light, dark."""
+    css = resources.files("reports.pages").joinpath("templates", "page.css").read_text(encoding="utf-8")
+    return {name: of for name, *of in re.findall(r"--([\w-]+): light-dark\((#\w+), (#\w+)\)", css)}
+
+
+def test_lines_and_text_are_seen_on_both_papers(inks):
+    assert inks["paper"][0] == PAPER
+    assert inks["ink"][0] == INK
+    assert inks["faint"][0] == FAINT
+    for paper, ink, soft, faint in zip(*(inks[name] for name in ("paper", "ink", "soft", "faint")), strict=True):
+        assert min(contrast(paper, line) for line in (*COLOURS, DEPOT, faint)) >= 3.0
+        assert min(contrast(paper, text) for text in (ink, soft)) >= 4.5

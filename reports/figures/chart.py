@@ -57,7 +57,8 @@ class Series:
     name : the method, or what else the legend says; without one it is scenery: in no legend and no table. low, high :
     ends of a spread. more : further columns, by heading. size : of marks [pt]; lines have a few marks to be told apart
     by, none where it is 0. hollow : marks are outlines. aside : factor on x where it is drawn, so that what is at the
-    same x is told apart.
+    same x is told apart. labels : the further column that is written beside points on paper; a page tells it under the
+    pointer.
     """
 
     name: str
@@ -74,6 +75,7 @@ class Series:
     hollow: bool = False
     opacity: float = 1.0
     aside: float = 1.0
+    labels: str = ""
 
     @property
     def values(self) -> dict[str, Any]:
@@ -158,8 +160,9 @@ class Chart:
 
     @property
     def titled(self) -> bool:
-        """Whether titles of panels say all that a legend would."""
-        return [panel.title for panel in self.panels] == list(self.looks)
+        """Whether titles of panels or names along an axis say all that a legend would."""
+        titles = [panel.title for panel in self.panels]
+        return titles == list(self.looks) or all(panel.x.names or panel.y.names for panel in self.panels)
 
     @property
     def headings(self) -> dict[str, str]:

@@ -17,7 +17,6 @@ from bokeh.models import (
     FixedTicker,
     HoverTool,
     Line,
-    LogTicker,
     NoOverlap,
     PanTool,
     PrintfTickFormatter,
@@ -40,7 +39,7 @@ from reports.figures.style import FAINT, INK, Style
 
 MARKS = {
     "o": "circle", "s": "square", "^": "triangle", "D": "diamond", "v": "inverted_triangle", "P": "plus", "X": "star",
-    "<": "triangle_pin", ">": "square_pin",
+    "<": "triangle_pin", ">": "square_pin", "_": "dash",
 }  # fmt: skip
 """What Bokeh has in place of matplotlib's markers."""
 INCH = 96
@@ -185,7 +184,10 @@ def _axis(plot: figure, panel: Panel, side: Side) -> None:
     elif axis.scale == "log":
         low, high = panel.span(side)
         if high / low < 200:
-            drawn.ticker = grid.ticker = LogTicker(mantissas=[1, 2, 5], num_minor_ticks=0)
+            decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+            drawn.ticker = grid.ticker = FixedTicker(
+                ticks=[step * 10.0**power for power in decades for step in (1, 2, 5)]
+            )
         drawn.formatter = PrintfTickFormatter(format="%.6g")
 
 

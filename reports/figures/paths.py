@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pandas as pd
 from matplotlib import rc_context
-from matplotlib.ticker import LogLocator
 
 from instances.paths import Paths
 from instances.scenario import Scenario
-from reports.figures.style import COLOURS, DASHES, INK, MARKERS, PAPER, RC, new_figure, plain
+from reports.figures.chart import Axis, Chart, Panel, Series
+from reports.figures.static import drawn
+from reports.figures.style import COLOURS, DASHES, INK, MARKERS, PAPER, RC, Style, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes, wind_arrows
 
@@ -57,33 +56,24 @@ def draw_methods(methods: pd.DataFrame) -> Drawn:
 
     Columns: method, options, cpu [s], mean, p95, largest (relative excess over all pairs).
     """
-    with rc_context(RC):
-        figure = new_figure(7.2, 3.4)
-        axes = figure.subplots()
-        for k, (name, rows) in enumerate(methods.groupby("method", sort=False)):
-            colour = COLOURS[k % len(COLOURS)]
-            for _, row in rows.iterrows():
-                shown = np.maximum([row["mean"], row["p95"], row["largest"]], LEAST)
-                axes.plot([row["cpu"]] * 2, shown[[0, 2]], color=colour, linewidth=1.0, alpha=0.7)
-                axes.scatter(row["cpu"], shown[1], s=26, marker="_", color=colour)
-                at = (row["cpu"], shown[0])
-                axes.annotate(str(row["options"]), at, xytext=(5, -3), textcoords="offset points", fontsize=7.5)
-            marks = np.maximum(rows["mean"], LEAST)
-            axes.scatter(rows["cpu"], marks, s=34, marker=MARKERS[k], color=colour, label=str(name), zorder=3)
-        axes.set(xscale="log", yscale="log", xlabel="CPU time, all pairs [s]", ylabel="excess over the best known path")
-        low, high = axes.get_xlim()
-        axes.set_xlim(low, high * 2.5)
-        axes.set_ylim(bottom=LEAST / 2)
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-        plain(axes.xaxis)
-        plain(axes.yaxis)
-        axes.legend(loc="upper right")
+    series = []
+    for k, (name, rows) in enumerate(methods.groupby("method", sort=False)):
+        look = Style(COLOURS[k % len(COLOURS)], "-", MARKERS[k % len(MARKERS)])
+        cpu, options = rows["cpu"].to_numpy(float), rows["options"].to_numpy(str)
+        mean, p95, largest = (np.maximum(rows[column].to_numpy(float), LEAST) for column in ("mean", "p95", "largest"))
+        told = {"options": options, "excess is": np.full(len(rows), "the mean")}
+        ends = {"options": options, "excess is": np.full(len(rows), "the 95 % quantile")}
+        series += [
+            Series(str(name), cpu, mean, look, "points", mean, largest, "bars", told, size=6, labels="options"),
+            Series(str(name), cpu, p95, look._replace(marker="_"), "points", more=ends, size=5),
+        ]
+    x, y = Axis("CPU time, all pairs", "s", "log"), Axis("excess over the best known path, relative", "", "log")
     caption = (
         "Relative excess of each method's paths over the best known ones, against the CPU time for all pairs: mean "
         f"(mark), 95 % quantile (dash) and largest (end of the line); below {LEAST:g} shown as {LEAST:g}. Lower left "
         "is better."
     )
-    return Drawn("methods", "Methods compared", caption, figure)
+    return drawn("methods", "Methods compared", caption, Chart([Panel(x, y, series)], height=3.3))
 
 
 def draw_claim(scaling: pd.DataFrame) -> Drawn:
@@ -91,19 +81,15 @@ def draw_claim(scaling: pd.DataFrame) -> Drawn:
 
     Columns: starts, and CPU times [s] of "one query a pair", "one tree a start", "shared edges", "refined".
     """
-    with rc_context(RC):
-        figure = new_figure(7.2, 3.4)
-        axes = figure.subplots()
-        for k, name in enumerate(c for c in scaling.columns if c != "starts"):
-            look: dict[str, Any] = {"color": COLOURS[k], "marker": MARKERS[k], "linestyle": DASHES[k]}
-            axes.plot(scaling["starts"], scaling[name], label=name, **look)
-        axes.set(xscale="log", yscale="log", xlabel="number of starts n", ylabel="CPU time [s]")
-        axes.set_xticks(scaling["starts"])
-        plain(axes.xaxis)
-        plain(axes.yaxis)
-        axes.legend(loc="upper left")
+    starts = scaling["starts"].to_numpy(float)
+    series = [
+        Series(str(name), starts, scaling[name], Style(COLOURS[k], DASHES[k], MARKERS[k]))
+        for k, name in enumerate(column for column in scaling.columns if column != "starts")
+    ]
+    x = Axis("number of starts n", scale="log", ticks=starts.tolist())
     caption = (
         "FMT* with one query for each of the n(n − 1) pairs (extrapolated from one), with one tree for each start, and "
         "with trees that share what is known about edges; and refined, which polishes every pair."
     )
-    return Drawn("claim", "n planning problems instead of n², and shared edges", caption, figure)
+    chart = Chart([Panel(x, Axis("CPU time", "s", "log"), series)])
+    return drawn("claim", "n planning problems instead of n², and shared edges", caption, chart)

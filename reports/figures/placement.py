@@ -12,7 +12,9 @@ from matplotlib.contour import QuadContourSet
 
 from instances.arrays import Floats
 from instances.environment.region import Region
-from reports.figures.style import COLOURS, INK, PAPER, RC, legend_below, new_figure, plain, styles
+from reports.figures.chart import Axis, Chart, Panel, Series
+from reports.figures.static import drawn
+from reports.figures.style import COLOURS, INK, PAPER, RC, new_figure, styles
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
 
@@ -87,7 +89,6 @@ def _cuts(axes: Axes, sd: tuple[Floats, Floats, Floats], prior_sd: float) -> Non
             panel.legend(loc="upper right", ncols=2, fontsize=7, borderpad=0.1)
 
 
-@rc_context(RC)
 def draw_placement_convergence(
     traces: Mapping[str, Sequence[tuple[float, float]]], bound: float, title: str
 ) -> Drawn | None:
@@ -95,26 +96,21 @@ def draw_placement_convergence(
 
     traces : method → (elapsed [s], mutual information [nats]), improvements in order.
     """
-    drawn = {name: np.array(trace, dtype=float) for name, trace in traces.items() if len(trace)}
-    if not drawn:
+    found = {name: np.array(trace, dtype=float) for name, trace in traces.items() if len(trace)}
+    if not found:
         return None
-    last = 1.4 * max(float(trace[-1, 0]) for trace in drawn.values())
-    first = min(float(trace[0, 0]) for trace in drawn.values())
-    figure = new_figure(7.2, 3.6)
-    axes = figure.subplots()
-    for name, style in styles(drawn).items():
-        elapsed, value = drawn[name].T
+    last = 1.4 * max(float(trace[-1, 0]) for trace in found.values())
+    first = min(float(trace[0, 0]) for trace in found.values())
+    series = []
+    for name, look in styles(found).items():
+        elapsed, value = found[name].T
         gap = 100 * (1 - value / bound)
-        axes.step([*elapsed, last], [*gap, gap[-1]], where="post", color=style.colour, linestyle=style.dash, label=name)
-        axes.plot(elapsed[-1], gap[-1], marker=style.marker, color=style.colour, markersize=5)
-    axes.set(xscale="log", xlabel="wall clock [s]", ylabel="gap to the certificate [%]")
-    axes.set(xlim=(0.7 * max(first, 1e-4), last), ylim=(0, None))
-    plain(axes.xaxis)
-    axes.set_title(title, fontsize=9.5)
-    legend_below(figure, axes)
+        series.append(Series(name, np.append(elapsed, last), np.append(gap, gap[-1]), look, "step"))
+    x = Axis("wall clock", "s", "log", (0.7 * max(first, 1e-4), last))
     caption = (
-        "How far each method's best placement so far lies under the certificate, which no placement can pass. The mark "
-        "is the last improvement. Part of the gap that all share is the certificate's own: under criterion (b) it "
+        "How far each method's best placement so far lies under the certificate, which no placement can pass; the "
+        "scale is linear below 0.1 %. Part of the gap that all share is the certificate's own: under criterion (b) it "
         "bounds the information gain, of which the noisy test points see only a part."
     )
-    return Drawn("placement-convergence", "Convergence to the certificate", caption, figure)
+    chart = Chart([Panel(x, Axis("gap to the certificate", "%", "gap"), series, title)])
+    return drawn("placement-convergence", "Convergence to the certificate", caption, chart)

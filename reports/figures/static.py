@@ -46,6 +46,7 @@ def draw(chart: Chart) -> Figure:
             rank = looks.index(series.name) if series.name in looks else 0
             _series(axes, panel, series, rank, crowded)
         _frame(axes, panel)
+        _labels(axes, panel)
         if chart.shared:  # the last row may be short: the panel above the hole is the lowest of its column
             lowest = number + chart.columns >= len(chart.panels)
             axes.tick_params(labelbottom=lowest)
@@ -105,16 +106,42 @@ def _series(axes: Axes, panel: Panel, series: Series, rank: int, crowded: bool) 
     if "low" in values:
         _spread(axes, series, values)
     if series.kind == "points":
-        face = "none" if series.hollow else look.colour
+        hollow = {"facecolors": "none", "edgecolors": look.colour, "linewidths": 1.0}
         axes.scatter(
-            values["x"], values["y"], s=series.size**2, marker=look.marker, facecolors=face, edgecolors=look.colour,
-            linewidths=1.0 if series.hollow else 0.4, alpha=series.opacity, rasterized=crowded, zorder=3,
+            values["x"], values["y"], s=series.size**2, marker=look.marker,
+            **(hollow if series.hollow else {"color": look.colour}), alpha=series.opacity, rasterized=crowded, zorder=3,
         )  # fmt: skip
         return
     drawstyle = "steps-post" if series.kind == "step" else "default"
     axes.plot(values["x"], values["y"], linestyle=look.dash, drawstyle=drawstyle, **style)
     x, y = marks(panel, series, rank)
     axes.plot(x, y, look.marker, color=look.colour, markersize=series.size, linestyle="none", alpha=series.opacity)
+
+
+def _labels(axes: Axes, panel: Panel) -> None:
+    """Write labels beside points, from below upwards, each far enough above those it would overprint."""
+    points = [
+        (x * series.aside, y, str(word))
+        for series in panel.series
+        if series.labels
+        for x, y, word in zip(*(series.values[of] for of in ("x", "y", series.labels)), strict=True)
+    ]
+    if not points:
+        return
+    low, high = axes.get_xlim()
+    axes.set_xlim(low, high * (high / low) ** 0.2 if panel.x.scale == "log" else high + 0.2 * (high - low))
+    dots = axes.figure.dpi / 72
+    letter = 7.5 * dots
+    taken = list[tuple[float, float, float]]()
+    for x, y, word in sorted(points, key=lambda point: point[1]):
+        left, middle = axes.transData.transform((x, y))
+        right, height = left + 0.7 * letter * (len(word) + 1), middle
+        for start, end, other in taken:
+            if start < right and left < end:
+                height = max(height, other + 1.2 * letter)
+        taken.append((left, right, height))
+        shift = (5, (height - middle) / dots - 3)
+        axes.annotate(word, (x, y), xytext=shift, textcoords="offset points", fontsize=7.5).set_in_layout(False)
 
 
 def _spread(axes: Axes, series: Series, values: dict[str, Any]) -> None:

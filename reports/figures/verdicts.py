@@ -3,47 +3,50 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from matplotlib import rc_context
 
-from reports.figures.style import COLOURS, FAINT, INK, MARKERS, PAPER, RC, WIDTH, new_figure
+from reports.figures.chart import Axis, Chart, Panel, Rule, Series
+from reports.figures.mission import look_of
+from reports.figures.static import drawn
+from reports.figures.style import INK, Style
 from reports.figures.svg import Drawn
 from reports.verdicts import MISSION, Verdict, named
 
 
-@rc_context(RC)
 def draw_verdicts(draws: pd.DataFrame, verdicts: Sequence[Verdict], unit: str) -> Drawn:
     """Return the RMSE of each baseline less the mission's over the same draw, and the mean's interval.
 
     draws : a row a plan and draw: name, draw, rmse, refused.
     """
-    figure = new_figure(WIDTH, 0.9 + 0.5 * len(verdicts))
-    axes = figure.subplots()
     own = draws[draws["name"] == MISSION].set_index("draw")["rmse"]
+    series = []
     for row, verdict in enumerate(verdicts):
         mine = draws[draws["name"] == verdict.name]
         above = mine["rmse"].to_numpy() - own.loc[mine["draw"]].to_numpy()
-        flyable = (mine["refused"] == "").to_numpy()
-        colour = COLOURS[(row + 1) % len(COLOURS)]
-        for shown, filled in ((flyable, True), (~flyable, False)):
-            face = colour if filled else "none"
-            axes.scatter(above[shown], np.full(shown.sum(), row), s=22, alpha=0.75, facecolors=face, edgecolors=colour)
+        flyable, look = (mine["refused"] == "").to_numpy(), look_of(row + 1)._replace(marker="o")
+        for shown, word in ((flyable, "flown"), (~flyable, "nobody may fly it")):
+            more = {"draw": mine["draw"].to_numpy(str)[shown], "value": np.full(shown.sum(), word)}
+            rows = np.full(shown.sum(), float(row))
+            dots = Series(verdict.name, above[shown], rows, look, "points", more=more, size=4.5, opacity=0.75)
+            series.append(replace(dots, hollow=word != "flown"))
         if verdict.rmse.pairs > 1 and not verdict.refused:
-            ends = [verdict.turned.low, verdict.turned.high]
-            axes.plot(ends, [row + 0.28] * 2, color=INK, linewidth=1.6, marker="|", markersize=7)
-            axes.plot(verdict.turned.mean, row + 0.28, color=INK, marker=MARKERS[3], markersize=4.5, mec=PAPER, mew=0.4)
-    axes.axvline(0.0, color=FAINT, linewidth=1.0)
-    axes.set_yticks(range(len(verdicts)), [f"{named(v.name)}: {_word(v)}" for v in verdicts])
-    axes.set_ylim(len(verdicts) - 0.4, -0.6)
-    axes.set_xlabel(f"RMSE less the mission's [{unit}]; right of 0 the mission is better")
+            mean, ends = [verdict.turned.mean], ([verdict.turned.low], [verdict.turned.high])
+            more = {"value": np.array(["mean and its 95 % interval"])}
+            look = Style(INK, "-", "D")
+            series.append(Series(verdict.name, mean, [row + 0.28], look, "points", *ends, "across", more, size=4.5))
+    names = [f"{named(v.name)}: {_word(v)}" for v in verdicts]
+    x = Axis("RMSE less the mission's; right of 0 the mission is better", unit)
+    panel = Panel(x, Axis("plan", names=names), series, rules=[Rule("x", 0.0)])
     caption = (
         "A dot a draw of field and noise, flown by both; hollow where nobody may fly the draw's tours. Below the dots "
         "the mean and its 95 % interval (Student's t of the paired differences): the mission wins where all of it lies "
         "right of 0, loses where it lies left, and else draws."
     )
-    return Drawn("verdicts", "Wins, draws and losses", caption, figure)
+    chart = Chart([panel], height=0.7 + 0.5 * len(verdicts))
+    return drawn("verdicts", "Wins, draws and losses", caption, chart)
 
 
 def _word(verdict: Verdict) -> str:

@@ -96,9 +96,11 @@ def test_a_row_a_plan_has_means_and_the_interval_from_the_missions_side() -> Non
 
 def test_the_figure_has_a_dot_a_draw_and_an_interval_a_plan_that_counts() -> None:
     table = draws(0.5 + NOISE)
-    (axes,) = draw_verdicts(table, verdicts(table), "dBm").figure.axes
-    found = paired(0.5 + NOISE)
-    dots = np.concatenate([np.asarray(c.get_offsets()) for c in axes.collections])
-    assert sorted(dots[:, 0]) == pytest.approx(sorted(0.5 + NOISE))
-    assert [t.get_text() for t in axes.get_yticklabels()] == ["the lawnmower: mission wins"]
-    assert np.ptp(axes.lines[0].get_xdata()) == pytest.approx(found.high - found.low)
+    chart = draw_verdicts(table, verdicts(table), "dBm").chart
+    assert chart is not None
+    found, (panel,) = paired(0.5 + NOISE), chart.panels
+    frame = chart.frame()
+    dots, interval = frame[frame["value"] == "flown"], frame[frame["value"] == "mean and its 95 % interval"]
+    assert sorted(dots[panel.x.words]) == pytest.approx(sorted(0.5 + NOISE))
+    assert set(frame["plan"]) == {"the lawnmower: mission wins"}
+    assert float((interval["high"] - interval["low"]).sum()) == pytest.approx(found.high - found.low)

@@ -152,6 +152,8 @@ def main(args: list[str] | None = None) -> NoReturn:
 
         if not isinstance(error, InputError):
             raise
-        click.echo(f"workbench: {error}", err=True)
+        from workbench.terminal import say
+
+        say(f"workbench: {error}", err=True)
         sys.exit(2)
     sys.exit(code if isinstance(code, int) else 0)

@@ -47,6 +47,12 @@ def say(sentence: str, *, err: bool = False, longest: int = LONGEST_SENTENCE) ->
     click.echo(line if fits else "\n".join(wrapped(line, room or 0)), err=err)
 
 
+def say_lines(text: str) -> None:
+    """Print the lines of `text`, each as `say` does, however long."""
+    for line in text.splitlines():
+        say(line, longest=sys.maxsize)
+
+
 def wrapped(line: str, room: int) -> list[str]:
     """Return `line` in lines of at most `room` characters where its words allow it, all but the first set in."""
     inset = " " * (len(line) - len(line.lstrip()) + 2)
@@ -145,7 +151,7 @@ def _stacked(table: TextTable, keys: Sequence[str], room: int | None) -> list[li
     return groups
 
 
-def _total(table: TextTable, keys: Sequence[str], room: int) -> int:
+def _total(table: TextTable, keys: Sequence[str], room: int | None) -> int:
     return sum(_needed(table, key, room) for key in keys) + BETWEEN * (len(keys) - 1)
 
 
@@ -183,6 +189,8 @@ def _print(table: TextTable, keys: Sequence[str], room: int | None) -> None:
     from rich.table import Table
     from rich.text import Text
 
+    if room is not None and _total(table, keys, None) <= room:
+        room = None  # headings on one line each
     printed = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
     places = [table.keys.index(key) for key in keys]
     for key, at in zip(keys, places, strict=True):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from workbench.options import JSON, SECONDS, SEED
+from workbench.terminal import TextTable, print_table, say
 
 if TYPE_CHECKING:
     from formulations.routing.bounds import Bound
@@ -48,17 +49,17 @@ def command(
     found = []
     for bound in lower_bounds(instance, time_limit=limits.time, seed=seed):
         found.append(bound)
-        click.echo(f"{bound.name}: {bound.value:.6g} s", err=True)
+        say(f"{bound.name}: {bound.value:.6g} s", err=True)
     highest = max((bound.value for bound in found), default=0.0)
     described = [_described(bound, best) for bound in found]
     if as_json:
         report = {"instance": instance.name, "digest": instance.digest, "best": best, "best_from": source}
         click.echo(json.dumps(report | {"bound": highest, "gap": _gap(highest, best), "bounds": described}))
     else:
-        click.echo(_text(instance, best, source, found))
+        _print(instance, best, source, found)
     contradicted = best is not None and highest > best + slack
     if contradicted:
-        click.echo(f"{instance.name}: a bound of {highest!r} s contradicts {best!r} s ({source})", err=True)
+        say(f"{instance.name}: a bound of {highest!r} s contradicts {best!r} s ({source})", err=True)
     context.exit(1 if contradicted else 0)
 
 
@@ -99,11 +100,15 @@ def _described(bound: Bound, best: float | None) -> dict[str, object]:
     return about | {"elapsed": bound.elapsed, "message": bound.message}
 
 
-def _text(instance: Instance, best: float | None, source: str, found: list[Bound]) -> str:
-    known = "no routes known" if best is None else f"best routes {best:.6g} s"
-    lines = [instance.summary(), f"{known} ({source})"]
+def _print(instance: Instance, best: float | None, source: str, found: list[Bound]) -> None:
+    say(instance.summary())
+    say(f"{'no routes known' if best is None else f'best routes {best:.6g} s'} ({source})")
+    rows = []
     for bound in found:
         share = _gap(bound.value, best)
-        gap = "gap       –" if share is None else f"gap {share:7.2%}"
-        lines.append(f"{bound.name:16s} {bound.value:12.6g} s   {gap}   in {bound.elapsed:7.2f} s   {bound.message}")
-    return "\n".join(line.rstrip() for line in lines)
+        gap = "–" if share is None else f"{100 * share:.2f}"
+        rows.append([bound.name, f"{bound.value:.6g}", gap, f"{bound.elapsed:.2f}"])
+    print_table(TextTable(["name", "bound", "gap", "elapsed"], ["Bound", "Value [s]", "Gap [%]", "Time [s]"], rows))
+    for bound in found:
+        if bound.message:
+            say(f"{bound.name}: {bound.message}")

@@ -199,7 +199,7 @@ def _warn_of_crowding(study: Study, parallel: int) -> None:
     cores = available_cores()
     if threads * parallel > cores:
         asked = f"{parallel} runs at once with {threads} threads each"
-        click.echo(f"warning: {asked} on {cores} cores: times will be those of a crowded machine", err=True)
+        say(f"warning: {asked} on {cores} cores: times will be those of a crowded machine", err=True)
 
 
 def _tell_plan(plan: Plan, parallel: int, as_json: bool) -> None:
@@ -213,9 +213,7 @@ def _tell_plan(plan: Plan, parallel: int, as_json: bool) -> None:
         click.echo(job.path)
     longest = duration(Estimate(plan.todo, parallel).left())
     done = len(plan.jobs) - len(plan.todo)
-    click.echo(
-        f"{len(plan.todo)} runs to do ({done} of {len(plan.jobs)} stored), at most {longest} with {parallel} at once"
-    )
+    say(f"{len(plan.todo)} runs to do ({done} of {len(plan.jobs)} stored), at most {longest} with {parallel} at once")
 
 
 @dataclass(frozen=True)
@@ -234,11 +232,9 @@ def _execute(study: Study, plan: Plan, store: Store, means: Means) -> list[str]:
     from workbench.jobs.progress import StudyProgress
 
     if len(plan.todo) < len(plan.jobs):
-        click.echo(f"{len(plan.jobs) - len(plan.todo)} of {len(plan.jobs)} runs are stored already", err=True)
+        say(f"{len(plan.jobs) - len(plan.todo)} of {len(plan.jobs)} runs are stored already", err=True)
     if plan.stale:
-        click.echo(
-            f"{plan.stale} stored runs are stale: other code made them (--retry stale runs them again)", err=True
-        )
+        say(f"{plan.stale} stored runs are stale: other code made them (--retry stale runs them again)", err=True)
     if not plan.todo:
         return []
     with (

@@ -9,7 +9,7 @@ from click.shell_completion import get_completion_class
 
 from instances.disk import write_aside
 from workbench.options import JSON
-from workbench.terminal import print_json
+from workbench.terminal import print_json, say
 
 PLACES = {
     "bash": ".local/share/bash-completion/completions/workbench",
@@ -46,6 +46,6 @@ def command(shell: str, install: bool, as_json: bool) -> None:
     if target is None:
         click.echo(source)
         return
-    click.echo(f"{target}: new {shell} shells complete workbench")
+    say(f"{target}: new {shell} shells complete workbench")
     if shell == "zsh":
-        click.echo(f"(where {target.parent} is on fpath before compinit)")
+        say(f"(where {target.parent} is on fpath before compinit)")

@@ -130,4 +130,4 @@ def _compare(scenario: Scenario, page: Path) -> Published:
 
 
 def _tell(fraction: float, words: str) -> None:
-    click.echo(f"{fraction:4.0%}  {words}", err=True)
+    say(f"{fraction:4.0%}  {words}", err=True)

@@ -10,7 +10,8 @@ import click
 
 from instances.errors import InputError
 from workbench.completing import PLACEMENT_METHOD
-from workbench.options import COUNT, JSON, POSITIVE, SECONDS, SEED
+from workbench.options import COLUMNS, COUNT, JSON, POSITIVE, SECONDS, SEED
+from workbench.terminal import say, say_lines
 
 if TYPE_CHECKING:
     from formulations.task_location.criterion import Criterion
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     "--sd-limit", type=POSITIVE, default=3.0, show_default=True, help="--study: a place with a larger sd is uncovered."
 )
 @click.option("--max-sd", type=POSITIVE, help="Fewest tasks that leave a posterior sd of at most this everywhere.")
+@COLUMNS
 @JSON
 @click.option("--out", type=click.Path(path_type=Path), help="Write .geojson, .json or .csv; with --study a folder.")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw a picture (.svg).")
@@ -57,6 +59,7 @@ def command(
     study: str | None,
     sd_limit: float,
     max_sd: float | None,
+    columns: list[str],
     as_json: bool,
     out: Path | None,
     plot: Path | None,
@@ -91,7 +94,7 @@ def command(
     region = site.region
     criterion = criterion_of(region, **setting)
     limits = Limits(time=float("inf") if time_limit is None else time_limit)
-    asked = Asked(seed, as_json, out, plot, site.plane)
+    asked = Asked(seed, as_json, out, plot, site.plane, columns)
     if study is not None:
         run_study(region, criterion, study, method, chosen, sd_limit, asked)
     elif max_sd is not None:
@@ -102,7 +105,8 @@ def command(
 
 def _refuse_unused(study: bool, fewest: bool) -> None:
     """InputError where a flag is typed that what is asked for would not look at."""
-    unused = {"sd_limit": "--sd-limit: only says something with --study"} if not study else {}
+    only = {"sd_limit": "--sd-limit", "columns": "--columns"}
+    unused = {name: f"{flag}: only says something with --study" for name, flag in only.items() if not study}
     if study or fewest:
         mode = "--study" if study else "--max-sd"
         searching = () if study else ("method", "options", "criterion")
@@ -131,7 +135,7 @@ def _place(
         seed=asked.seed,
         limits=limits,
         certificate=None if bound is None else bound.bound,
-        observe=lambda elapsed, value, _: click.echo(f"{elapsed:8.2f} s  {value:.4f} nats", err=True),
+        observe=lambda elapsed, value, _: say(f"{elapsed:8.2f} s  {value:.4f} nats", err=True),
     )
     write_and_draw(problem, placement, asked)
     if asked.as_json:
@@ -140,4 +144,4 @@ def _place(
         click.echo(json.dumps({**placement.as_dict(), "certificate_kind": kind, **plane}))
     else:
         worth = ", ".join(f"({name}) {value:.4f}" for name, value in placement.information.items())
-        click.echo(f"{placement.summary()}\ninformation [nats]: {worth}")
+        say_lines(f"{placement.summary()}\ninformation [nats]: {worth}")

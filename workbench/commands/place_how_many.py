@@ -7,6 +7,7 @@ import io
 import json
 import re
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,18 +26,34 @@ from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.errors import InputError, shown
 from instances.geodesy import TangentPlane
+from reports.numbers import NOTHING, fixed, missing
 from workbench.settings import check_target, make_folder
+from workbench.terminal import TextTable, print_table, refuse_unknown_columns, say, say_lines
 
-COLUMNS = (
-    "n", "length", "mutual_information", "mi1", "mi2", "lawnmower", "per_km", "planning_noise", "uncovered",
-    "uncovered_tasks", "mean_sd", "highest_sd",
-)  # fmt: skip
+COLUMNS: dict[str, tuple[str, Callable[[Any], str]]] = {
+    "n": ("n", str),
+    "length": ("Tour [km]", fixed(1, 1e-3)),
+    "mutual_information": ("Information (b) [nats]", fixed(1)),
+    "mi1": ("MI1 [nats]", fixed(1)),
+    "mi2": ("MI2 [nats]", fixed(1)),
+    "lawnmower": ("Lawnmower [nats]", fixed(1)),
+    "per_km": ("More [nats/km]", fixed(2)),
+    "planning_noise": ("σ_T", fixed(3)),
+    "uncovered": ("Uncovered [%]", fixed(1, 100)),
+    "uncovered_tasks": ("Uncovered by tasks [%]", fixed(1, 100)),
+    "mean_sd": ("Mean sd", fixed(2)),
+    "highest_sd": ("Highest sd", fixed(2)),
+}
+"""Columns of a study: as people see them, heading and how a value is written; in files in SI units."""
+FIRST = ("length", "mi1", "mi2", "uncovered", "highest_sd", "per_km", "lawnmower", "planning_noise")
+"""Those that are left out last."""
 
 
 class Asked(NamedTuple):
     """What is asked for in every case: the seed, the answer as JSON or text, a file and a picture of it.
 
-    plane : where on Earth the region is, where its file says so.
+    plane : where on Earth the region is, where its file says so. columns : those of the printed table, [] where none
+    are asked for.
     """
 
     seed: int
@@ -44,6 +61,7 @@ class Asked(NamedTuple):
     out: Path | None
     plot: Path | None
     plane: TangentPlane | None = None
+    columns: Sequence[str] = ()
 
 
 def numbers_from(text: str) -> list[int]:
@@ -69,6 +87,7 @@ def run_study(
 ) -> None:
     """Try every n, tell each on stderr, recommend one, and write what was asked for."""
     numbers = numbers_from(text)
+    refuse_unknown_columns(asked.columns, list(COLUMNS))
     PlacementProblem(region, criterion, max(numbers))  # refuse a number that does not fit before the first is placed
     tables, pictures = study_files(asked.out, asked.plot)
     spacing = min(criterion.kernel.length_scales) / 4
@@ -80,7 +99,10 @@ def run_study(
         write_aside(path, _csv(done) if path.suffix == ".csv" else json.dumps(answer))
     for path in pictures:
         _draw_trials(region, criterion, done, advice, spacing, path)
-    click.echo(json.dumps(answer) if asked.as_json else _text(done, advice))
+    if asked.as_json:
+        click.echo(json.dumps(answer))
+    else:
+        _print(done, advice, asked.columns)
 
 
 def study_files(out: Path | None, plot: Path | None) -> tuple[list[Path], list[Path]]:
@@ -117,14 +139,14 @@ def run_fewest(region: Region, criterion: Criterion, max_sd: float, asked: Asked
         more = {name: getattr(found, name) for name in ("worst_sd", "at_least", "greedy")}
         click.echo(json.dumps({**placement.as_dict(), "n": n, "max_sd": max_sd, **more}))
     else:
-        click.echo(
+        say_lines(
             f"{n} tasks keep the posterior sd at most {found.worst_sd:.4g} everywhere (asked: {max_sd:g}), "
             f"{placement.elapsed:.2f} s\nat least {found.at_least} are needed; greedy takes {found.greedy}"
         )
 
 
 def _tell(trial: Trial) -> None:
-    click.echo(
+    say(
         f"n = {trial.n:3d}  {trial.length / 1000:6.1f} km  MI1 {trial.mi1:6.1f}  MI2 {trial.mi2:6.1f}  "
         f"uncovered {trial.uncovered:6.1%}",
         err=True,
@@ -149,18 +171,14 @@ def _csv(done: list[Trial]) -> str:
     return text.getvalue()
 
 
-def _text(done: list[Trial], advice: Recommendation) -> str:
-    lines = ["   n     km    MI1    MI2  lawnmower  nats/km  sigma_T  uncovered  highest sd"]
-    for t in done:
-        per_km = "      -" if t.per_km is None else f"{t.per_km:7.2f}"
-        noise = "      -" if t.planning_noise is None else f"{t.planning_noise:7.3f}"
-        mown = "        -" if t.lawnmower is None else f"{t.lawnmower:9.1f}"
-        lines.append(
-            f"{t.n:4d} {t.length / 1000:6.1f} {t.mi1:6.1f} {t.mi2:6.1f}  {mown}  {per_km}  {noise}  {t.uncovered:8.1%}"
-            f"  {t.highest_sd:10.2f}"
-        )
-    edges = f"underfitted below {advice.underfitted_below}, overfitted above {advice.overfitted_above}"
-    return "\n".join([*lines, f"recommended: {advice.n} tasks, {advice.reason}", edges])
+def _print(done: list[Trial], advice: Recommendation, names: Sequence[str]) -> None:
+    rows = [
+        [NOTHING if missing(value) else COLUMNS[key][1](value) for key, value in _row(trial).items()] for trial in done
+    ]
+    headings = [heading for heading, _ in COLUMNS.values()]
+    print_table(TextTable(list(COLUMNS), headings, rows, first=FIRST), names)
+    say(f"recommended: {advice.n} tasks, {advice.reason}")
+    say(f"underfitted below {advice.underfitted_below}, overfitted above {advice.overfitted_above}")
 
 
 def write_and_draw(problem: PlacementProblem, placement: Placement, asked: Asked) -> None:
@@ -168,7 +186,7 @@ def write_and_draw(problem: PlacementProblem, placement: Placement, asked: Asked
     if asked.out is not None:
         write_placement(placement, asked.out, asked.plane)
         if asked.out.suffix == ".geojson" and asked.plane is None:
-            click.echo(f"{asked.out}: in local metres, as the region: nothing says where on Earth it is", err=True)
+            say(f"{asked.out}: in local metres, as the region: nothing says where on Earth it is", err=True)
     if asked.plot is None:
         return
     from reports.figures.placement import draw_placement  # here: matplotlib takes its time

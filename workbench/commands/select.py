@@ -12,6 +12,7 @@ import click
 from instances.errors import InputError, shown
 from workbench.completing import SELECTION_METHOD
 from workbench.options import ITERATIONS, JSON, POSITIVE, SECONDS, SEED
+from workbench.terminal import say, say_lines
 
 if TYPE_CHECKING:
     from formulations.selection.selection import Selection
@@ -97,7 +98,10 @@ def command(
     selection = select(problem, chosen, method, seed=seed, limits=limits, observe=_tell)
     if out is not None:
         write_selection(selection, out)
-    click.echo(json.dumps(selection.as_dict()) if as_json else _text(selection))
+    if as_json:
+        click.echo(json.dumps(selection.as_dict()))
+    else:
+        say_lines(_text(selection))
 
 
 def _refuse_unused(information: bool) -> None:
@@ -142,7 +146,7 @@ def _information(instance: Instance, path: Path, setting: dict[str, Any]) -> Wor
 
 
 def _tell(elapsed: float, worth: float, bound: float) -> None:
-    click.echo(f"{elapsed:8.2f} s  worth {worth:.6g}  bound {bound:.6g}", err=True)
+    say(f"{elapsed:8.2f} s  worth {worth:.6g}  bound {bound:.6g}", err=True)
 
 
 def _text(selection: Selection) -> str:

@@ -10,6 +10,7 @@ import click
 
 from workbench.completing import SOLVER
 from workbench.options import ITERATIONS, JSON, SECONDS, SEED, THREADS
+from workbench.terminal import say, say_lines
 
 if TYPE_CHECKING:
     from instances import Instance, Routes
@@ -131,13 +132,14 @@ def _solve(
         from reports.figures.svg import save_figure
 
         save_figure(draw_routes(instance, routes, paths), plot)
-    click.echo(json.dumps(as_object(result, instance)) if as_json else as_text(result, instance))
-    if routes is not None and not as_json:
-        for tour in filter(lambda tour: tour.tasks, tours_beside(beside, instance, routes)):
-            click.echo(said_of(tour))
+    if as_json:
+        click.echo(json.dumps(as_object(result, instance)))
+    else:
+        flown = tours_beside(beside, instance, routes) if routes is not None else []
+        say_lines("\n".join([as_text(result, instance), *(said_of(tour) for tour in flown if tour.tasks)]))
     return routes is not None and result.status in ("OPTIMAL", "FEASIBLE")
 
 
 def _tell(elapsed: float, objective: float | None, bound: float | None) -> None:
     told, low = ("-" if value is None else f"{value:.6g} s" for value in (objective, bound))
-    click.echo(f"{elapsed:8.2f} s  longest tour {told}  bound {low}", err=True)
+    say(f"{elapsed:8.2f} s  longest tour {told}  bound {low}", err=True)

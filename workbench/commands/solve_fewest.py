@@ -17,6 +17,7 @@ from instances import Instance, tour_costs
 from instances.errors import InputError, shown
 from instances.files import write_routes
 from workbench.jobs.job import Job
+from workbench.terminal import say, say_lines
 
 
 def run_fewest(
@@ -37,12 +38,15 @@ def run_fewest(
     if out is not None and found.routes is not None:
         write_routes(found.routes, instance, out)
     told = _told(instance, found) | {"solver": job.method, "elapsed": time.perf_counter() - began}
-    click.echo(json.dumps(told) if as_json else _text(told))
+    if as_json:
+        click.echo(json.dumps(told))
+    else:
+        say_lines(_text(told))
     return found.routes is not None
 
 
 def _tell(at_least: int, fewest: int | None) -> None:
-    click.echo(f"UAVs needed: at least {at_least}, {'unknown' if fewest is None else fewest} suffice", err=True)
+    say(f"UAVs needed: at least {at_least}, {'unknown' if fewest is None else fewest} suffice", err=True)
 
 
 def _told(instance: Instance, found: FewestUavs) -> dict[str, Any]:

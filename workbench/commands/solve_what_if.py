@@ -14,6 +14,7 @@ from reports.record import Run
 from workbench.jobs.job import Job, folder_of
 from workbench.jobs.runner import run
 from workbench.problems.routing import ROUTING
+from workbench.terminal import say, say_lines
 
 
 def run_what_if(instance: Instance, job: Job, *, as_json: bool) -> bool:
@@ -26,14 +27,14 @@ def run_what_if(instance: Instance, job: Job, *, as_json: bool) -> bool:
         found = run(ROUTING, again, change.instance, start=None if known is None else change.start(known))
         least, most = gain((base.objective, base.bound), (found.objective, found.bound))
         told.append({"change": change.words, "uav": change.uav} | _of(found) | {"gain_least": least, "gain_most": most})
-        click.echo(_line(told[-1], base.objective), err=True)
+        say(_line(told[-1], base.objective), err=True)
     about = {"instance": instance.name, "digest": instance.digest, "solver": base.solver}
     everything = about | _of(base) | {"changes": told}
     if as_json:
         click.echo(json.dumps(everything))
     else:
         longest = "no routes" if base.objective is None else f"longest tour {base.objective:.6g} s"
-        click.echo("\n".join([f"as it is: {base.status}, {longest}", *(_line(row, base.objective) for row in told)]))
+        say_lines("\n".join([f"as it is: {base.status}, {longest}", *(_line(row, base.objective) for row in told)]))
     return base.objective is not None
 
 

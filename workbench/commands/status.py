@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from workbench.options import JSON
+from workbench.terminal import say
 
 
 @click.command("status")
@@ -50,11 +51,11 @@ def command(context: click.Context, folder: Path, watch: bool, as_json: bool) ->
         width = max([len(one_line(label, LONGEST_VALUE)) for label in found.by_solver], default=0)
         for label, counts in sorted(found.by_solver.items(), key=lambda item: natural(item[0])):
             told = ", ".join(f"{counts[status]} {one_line(status, LONGEST_VALUE)}" for status in seen if counts[status])
-            click.echo(f"{one_line(label, LONGEST_VALUE):{width}}  {sum(counts.values()):6d} stored: {told}")
+            say(f"{one_line(label, LONGEST_VALUE):{width}}  {sum(counts.values()):6d} stored: {told}")
         stale = f", {found.stale} of them stale (made by other code)" if found.stale else ""
         foreign = f"; {found.foreign} foreign (imported)" if found.foreign else ""
         damaged = f", {len(found.damaged)} damaged" if found.damaged else ""
-        click.echo(f"{found.stored} of {found.planned} runs stored{stale}{damaged}, {found.missing} missing{foreign}")
+        say(f"{found.stored} of {found.planned} runs stored{stale}{damaged}, {found.missing} missing{foreign}")
         for sentence in found.damaged:
-            click.echo(sentence, err=True)
+            say(sentence, err=True)
     context.exit(1 if found.damaged else 0)

@@ -7,6 +7,7 @@ import json
 import click
 
 from workbench.options import JSON
+from workbench.terminal import say
 
 
 @click.command("studies")
@@ -39,7 +40,7 @@ def command(as_json: bool) -> None:
         click.echo(json.dumps(found, indent=1))
         return
     for name, study_ in found.items():
-        click.echo(f"{name} ({study_['problem']}): {study_['about']}")
-        click.echo(f"    {', '.join(study_['methods'])}")
+        say(f"{name} ({study_['problem']}): {study_['about']}")
+        say(f"    {', '.join(study_['methods'])}")
         if study_["runs"]:
-            click.echo(f"    at most {study_['runs']} runs")
+            say(f"    at most {study_['runs']} runs")

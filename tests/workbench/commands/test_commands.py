@@ -160,7 +160,7 @@ def test_compare_then_status_check_and_report(cli, runs, stored_json, tmp_path):
     tables = ["--csv", "r.csv", "--latex", "r.tex", "--markdown", "r.md"]
     code, out, _ = cli("report", runs, "--out", "r.html", *tables, "--against", runs, "--fail-on-regression")
     assert code == 0
-    assert "subset-dp, quality" in out
+    assert re.search(r"^subset-dp +quality ", out, re.MULTILINE)
     assert all((tmp_path / f"r.{ending}").stat().st_size > 100 for ending in ("html", "csv", "tex", "md"))
 
     # what is missing, damaged or false is counted, named and shown

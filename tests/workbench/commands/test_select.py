@@ -56,7 +56,7 @@ def test_prizes_and_an_endurance_for_each(run):
     ("change", "sentence"),
     [
         ({"worth": 12.0}, "claimed a worth of 12.0, but its tasks are worth 9.52861"),
-        ({"endurance": [1200, 500]}, "more than its UAV's endurance of 500 s"),
+        ({"endurance": [1200, 500]}, "more than its endurance of 500 s"),
         ({"tasks": [1, 4]}, "tasks are not those that the routes visit"),
         ({"routes": [[1, 1], [4, 5]]}, "Task 1 is visited 2 times"),
         ({"routes": [[9], []]}, "visits 9, which is not a task"),

@@ -1,16 +1,38 @@
-"""What chosen tours take and cost, where the paths behind an instance's costs lie beside it."""
+"""What lies beside an instance: the paths behind its costs, their scenario, and what chosen tours cost there."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from formulations.moving_cost.fleet import classes_of
 from instances import Instance, Routes
 from instances.errors import InputError
 from instances.fleet import Return
-from instances.paths import paths_file, paths_of, read_paths_table
-from instances.scenario import read_scenario
+from instances.paths import Paths, paths_file, paths_of, read_paths_table
+from instances.scenario import Scenario, read_scenario
 from instances.tour_figures import TourFigures, tour_figures
+
+
+def planned_beside(instance_file: Path, instance: Instance) -> tuple[Paths | None, Scenario | None]:
+    """Return the paths beside an instance file and the scenario they were planned in.
+
+    None for paths that are not there, and for a scenario that is not found or has other nodes by now. InputError where
+    the paths are not those of `instance`.
+    """
+    kept = paths_file(instance_file)
+    if not kept.exists():
+        return None, None
+    table = read_paths_table(kept)
+    paths, named = paths_of(table, instance, kept), table.get("scenario")
+    try:
+        scenario = read_scenario(kept.parent / str(named)) if named else None
+    except InputError:
+        return paths, None
+    if scenario is None or instance.coordinates is None or scenario.points.shape != instance.coordinates.shape:
+        return paths, None
+    return paths, scenario if np.allclose(scenario.points, instance.coordinates, atol=0.01) else None
 
 
 def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> list[TourFigures]:
@@ -18,14 +40,8 @@ def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> lis
 
     None without paths, where their scenario is not found, or where tours do not end where they began.
     """
-    kept = paths_file(instance_file)
-    if not kept.exists():
-        return []
-    table = read_paths_table(kept)
-    paths, named = paths_of(table, instance, kept), table.get("scenario")
-    try:
-        scenario = read_scenario(kept.parent / str(named))
-    except InputError:
+    paths, scenario = planned_beside(instance_file, instance)
+    if paths is None or scenario is None:
         return []
     speeds, classes = classes_of(scenario)
     if scenario.fleet.returns is not Return.OWN or len(paths.others) != len(speeds) - 1:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
@@ -19,19 +20,24 @@ from instances.environment.region import Region, single_polygon
 from instances.environment.wind import WindField
 from instances.environment.wind_table import wind_from_toml
 from instances.errors import one_line
+from instances.fleet import Return
 from instances.paths import Paths
+from instances.scenario import Scenario
 from reports.figures.style import COLOURS, DASHES, FAINT, INK, PAPER, RC
+from reports.numbers import counted
 
 ARROWS_BELOW = 400
 """Legs get an arrow each where there are fewer tasks than this; more would hide the tours."""
 
 
-def draw_routes(instance: Instance, routes: Routes, paths: Paths | None = None) -> Figure:
+def draw_routes(
+    instance: Instance, routes: Routes, paths: Paths | None = None, scenario: Scenario | None = None
+) -> Figure:
     """Return the tours on the map and, beside it, bars of their costs C_k [s].
 
-    Below the tours lie the region and the wind the instance was made in, if it states them. paths : behind the costs of
-    `instance`, drawn as legs; straight lines where not given. Where the instance has no coordinates only the bars are
-    drawn.
+    Below the tours lie the region and the wind of `scenario`, or where it is not given those that the instance states.
+    paths : behind the costs of `instance`, drawn as legs; straight lines where not given. Where the instance has no
+    coordinates only the bars are drawn.
     """
     with rc_context(RC):
         if instance.coordinates is None:
@@ -40,7 +46,9 @@ def draw_routes(instance: Instance, routes: Routes, paths: Paths | None = None) 
         else:
             figure = Figure(figsize=(7.2, 4.6), layout="constrained")
             plan, bars = figure.subplots(1, 2, width_ratios=[2.6, 1.0])
-            _map(plan, instance, routes, instance.coordinates, paths)
+            around = (scenario.free, scenario.wind) if scenario is not None else surroundings(instance)
+            closed = scenario is None or scenario.fleet.returns is Return.OWN
+            _map(plan, instance, [_legs(instance, k, route, paths, closed) for k, route in enumerate(routes)], *around)
             _bars(bars, instance, routes)
         figure.suptitle(_title(instance, routes), fontsize=10, color=INK)
     return figure
@@ -69,20 +77,21 @@ def _title(instance: Instance, routes: Routes) -> str:
     return f"{one_line(instance.name, 80)}: {instance.n_tasks} tasks, {uavs}, longest tour {longest:,.6g} s"
 
 
-def _map(axes: Axes, instance: Instance, routes: Routes, coordinates: Floats, paths: Paths | None) -> None:
-    region, wind = surroundings(instance)
+def _map(
+    axes: Axes, instance: Instance, tours: list[list[Floats]], region: Region | None, wind: WindField | None
+) -> None:
+    """Draw region, wind, the legs of every UAV's tour, tasks and depots."""
+    coordinates = _places(instance)
     scale, unit = (1e3, "km") if np.ptp(coordinates, axis=0).max() >= 5e3 else (1.0, "m")
     xy = coordinates / scale
     if region is not None:
         rings = Outline.make_compound_path(*(Outline(ring / scale, closed=True) for ring in region.rings))
-        axes.add_patch(PathPatch(rings, facecolor=FAINT, alpha=0.14, edgecolor=INK, linewidth=0.8))
+        axes.add_patch(PathPatch(rings, facecolor=to_rgba(FAINT, 0.14), edgecolor=INK, linewidth=0.8))
     corners = np.vstack([coordinates, *(region.rings if region is not None else [])])
     if wind is not None:
         _wind_arrows(axes, wind, region, corners, scale)
-    for k, route in enumerate(routes):
-        if len(route):
-            stops = [instance.n_tasks + k, *route, instance.n_tasks + k]
-            legs = [coordinates[[i, j]] if paths is None else paths.between(i, j) for i, j in pairwise(stops)]
+    for k, legs in enumerate(tours):
+        if legs:
             _tour(axes, [leg / scale for leg in legs], k, instance.n_tasks < ARROWS_BELOW)
     size = float(np.clip(30 - 5 * np.log(instance.n_tasks), 2, 20))
     axes.scatter(xy[: instance.n_tasks, 0], xy[: instance.n_tasks, 1], s=size, color=INK, zorder=4, linewidths=0)
@@ -94,6 +103,24 @@ def _map(axes: Axes, instance: Instance, routes: Routes, coordinates: Floats, pa
     axes.margins(0.04)
     for side in (axes.xaxis, axes.yaxis):
         side.set_major_locator(MaxNLocator(6))
+
+
+def _places(instance: Instance) -> Floats:
+    return instance.coordinates if instance.coordinates is not None else np.zeros((instance.n_nodes, 2))
+
+
+def _legs(instance: Instance, k: int, route: Sequence[int], paths: Paths | None, closed: bool) -> list[Floats]:
+    """Return the polylines that UAV `k` flies from stop to stop: its class's paths, or straight lines without paths.
+
+    closed : whether tours end where they began; of others the last leg is left out.
+    """
+    depot = instance.n_tasks + k
+    steps = list(pairwise([depot, *route, *([depot] if closed else [])])) if len(route) else []
+    if paths is None:
+        return [_places(instance)[[i, j]] for i, j in steps]
+    alike = len(paths.others) != instance.classes.max()  # classes of equal costs are one, whatever their paths
+    own = paths if alike else paths.of_class(int(instance.classes[k]))
+    return [own.between(i, j) for i, j in steps]
 
 
 def _wind_arrows(axes: Axes, wind: WindField, region: Region | None, corners: Floats, scale: float) -> None:
@@ -145,7 +172,7 @@ def _bars(axes: Axes, instance: Instance, routes: Routes) -> None:
         top = costs.max() or 1.0
         for k, (cost, route) in enumerate(zip(costs, routes, strict=True)):
             inside = cost > 0.55 * top
-            words = f"{len(route)} tasks" if len(route) else "stays home"
+            words = counted(len(route), "task") if len(route) else "stays home"
             place, align, colour = (cost - 0.03 * top, "right", "white") if inside else (cost + 0.03 * top, "left", INK)
             axes.text(place, k, words, va="center", ha=align, fontsize=7.5, color=colour)
         axes.set_yticks(uavs, [str(k) for k in uavs])

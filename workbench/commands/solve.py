@@ -33,7 +33,11 @@ if TYPE_CHECKING:
 @click.option("--what-if", is_flag=True, help="Also solve with one more UAV or battery: what is each worth?")
 @JSON
 @click.option("--out", type=click.Path(path_type=Path), help="Write the routes (.sol, .tour).")
-@click.option("--plot", type=click.Path(path_type=Path), help="Draw the routes (.svg).")
+@click.option(
+    "--plot",
+    type=click.Path(path_type=Path),
+    help="Draw the routes (.svg): along the paths behind its costs, over wind and no-fly zones, where these are known.",
+)
 @click.pass_context
 def command(
     context: click.Context,
@@ -116,13 +120,12 @@ def _solve(
 ) -> bool:
     """Run the job, print and write what was asked for, and return whether it ended with routes."""
     from instances.files import write_routes
-    from instances.paths import paths_file, read_paths
     from workbench.commands.solve_told import as_object, as_text
     from workbench.jobs.runner import run
     from workbench.problems.routing import ROUTING
-    from workbench.tours import said_of, tours_beside
+    from workbench.tours import planned_beside, said_of, tours_beside
 
-    paths = read_paths(paths_file(beside), instance) if plot and paths_file(beside).exists() else None
+    paths, scenario = planned_beside(beside, instance) if plot else (None, None)
     result = run(ROUTING, job, instance, start=begin, observe=_tell)
     routes = result.own["routes"]
     if out and routes is not None:
@@ -131,7 +134,7 @@ def _solve(
         from reports.figures.routes import draw_routes  # here: matplotlib takes its time
         from reports.figures.svg import save_figure
 
-        save_figure(draw_routes(instance, routes, paths), plot)
+        save_figure(draw_routes(instance, routes, paths, scenario), plot)
     if as_json:
         click.echo(json.dumps(as_object(result, instance)))
     else:

@@ -112,7 +112,7 @@ const tellMethods = () => writeAddress(({ said }) => {
 });
 addEventListener("load", () => {
   keep(showMethods);
-  addEventListener("charts:changed", tellMethods);
+  for (const target of [window, document]) target.addEventListener("charts:changed", tellMethods);
 });
 
 // ---- tables: sort by a click on a heading -----------------------------------------------------------------------

@@ -205,6 +205,12 @@ def test_methods_shown_in_the_figures_stand_in_the_address(page, study):
     page.reload()
     page.settle()
     assert page.run("return window.charts.shown()") == others
+    page.run("window.charts.show([])")
+    page.reload()
+    page.settle()
+    assert page.run("return window.charts.shown()") == []
+    page.run("window.charts.show(arguments[0])", [first, *others])
+    assert "method=" not in page.run("return location.hash")
 
 
 def test_the_section_of_the_navigation_comes_into_view_and_the_keyboard_goes_on_there(page, study):

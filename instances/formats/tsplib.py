@@ -23,7 +23,7 @@ import vrplib
 
 from instances.arrays import Floats, Ints
 from instances.disk import read_text
-from instances.errors import LONGEST_SENTENCE, InputError, naming, one_line, shown
+from instances.errors import LONGEST_SENTENCE, LONGEST_VALUE, InputError, naming, one_line, shown
 from instances.formats.depots import nodes_of, whole_number
 from instances.formats.edge_weights import explicit_weights, metric_of
 from instances.formats.format import Format
@@ -77,7 +77,7 @@ def read_tsplib(path: Path) -> Instance:
 def _tell_left_out(path: Path, ignored: list[str], specs: Mapping[str, str], sections: Mapping[str, list[str]]) -> None:
     """Log a notice of what the file says beyond the min-max problem, save demands that bind nothing."""
     free = {"CAPACITY", "DEMAND_SECTION"} if _fits_all(specs, sections) else set()
-    told = [each for each in ignored if each not in free]
+    told = [one_line(each, LONGEST_VALUE) for each in ignored if each not in free]
     if told:
         words = f"{path}: left out, as the min-max problem has no place for it: {', '.join(told)}"
         logging.getLogger(__name__).warning(one_line(words, LONGEST_SENTENCE))

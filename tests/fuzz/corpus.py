@@ -206,7 +206,8 @@ def _instances() -> None:
     call("convert", "small.json", "small.atsp")
     for ending in ("tsp", "mtsp", "mdm", "vrp"):
         Path(f"small.{ending}").write_text(TSPLIB)
-    write_routes([[0, 1], [2, 3]], read_instance("small.json"), "small.sol")
+    for ending in ("sol", "tour"):
+        write_routes([[0, 1], [2, 3]], read_instance("small.json"), f"small.{ending}")
 
 
 def _environment() -> None:

@@ -41,7 +41,8 @@ PRODUCTS = tuple(f"mission/{name}" for name in (
 FILES = (
     *(_reads(f"instance {e}", f"convert small.{e} new.json", f"small.{e}", outputs="new.json")
       for e in ("json", "json.gz", "atsp", "tsp", "mtsp", "mdm", "vrp")),
-    _reads("routes", "check small.json small.sol", "small.sol", beside="small.json"),
+    *(_reads(f"routes .{e}", f"check small.json small.{e}", f"small.{e}", beside="small.json")
+      for e in ("sol", "tour")),
     _reads("paths", "check planned.paths.json.gz", "planned.paths.json.gz",
            beside="planned.json sum.toml zones.geojson"),
     _reads("planned instance", "check planned.paths.json.gz", "planned.json",

@@ -25,7 +25,12 @@ def least(values: pd.Series) -> list[str]:
 
 def most(values: pd.Series) -> list[str]:
     """Mark the greatest of `values` as the best, unless all are equal or it is 0."""
-    return ["" if value == 0 else mark for value, mark in zip(values, least(-values), strict=True)]
+    return ["" if value == 0 else mark for value, mark in zip(values, greatest(values), strict=True)]
+
+
+def greatest(values: pd.Series) -> list[str]:
+    """Mark the greatest of `values` as the best, unless all are equal."""
+    return least(-values)
 
 
 def failed(values: pd.Series) -> list[str]:
@@ -226,6 +231,14 @@ SCALING = [
     Column("refined", "Refined", "s", SHORT, "every pair polished"),
 ]
 """Of the paper's scaling claim, a row a number of starts: CPU times."""
+
+EVIDENCE = [
+    Column("kernel", "Kernel"),
+    Column("mean", "Mean"),
+    Column("log_likelihood", "Log-likelihood", "nats", numbers.fixed(1), "restricted, of all samples", greatest),
+    Column("behind", "Behind the best", "nats", numbers.fixed(1)),
+]
+"""Of what a map's model was chosen from, a row a kernel and mean."""
 
 TOURS = [
     Column("uav", "UAV"),

@@ -207,6 +207,23 @@ class Products:
                 raise InputError("must hold finite numbers")
             return said | {"left_out": [int(task) for task in said["left_out"]]}
 
+    @cached_property
+    def map_model(self) -> dict[str, Any] | None:
+        """What the last map believes and the likelihoods that it was chosen by; None in missions made before these."""
+        path = self.folders["map"] / "model.json"
+        if not path.exists():
+            return None
+        with reading(path, "a map's model"):
+            said: dict[str, Any] = read_json(path)
+            found = [row["log_likelihood"] for row in said["evidence"]]
+            found += [*said["length_scales"], *said["coefficients"], said["signal_sd"], said["nugget_sd"]]
+            if len(said["length_scales"]) != 2 or not all(is_number(value) for value in found):
+                raise InputError("must hold finite numbers")
+            names = [said, *said["evidence"]]
+            if not all(isinstance(each[key], str) for each in names for key in ("kernel", "mean")):
+                raise InputError("kernel and mean must be names")
+            return said
+
     def table(self, stage: str, file: str) -> pd.DataFrame:
         """Return a CSV product as a frame, its `NUMBERS` being numbers."""
         path = self.folders[stage] / file

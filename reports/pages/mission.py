@@ -25,6 +25,7 @@ from reports.pages.blocks import Beside, Block, Facts, Lines, Section, Source, T
 from reports.pages.calm import calm_twin
 from reports.pages.exported import exported
 from reports.pages.film import film, player
+from reports.pages.map_model import map_model
 from reports.pages.page import Page, write_page
 from reports.products import Products
 from reports.verdicts import MISSION, Verdict, difference, sentence, verdicts
@@ -53,6 +54,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
         draw_plans(scenario.region, scenario.depots, products.of_plans("tracks.csv"), table, unit),
     ]
     data = film(products, flown, samples, ticks)
+    growing = [player(products, data), *map_model(products.map_model, unit), Beside([stages, list(judged)])]
     planned: list[Block] = [_placed(products), _routed(products), *_tours(products), flight, heights]
     planned += [_checks(products), exported(folders)]
     worth, twin = calm_twin(products, scenario_tasks(products))
@@ -62,7 +64,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
         Lines([sentence(verdict, unit, products.over) for verdict in judged_plans]),
         Section("Environment", [Beside(given)], "given"),
         Section("Tasks, routes and flight", planned, "plan", "Plan"),
-        Section("The map as it grows", [player(products, data), Beside([stages, list(judged)])], "map", "Map"),
+        Section("The map as it grows", growing, "map", "Map"),
         Section("Against what a person would fly otherwise", [plans, Beside(compared)], "compared", "Compared"),
         *([Section("What planning in the wind is worth", worth, "calm", "Wind")] if worth else []),
         _made(said),

@@ -1,12 +1,13 @@
 """Stage 6, map: every UAV measures on its way and the Gaussian process maps the field (sub-problem 4).
 
-Products: samples.csv (time [s], uav, x, y [m], value), ticks.csv, maps.nc (the maps of some ticks, the last included),
-map.csv (the last) and, where the mission has an origin, estimate.tif and uncertainty.tif (the last) and field.tif (what
-was measured).
+Products: samples.csv (time [s], uav, x, y [m], value), ticks.csv, model.json (what the last map believes, and the
+likelihoods it was chosen by), maps.nc (the maps of some ticks, the last included), map.csv (the last) and, where the
+mission has an origin, estimate.tif and uncertainty.tif (the last) and field.tif (what was measured).
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Collection
 from dataclasses import asdict
 from importlib.util import find_spec
@@ -50,6 +51,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     samples = pd.DataFrame({"time": survey.times, "uav": survey.uavs, "x": x, "y": y, "value": survey.values})
     write_aside(out / "samples.csv", samples.round(6).to_csv(index=False))
     write_aside(out / "ticks.csv", ticks_frame(survey).to_csv(index=False))
+    write_aside(out / "model.json", json.dumps(_chosen(survey.ticks[-1]), indent=1))
     grid = MapGrid.over(scenario.region, mission.map.cells)
     _write_maps(survey, grid, field, mission.origin, out)
     if mission.origin is not None:
@@ -84,6 +86,25 @@ def survey_of(
 def ticks_frame(survey: Survey) -> pd.DataFrame:
     """Return a row a tick: time [s], samples, information and entropy [nats], scores, the model and its parameters."""
     return pd.DataFrame([_row(tick) for tick in survey.ticks])
+
+
+def _chosen(tick: Tick) -> dict[str, Any]:
+    """Return the model of a tick, its coefficients, and the log-likelihood [nats] of every kernel and mean offered."""
+    model = tick.fitted.model
+    evidence = [
+        {"kernel": kernel, "mean": mean, "log_likelihood": value}
+        for (kernel, mean), value in tick.fitted.evidence.items()
+    ]
+    assert tick.posterior is not None  # the last tick's is kept
+    return {
+        "kernel": model.kernel.name,
+        "mean": model.trend.name,
+        "signal_sd": model.kernel.signal_sd,
+        "length_scales": model.kernel.length_scales,
+        "nugget_sd": model.nugget_sd,
+        "coefficients": tick.posterior.coefficients.tolist(),
+        "evidence": evidence,
+    }
 
 
 def _row(tick: Tick) -> dict[str, Any]:

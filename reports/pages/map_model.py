@@ -1,0 +1,56 @@
+"""What the last map believes of its field, and by how much that was likelier than what else was offered."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from reports.columns import EVIDENCE
+from reports.pages.blocks import Block, table_of
+
+KERNELS = {
+    "se": "the squared exponential",
+    "matern52": "Matérn 5/2",
+    "matern32": "Matérn 3/2",
+    "matern12": "Matérn 1/2",
+}
+"""Kernel → its name in a sentence."""
+MEANS = {"constant": "a constant level", "path-loss": "path loss", "propagation": "the predicted signal"}
+"""Mean → its name in a sentence."""
+
+
+def map_model(said: dict[str, Any] | None, unit: str) -> list[Block]:
+    """Return a sentence about the model, and the table of likelihoods where several were compared."""
+    if said is None:
+        return []
+    evidence = pd.DataFrame(said["evidence"], columns=["kernel", "mean", "log_likelihood"])
+    if evidence.empty:
+        return [f"{_sentence(said, unit)} It is what was believed at take-off."]
+    if len(evidence) == 1:
+        return [f"{_sentence(said, unit)} It was fitted by restricted likelihood."]
+    ranked = evidence.sort_values("log_likelihood", ascending=False, kind="stable")
+    ranked["behind"] = ranked["log_likelihood"].max() - ranked["log_likelihood"]
+    second = ranked.iloc[1]
+    told = (
+        f"{_sentence(said, unit)} It was chosen by restricted likelihood, {second['behind']:.1f} nats ahead of "
+        f"{_named(second)}. Task locations were planned under the squared exponential all the same: its derivatives "
+        "and bounds are those of a smooth field."
+    )
+    return [told, table_of(ranked, EVIDENCE, key="evidence")]
+
+
+def _named(row: Any) -> str:
+    return f"{KERNELS.get(row['kernel'], row['kernel'])} about {MEANS.get(row['mean'], row['mean'])}"
+
+
+def _sentence(said: dict[str, Any], unit: str) -> str:
+    (lx, ly), signal = said["length_scales"], said["signal_sd"]
+    if said["kernel"] == "matern12":  # the data tells no more of it
+        scales = f"σ_f²/l = {signal**2 / lx * 1e3:.3g} {unit}² a kilometre"
+    else:
+        lengths = f"{lx / 1e3:.1f} km" if lx == ly else f"{lx / 1e3:.1f} km along x and {ly / 1e3:.1f} km along y"
+        scales = f"σ_f = {signal:.1f} {unit}, l = {lengths}"
+    nugget = f", a nugget of {said['nugget_sd']:.2g} {unit}" if said["nugget_sd"] >= 0.01 else ""
+    factor = f" times {said['coefficients'][1]:.2f}" if len(said["coefficients"]) > 1 else ""
+    return f"The last map is {_named(said)}{factor}: {scales}{nugget}."

@@ -24,7 +24,9 @@ def publish(folders: Sequence[Path], outputs: Outputs) -> Published:
     problems = [PROBLEMS.load(name) for name in found]
     for flag in outputs.extra:
         if not any(flag in problem.outputs for problem in problems):
-            raise InputError(f"--{flag}: a store of {' and '.join(found)} runs alone has only --out and --csv")
+            raise InputError(
+                f"--{flag}: a store of {' and '.join(found)} runs alone has only --out, --csv and --figures"
+            )
     published = [
         problem.publish(list(folders), outputs.of(problem.outputs, "" if problem is problems[0] else problem.name))
         for problem in problems

@@ -57,8 +57,8 @@ class Series:
     name : the method, or what else the legend says; without one it is scenery: in no legend and no table. low, high :
     ends of a spread. more : further columns, by heading. size : of marks [pt]; lines have a few marks to be told apart
     by, none where it is 0. hollow : marks are outlines. aside : factor on x where it is drawn, so that what is at the
-    same x is told apart. labels : the further column that is written beside points on paper; a page tells it under the
-    pointer.
+    same x is told apart. marked : where a line has its marks. labels : the further column that is written beside points
+    on paper; a page tells it under the pointer.
     """
 
     name: str
@@ -75,6 +75,7 @@ class Series:
     hollow: bool = False
     opacity: float = 1.0
     aside: float = 1.0
+    marked: Literal["along", "end"] = "along"
     labels: str = ""
 
     @property
@@ -206,6 +207,8 @@ def marks(panel: Panel, series: Series, rank: int, count: int = 4) -> tuple[Floa
     x, y = series.values["x"], series.values["y"]
     if series.size == 0 or not len(x):
         return np.empty(0), np.empty(0)
+    if series.marked == "end":
+        return x[-1:] * series.aside, y[-1:]
     if series.kind == "line" and len(x) <= 24:
         return x * series.aside, y
     low, high = panel.span("x")

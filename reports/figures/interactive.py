@@ -188,7 +188,7 @@ def _axis(plot: figure, panel: Panel, side: Side) -> None:
             drawn.ticker = grid.ticker = FixedTicker(
                 ticks=[step * 10.0**power for power in decades for step in (1, 2, 5)]
             )
-        drawn.formatter = PrintfTickFormatter(format="%.6g")
+        drawn.formatter = PrintfTickFormatter(format="%.0e" if low < 1e-4 else "%.6g")
 
 
 def _gap_ticks(low: float, high: float, most: int) -> list[float]:

@@ -59,8 +59,7 @@ def draw_comparison(ticks: pd.DataFrame, unit: str) -> Drawn:
         km, look, width = mine["flown"].to_numpy(float) / 1e3, look_of(rank), 2.4 if rank == 0 else 1.4
         for series, column in ((error, "rmse"), (density, "nlpd")):
             of = mine[column].to_numpy(float)
-            line = Series(str(name), km, of, look, width=width, size=0)
-            series += [line, Series("", km[-1:], of[-1:], look, "points", size=5)]
+            series.append(Series(str(name), km, of, look, width=width, size=5, marked="end"))
     x = Axis("flown by all UAVs", "km")
     panels = [
         Panel(x, Axis("RMSE", unit, span=(0.0, None)), error),

@@ -38,15 +38,13 @@ def draw_paths(scenario: Scenario, paths: Paths) -> Drawn:
             axes.scatter(*(points[:n].T / KM), s=12, color=INK, zorder=4, linewidths=0)
             axes.scatter(*(points[n:].T / KM), s=34, marker="s", color=INK, edgecolors=PAPER, linewidths=0.9, zorder=5)
             axes.scatter(*(points[node] / KM), s=170, marker="*", color=COLOURS[3], edgecolors=PAPER, zorder=6)
-            axes.set_title(
-                f"{'from' if outward else 'back to'} node {node}, {scenario.cost.speed_name} {scenario.speed:g} m/s"
-            )
+            axes.set_title(f"{'from' if outward else 'back to'} node {node}", loc="left")
             if not outward:
                 axes.set_ylabel("")
     caption = (
         "The cheapest paths from one node (star) to every task (dots) and depot (squares), and back, among the "
         "no-fly zones (grey) in the wind (arrows). The two differ: with the wind a detour pays, against it the "
-        "straight way."
+        f"straight way. Flown at {scenario.cost.speed_name} {scenario.speed:g} m/s."
     )
     return Drawn("paths", "Paths of the moving cost", caption, figure)
 

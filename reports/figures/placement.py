@@ -14,7 +14,7 @@ from instances.arrays import Floats
 from instances.environment.region import Region
 from reports.figures.chart import Axis, Chart, Panel, Series
 from reports.figures.static import drawn
-from reports.figures.style import COLOURS, INK, PAPER, RC, new_figure, styles
+from reports.figures.style import COLOURS, INK, PAPER, RC, Style, new_figure
 from reports.figures.svg import Drawn
 from reports.figures.wind import KM, map_axes
 
@@ -90,11 +90,11 @@ def _cuts(axes: Axes, sd: tuple[Floats, Floats, Floats], prior_sd: float) -> Non
 
 
 def draw_placement_convergence(
-    traces: Mapping[str, Sequence[tuple[float, float]]], bound: float, title: str
+    traces: Mapping[str, Sequence[tuple[float, float]]], bound: float, title: str, look: Mapping[str, Style]
 ) -> Drawn | None:
     """Return gap to `bound` [nats] against elapsed [s], one line a method; None where no method has a trace.
 
-    traces : method → (elapsed [s], mutual information [nats]), improvements in order.
+    traces : method → (elapsed [s], mutual information [nats]), improvements in order. look : of each method.
     """
     found = {name: np.array(trace, dtype=float) for name, trace in traces.items() if len(trace)}
     if not found:
@@ -102,15 +102,17 @@ def draw_placement_convergence(
     last = 1.4 * max(float(trace[-1, 0]) for trace in found.values())
     first = min(float(trace[0, 0]) for trace in found.values())
     series = []
-    for name, look in styles(found).items():
+    for name in sorted(found):
         elapsed, value = found[name].T
         gap = 100 * (1 - value / bound)
-        series.append(Series(name, np.append(elapsed, last), np.append(gap, gap[-1]), look, "step"))
+        series.append(Series(name, np.append(elapsed, last), np.append(gap, gap[-1]), look[name], "step"))
     x = Axis("wall clock", "s", "log", (0.7 * max(first, 1e-4), last))
+    apart = min(float(np.min(one.y)) for one in series) > 0.1
+    y = Axis("gap to the certificate", "%", "log" if apart else "gap")
     caption = (
-        "How far each method's best placement so far lies under the certificate, which no placement can pass; the "
-        "scale is linear below 0.1 %. Part of the gap that all share is the certificate's own: under criterion (b) it "
-        "bounds the information gain, of which the noisy test points see only a part."
+        "How far each method's best placement so far lies under the certificate, which no placement can pass. Part of "
+        "the gap that all share is the certificate's own: under criterion (b) it bounds the information gain, of which "
+        f"the noisy test points see only a part.{'' if apart else ' The scale is linear below 0.1 %.'}"
     )
-    chart = Chart([Panel(x, Axis("gap to the certificate", "%", "gap"), series, title)])
+    chart = Chart([Panel(x, y, series, title)])
     return drawn("placement-convergence", "Convergence to the certificate", caption, chart)

@@ -119,29 +119,24 @@ def _series(axes: Axes, panel: Panel, series: Series, rank: int, crowded: bool) 
 
 
 def _labels(axes: Axes, panel: Panel) -> None:
-    """Write labels beside points, from below upwards, each far enough above those it would overprint."""
-    points = [
-        (x * series.aside, y, str(word))
-        for series in panel.series
-        if series.labels
-        for x, y, word in zip(*(series.values[of] for of in ("x", "y", series.labels)), strict=True)
-    ]
-    if not points:
-        return
-    low, high = axes.get_xlim()
-    axes.set_xlim(low, high * (high / low) ** 0.2 if panel.x.scale == "log" else high + 0.2 * (high - low))
-    dots = axes.figure.dpi / 72
-    letter = 7.5 * dots
-    taken = list[tuple[float, float, float]]()
-    for x, y, word in sorted(points, key=lambda point: point[1]):
-        left, middle = axes.transData.transform((x, y))
-        right, height = left + 0.7 * letter * (len(word) + 1), middle
-        for start, end, other in taken:
-            if start < right and left < end:
-                height = max(height, other + 1.2 * letter)
-        taken.append((left, right, height))
-        shift = (5, (height - middle) / dots - 3)
-        axes.annotate(word, (x, y), xytext=shift, textcoords="offset points", fontsize=7.5).set_in_layout(False)
+    """Write labels beside points, on the side where there is room, and above what they would overprint."""
+    dots = axes.figure.get_dpi() / 72
+    letter, middle = 7.5 * dots, axes.transAxes.transform((0.5, 0.5))[0]
+    points = [series for series in panel.series if series.kind == "points"]
+    places = [axes.transData.transform(np.column_stack([one.values["x"], one.values["y"]])) for one in points]
+    taken = [(x - 0.5 * letter, x + 0.5 * letter, y) for of in places for x, y in of]
+    for series, of in zip(points, places, strict=True):
+        for (x, y), word in zip(of, series.values[series.labels] if series.labels else [], strict=False):
+            way, length = (1 if x < middle else -1), 0.65 * letter * len(word)
+            left, right = sorted((x + 0.7 * letter * way, x + (0.7 * letter + length) * way))
+            height = y
+            for start, end, other in sorted(taken, key=lambda box: box[2]):
+                if start < right and left < end and abs(other - height) < 1.2 * letter:
+                    height = other + 1.2 * letter
+            taken.append((left, right, height))
+            shift = (0.7 * 7.5 * way, (height - y) / dots - 3)
+            at, align = tuple(axes.transData.inverted().transform((x, y))), "left" if way > 0 else "right"
+            axes.annotate(word, at, shift, textcoords="offset points", ha=align, fontsize=7.5).set_in_layout(False)
 
 
 def _spread(axes: Axes, series: Series, values: dict[str, Any]) -> None:

@@ -11,9 +11,11 @@ import numpy as np
 import pandas as pd
 
 from reports.columns import PLACEMENTS
+from reports.figures.files import write_figures
 from reports.figures.placement import draw_placement_convergence
+from reports.figures.style import styles
 from reports.figures.svg import Drawn
-from reports.pages.blocks import Beside, Block, Lines, Section, table_of
+from reports.pages.blocks import Beside, Block, Lines, Section, figures_in, table_of
 from reports.pages.made import code_notes, environments_of, limits_and_machines
 from reports.pages.page import Page, write_page
 from reports.placement_store import placement_contradictions
@@ -55,9 +57,17 @@ def placement_summary(frame: pd.DataFrame) -> pd.DataFrame:
     return found.sort_values(["order", "mean"], ascending=[True, False], ignore_index=True).drop(columns="order")
 
 
-def write_placement_page(runs: Sequence[dict[str, Any]], path: Path | None, title: str) -> pd.DataFrame:
-    """Write the page about `runs` (from `read_placements`) to `path`, if given; return the frame it is made from."""
+def write_placement_page(
+    runs: Sequence[dict[str, Any]], path: Path | None, title: str, figures: Path | None = None
+) -> pd.DataFrame:
+    """Write the page about `runs` (from `read_placements`) to `path`, if given; return the frame it is made from.
+
+    figures : folder for its figures as files (`write_figures`), None for none.
+    """
     frame = placement_frame(runs)
+    blocks = _blocks(runs, frame) if path is not None or figures is not None else []
+    if figures is not None:
+        write_figures(figures_in(blocks), figures)
     if path is not None:
         about = (
             f"{len(frame)} runs of {frame['method'].nunique()} methods on {frame['digest'].nunique()} problems. Before "
@@ -65,7 +75,7 @@ def write_placement_page(runs: Sequence[dict[str, Any]], path: Path | None, titl
             "the method."
         )
         units = "Information in nats, times in seconds."
-        write_page(Page(title, about, _blocks(runs, frame), units), path)
+        write_page(Page(title, about, blocks, units), path)
     return frame
 
 
@@ -95,7 +105,9 @@ def _convergence(runs: Sequence[dict[str, Any]], digest: str) -> Drawn | None:
     if not traces:
         return None
     name, bound = mine[0]["instance"]["name"], float(np.min([run["certificate"] for run in mine]))
-    drawn = draw_placement_convergence(traces, bound, f"{name}, certificate {bound:.2f} nats")
+    drawn = draw_placement_convergence(
+        traces, bound, f"{name}, certificate {bound:.2f} nats", styles(run["label"] for run in runs)
+    )
     return None if drawn is None else replace(drawn, key=f"convergence-{digest}", title=f"{drawn.title}, {name}")
 
 

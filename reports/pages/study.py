@@ -14,9 +14,10 @@ from reports.columns import INSTANCES, listed_runs, shown
 from reports.compare import Comparison, compare_stores
 from reports.example import example_routes
 from reports.figures import study_figures
+from reports.figures.files import write_figures
 from reports.foreign import foreign_notes
 from reports.metrics import contradictions, instance_table, with_gaps
-from reports.pages.blocks import Beside, Block, Folded, Lines, Note, Section, column_help
+from reports.pages.blocks import Beside, Block, Folded, Lines, Note, Section, column_help, figures_in
 from reports.pages.listing import listing
 from reports.pages.made import code_notes, limits_and_machines
 from reports.pages.page import Page, write_page
@@ -49,11 +50,17 @@ class Report:
 
 
 def write_report(
-    folders: Sequence[Path | str], path: Path | str, *, title: str = TITLE, against: Sequence[Path | str] = ()
+    folders: Sequence[Path | str],
+    path: Path | str | None,
+    *,
+    title: str = TITLE,
+    against: Sequence[Path | str] = (),
+    figures: Path | None = None,
 ) -> Report:
     """Write the page about every run below `folders` to `path`, compared with the runs below `against` if given.
 
-    Raises InputError where a folder does not exist or holds no run that can be read, or the page cannot be written.
+    path : None writes no page. figures : folder for its figures as files (`write_figures`), None for none. Raises
+    InputError where a folder does not exist or holds no run that can be read, or the page cannot be written.
     """
     baseline = _read(against) if against else None
     stores = _read(folders)
@@ -67,7 +74,10 @@ def write_report(
     )
     data = payload(runs, instances, stores.instance_files, sum(map(len, lists)))
     blocks = _blocks(runs, lists, report, len(data["details"]))
-    write_page(Page(title, _about(runs, stores), blocks, UNITS, "study.js", data), path)
+    if path is not None:
+        write_page(Page(title, _about(runs, stores), blocks, UNITS, "study.js", data), path)
+    if figures is not None:
+        write_figures(figures_in(blocks), figures)
     return report
 
 

@@ -21,6 +21,12 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 @click.option("--latex", type=FILE, help="Summary and instances as LaTeX tables.")
 @click.option("--markdown", type=FILE, help="Summary and instances as Markdown tables.")
 @click.option("--parquet", type=FILE, help="A row a run.")
+@click.option(
+    "--figures",
+    metavar="FOLDER",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Every figure as PDF and SVG, its values as CSV: FOLDER/KEY.pdf and so on.",
+)
 @click.option("--against", type=click.Path(path_type=Path), help="An older store: better, worse or unchanged?")
 @click.option("--fail-on-regression", is_flag=True, help="With --against: exit code 1 where something got worse.")
 @COLUMNS
@@ -60,7 +66,7 @@ def command(
     if fail_on_regression and more["against"] is None:
         raise InputError("--fail-on-regression: needs --against OLD")
     outputs = {flag: path for flag, path in more.items() if path}
-    for path in (out, csv, *(outputs[flag] for flag in outputs if flag != "against")):
+    for path in (out, csv, *(outputs[flag] for flag in outputs if flag not in ("against", "figures"))):
         check_target(path)
     refuse_columns(problems_in(*folders), columns)
     published = publish(folders, Outputs(out, csv, outputs, raw_csv))

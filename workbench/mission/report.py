@@ -1,6 +1,6 @@
 """Stage 8, report: the page and its figures, made from the stored products.
 
-Products: report.html, figures as SVG.
+Products: report.html, figures as SVG, values of charts as CSV.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from instances.toml_text import toml_text
-from reports.figures.svg import save_figure
+from reports.figures.files import write_figures
 from reports.pages.mission import write_mission_page
 from reports.products import FOLDERS
 from workbench.mission.settings import Mission
@@ -29,6 +29,5 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     said = {"title": f"Mission: {mission.scenario.name}", "settings": toml_text(mission.table), "stages": stages}
     page = out / "report.html"
     figures = write_mission_page({name: folders[name] for name in FOLDERS}, page, said)
-    for drawn in figures:
-        save_figure(drawn.figure, out / f"{drawn.key}.svg")
+    write_figures(figures, out, (".svg",))
     return f"{len(figures)} figures, page of {page.stat().st_size / 1e6:.1f} MB"

@@ -125,6 +125,7 @@ class MovingCostStudy(Problem[MovingCostItem]):
     product = dict[str, list[Any]]
     found = "paths"
     statuses = ("FEASIBLE",)
+    outputs = ("figures",)
 
     def sources(self, study: MovingCostTable, base: Path) -> Iterable[Source[MovingCostItem]]:
         """Return every scenario with every number of starts."""
@@ -225,9 +226,10 @@ class MovingCostStudy(Problem[MovingCostItem]):
         frame = moving_cost_frame(runs)
         if outputs.table is not None:
             write_aside(outputs.table, csv_text(frame, outputs.raw_table))
-        if outputs.page is not None:
+        figures = outputs.extra.get("figures")
+        if outputs.page is not None or figures is not None:
             title = f"Moving costs: {study_title(folders)}"
-            write_moving_cost_page(_cases(items, runs, frame), frame, runs, outputs.page, title)
+            write_moving_cost_page(_cases(items, runs, frame), frame, runs, outputs.page, title, figures)
         summaries = [Summary(self.name, self.columns(), moving_cost_summary(frame), 2)] if len(frame) else []
         note = code_note(run.code for run in runs.values())
         failed = int(frame["mean_cost"].isna().sum())

@@ -96,6 +96,7 @@ class PlacementStudy(Problem[PlacementItem]):
     product = list[tuple[float, float]]
     found = "points"
     statuses = tuple(status.value for status in PlacementStatus)
+    outputs = ("figures",)
 
     def sources(self, study: PlacementTable, base: Path) -> Iterable[Source[PlacementItem]]:
         """Return every region with every number of tasks."""
@@ -211,7 +212,8 @@ class PlacementStudy(Problem[PlacementItem]):
         from reports.placement_store import placement_contradictions, read_placements
 
         runs, damaged = read_placements(*folders)
-        frame = write_placement_page(runs, outputs.page, f"Task locations: {study_title(folders)}")
+        title, figures = f"Task locations: {study_title(folders)}", outputs.extra.get("figures")
+        frame = write_placement_page(runs, outputs.page, title, figures)
         if outputs.table is not None:
             write_aside(outputs.table, csv_text(frame, outputs.raw_table))
         summaries = [Summary(self.name, self.columns(), placement_summary(frame), 2)] if len(frame) else []

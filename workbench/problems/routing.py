@@ -49,7 +49,7 @@ class Routing(Problem[Instance]):
     entries = "solvers"
     study = RoutingTable
     limits = ("threads", "iterations")
-    outputs = ("latex", "markdown", "parquet", "against")
+    outputs = ("latex", "markdown", "parquet", "against", "figures")
     product = list[list[int]]
     found = "routes"
     statuses = tuple(status.value for status in Status)
@@ -167,9 +167,9 @@ class Routing(Problem[Instance]):
         from reports.pages.study import write_report
         from reports.stores import read_stores
 
-        against = outputs.extra.get("against")
-        if outputs.page:
-            report = write_report(folders, outputs.page, against=[against] if against else ())
+        against, figures = outputs.extra.get("against"), outputs.extra.get("figures")
+        if outputs.page or figures:
+            report = write_report(folders, outputs.page, against=[against] if against else (), figures=figures)
             stores, comparison = report.stores, report.comparison
         else:
             stores = read_stores(*folders)

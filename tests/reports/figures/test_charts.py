@@ -2,7 +2,9 @@
 
 import json
 import re
+from dataclasses import replace
 from importlib import resources
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -11,9 +13,11 @@ from bokeh.document import Document
 from bokeh.models.renderers import GlyphRenderer
 from matplotlib.scale import SymmetricalLogTransform
 
+from instances import InputError
 from reports import load
 from reports.figures import study_figures
 from reports.figures.chart import Axis, Chart, Panel, Rule, Series, marks
+from reports.figures.files import write_figures
 from reports.figures.flight import DEPOT
 from reports.figures.interactive import embedded
 from reports.figures.static import LINEAR_BELOW, LINEAR_SHARE, draw, transformed
@@ -138,6 +142,32 @@ def test_marks_of_lines_that_coincide_stand_apart():
     (x, y), (beside, _) = marks(panel, step, 0), marks(panel, step, 1)
     assert not set(x) & set(beside)
     assert y.tolist() == [float(place >= 4) for place in x]
+
+
+def test_labels_do_not_overprint_each_other():
+    cpu = np.array([1.0, 1.01, 1.02, 9.0])
+    words = np.array(["samples=2000", "radius_factor=2.0", "default", "candidates=12, samples=10000"])
+    points = Series("a", cpu, [0.1] * 4, LOOKS[0], "points", more={"options": words}, labels="options")
+    figure = draw(Chart([Panel(Axis("CPU time", "s", "log"), Axis("excess", scale="log"), [points])]))
+    figure.canvas.draw()
+    (axes,) = figure.axes
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert [text.get_text() for text in axes.texts] == words.tolist()
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    assert all(axes.bbox.x0 <= box.x0 and box.x1 <= axes.bbox.x1 for box in boxes)
+
+
+def test_files_for_papers(drawn, tmp_path):
+    few = [d for d in drawn if d.key in ("gap-n", "ecdf")]
+    write_figures([*few, replace(few[0], key="a map", chart=None)], tmp_path / "new" / "folder")
+    written = sorted(path.name for path in (tmp_path / "new" / "folder").iterdir())
+    chart = [f"{key}{ending}" for key in ("ecdf", "gap-n") for ending in (".csv", ".pdf", ".svg")]
+    assert written == ["a-map.pdf", "a-map.svg", *chart]
+    told = pd.read_csv(tmp_path / "new" / "folder" / "ecdf.csv")
+    pd.testing.assert_frame_equal(told, few[0].chart.frame(), check_dtype=False)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be made"):
+        write_figures(few, tmp_path / "file")
 
 
 def luminance(colour):

@@ -1,0 +1,29 @@
+"""Files of figures, for papers and other programs: pictures, and the values of each chart as CSV."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from instances import InputError
+from instances.disk import write_aside
+from reports.csv_text import csv_text
+from reports.figures.svg import Drawn, save_figure
+
+
+def write_figures(figures: Iterable[Drawn], folder: Path | str, pictures: Sequence[str] = (".pdf", ".svg")) -> None:
+    """Write KEY and each ending of `pictures` of each of `figures` into `folder`, and KEY.csv where it is a chart.
+
+    Raises InputError where they cannot be written.
+    """
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made ({error.strerror})") from None
+    for drawn in figures:
+        name = re.sub(r"[^\w.-]", "-", drawn.key)
+        for ending in pictures:
+            save_figure(drawn.figure, Path(folder) / f"{name}{ending}")
+        if drawn.chart is not None:
+            write_aside(Path(folder) / f"{name}.csv", csv_text(drawn.chart.frame()))

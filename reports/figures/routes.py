@@ -170,11 +170,10 @@ def _bars(axes: Axes, instance: Instance, routes: Routes) -> None:
     axes.axvline(costs.max(), color=INK, linewidth=0.9, linestyle=(0, (3, 2)))
     if len(costs) <= 24:
         top = costs.max() or 1.0
-        for k, (cost, route) in enumerate(zip(costs, routes, strict=True)):
-            inside = cost > 0.55 * top
+        for k, route in enumerate(routes):
             words = counted(len(route), "task") if len(route) else "stays home"
-            place, align, colour = (cost - 0.03 * top, "right", "white") if inside else (cost + 0.03 * top, "left", INK)
-            axes.text(place, k, words, va="center", ha=align, fontsize=7.5, color=colour)
+            axes.text(1.05 * top, k, words, va="center", fontsize=7.5)
+        axes.set_xlim(0, 1.5 * top)  # room for the words
         axes.set_yticks(uavs, [str(k) for k in uavs])
     axes.invert_yaxis()
     axes.set_xlabel("tour cost $C_k$ [s]", parse_math=True)

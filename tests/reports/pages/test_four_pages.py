@@ -22,8 +22,8 @@ EDGE = """
 const parts = [...document.querySelectorAll("main :is(th, td, p, svg)")];
 return Math.max(...parts.map(part => part.getBoundingClientRect().right));
 """
-PRINTABLE = 277 / 25.4 * 96
-"""Width of A4, upright side, between margins of 10 mm [CSS pixels]."""
+PRINTABLE = 259 / 25.4 * 96
+"""Width of US Letter, which is narrower than A4, on its side between margins of 10 mm [CSS pixels]."""
 
 
 @pytest.fixture(scope="module")

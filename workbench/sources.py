@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import glob
-import gzip
-import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +13,8 @@ from instances.natural import natural
 
 ENDINGS = (".json", ".json.gz", ".mdm", ".mtsp", ".tsp", ".atsp", ".vrp")
 """Endings by which instance files are found in a folder."""
+PATHS = ".paths.json.gz"
+"""Ending of the paths that are kept beside an instance; `instances.paths`, which has it too, takes long to import."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +70,8 @@ def plugin_family(name: str) -> str:
 def instance_files(given: Path) -> list[Path]:
     """Return the instance files meant by a file, a folder (searched through) or a pattern; InputError if none.
 
-    JSON files without the field n_tasks at their head, such as planned paths beside an instance, are left out of a
-    search through a folder, and planned paths of a pattern.
+    Paths behind costs are left out, and in a search through a folder JSON files without the field n_tasks at their
+    head, as others keep beside instances.
     """
     try:
         found = _found(given)
@@ -88,16 +88,17 @@ def _found(given: Path) -> list[Path]:
         return sorted(found, key=natural)
     if any(sign in str(given) for sign in "*?["):
         named = (Path(path) for path in glob.glob(str(given), recursive=True))
-        return sorted((path for path in named if not path.name.endswith(".paths.json.gz")), key=natural)
+        return sorted((path for path in named if not path.name.endswith(PATHS)), key=natural)
     return [given] if given.is_file() else []
 
 
 def _may_be_instance(path: Path) -> bool:
-    packed = path.name.endswith(".json.gz")
-    if not (packed or path.suffix == ".json") or not path.is_file():  # a pipe would be waited for
+    if path.name.endswith(PATHS):
+        return False
+    if path.suffix != ".json" or not path.is_file():  # a pipe would be waited for
         return path.is_file()
     try:
-        with gzip.open(path) if packed else path.open("rb") as file:
+        with path.open("rb") as file:
             return b'"n_tasks"' in file.read(4096)
-    except (OSError, EOFError, zlib.error):
-        return packed and not path.name.endswith(".paths.json.gz")  # a damaged instance is told, not passed over
+    except OSError:
+        return False

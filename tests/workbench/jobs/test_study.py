@@ -126,6 +126,7 @@ def test_settings_read_as_json_or_as_text():
 def test_a_folder_is_searched_for_instances(instance_folder):
     (instance_folder / "tours.json").write_text(json.dumps({"r4-2-0": [[0, 1]]}))
     (instance_folder / "README.md").write_text("about")
+    (instance_folder / "r4-2-0.paths.json.gz").write_bytes(b"")  # the paths behind its costs
     assert [path.name for path in instance_files(instance_folder)] == [f"r4-2-{k}.json" for k in range(3)]
     assert [path.name for path in instance_files(instance_folder / "*-1.json")] == ["r4-2-1.json"]
     with pytest.raises(InputError, match="nothing"):

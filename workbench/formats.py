@@ -38,6 +38,7 @@ FORMATS = {
         },
         by="problem",
     ),
+    "mission": FileFormat("A mission of the MMMDMTSP workbench", {"": "workbench.mission.settings:MissionTable"}),
     "scenario": FileFormat("A scenario of the MMMDMTSP workbench", {"": "instances.declared.scenario:ScenarioTable"}),
 }
 """Format of a file → how it is declared."""
@@ -66,14 +67,15 @@ def markdown(name: str) -> str:
 
 
 def _row(key: Key, toml: bool) -> str:
+    default = "required" if key.required else "" if key.default is None else f"`{_inline(key.default, toml)}`"
     example = "" if key.example is None else f"`{_inline(key.example, toml)}`"
-    cells = (f"`{key.name}`", key.wanted.replace(f" [{key.unit}]", ""), key.unit, key.default, key.meaning, example)
+    cells = (f"`{key.name}`", key.wanted.replace(f" [{key.unit}]", ""), key.unit, default, key.meaning, example)
     return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
 
 
 def _inline(value: Any, toml: bool) -> str:
     """Return a value on one line, as TOML or JSON writes it."""
-    if isinstance(value, list):
+    if isinstance(value, (list, tuple)):
         return f"[{', '.join(_inline(each, toml) for each in value)}]"
     if isinstance(value, dict) and toml:
         return f"{{ {', '.join(f'{key} = {_inline(each, toml)}' for key, each in value.items())} }}"

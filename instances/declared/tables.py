@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from enum import Enum
 from typing import Any, NamedTuple
 
 import msgspec
@@ -14,12 +13,16 @@ from instances.declared.words import alternatives, peeled, words_of
 
 
 class Key(NamedTuple):
-    """One key: what it takes, its unit, default, meaning and an example. `given` : whether a template sets it."""
+    """One key: what it takes, its unit, default, meaning and an example, each None where there is none.
+
+    given : whether a template sets it.
+    """
 
     name: str
     wanted: str
     unit: str
-    default: str
+    required: bool
+    default: Any
     meaning: str
     example: Any
     given: bool
@@ -73,20 +76,20 @@ def _keys(struct: inspect.StructType) -> Iterator[Key]:
             each.encode_name,
             words_of(each.type),
             unit,
-            "required" if each.required or each.encode_name in needed else _default(each),
+            each.required or each.encode_name in needed,
+            _default(each),
             said.get("description", ""),
             next(iter(said.get("examples", [])), None),
             notes.get("template") != "comment",
         )
 
 
-def _default(each: inspect.Field) -> str:
+def _default(each: inspect.Field) -> Any:
+    """Return the default as a file would say it; None where it says nothing."""
     value = each.default
     if value is msgspec.NODEFAULT:
         value = None if each.default_factory is msgspec.NODEFAULT else each.default_factory()
-    if value is None or value in ({}, []):
-        return ""
-    return json.dumps(value.value if isinstance(value, Enum) else value)
+    return None if isinstance(value, msgspec.Struct) or value in ({}, []) else msgspec.to_builtins(value)
 
 
 def _about(struct: inspect.StructType) -> str:

@@ -92,7 +92,7 @@ class MountainsTable(Table, frozen=True, kw_only=True):
 class TerrainTable(WindTable, frozen=True, kw_only=True, tag="terrain"):
     """Flow over an elevation model or made mountains."""
 
-    dem: Annotated[FileName | None, about("elevation model; or give mountains", example="dem.tif")] = None
+    dem: Annotated[FileName | None, about("elevation model; or give mountains", example="dem.tif", given=False)] = None
     mountains: Annotated[
         MountainsTable | None,
         about("made ones; or give dem", example={"seed": 0, "relief": 2000.0, "length_scale": 12000.0}),
@@ -103,8 +103,8 @@ class TerrainTable(WindTable, frozen=True, kw_only=True, tag="terrain"):
         "log"
     )
     reference: Annotated[Positive, about("height above ground where velocity is known", "m", example=3000.0)] = 1000.0
-    roughness: Annotated[Positive, about("length of a log profile", "m", example=0.5)] = 0.5
-    exponent: Annotated[float, Meta(ge=0, le=10), about("of a power profile", example=0.143)] = 0.143
+    roughness: Annotated[Positive, about("length of a log profile", "m", example=0.5, given=False)] = 0.5
+    exponent: Annotated[float, Meta(ge=0, le=10), about("of a power profile", example=0.143, given=False)] = 0.143
     cells: Annotated[int, Meta(ge=2), about("of the flow, along the longer side", example=160)] = 200
     layers: Annotated[int, Meta(ge=2), about("of the flow", example=30)] = 30
 

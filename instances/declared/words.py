@@ -57,6 +57,8 @@ def words_of(node: inspect.Type, unit: str = "", value: object = None) -> str:
         first = inner.item_types[0]
         return f"{NUMERALS[len(inner.item_types)]} {_plural(first, unit)}"
     if isinstance(inner, (inspect.ListType, inspect.VarTupleType)):
+        if inner.min_length and inner.min_length == inner.max_length:
+            return f"{NUMERALS[inner.min_length]} {_plural(inner.item_type, unit)}"
         least = ", at least one" if inner.min_length else ""
         return f"a list of {_plural(inner.item_type, unit)}{least}"
     return _phrase(inner, value).said(unit)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from formulations.kernel import KERNELS, Kernel, SquaredExponential
 from formulations.mapping.heights import Frame
@@ -18,7 +19,10 @@ from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.environment import field_of
 from workbench.mission.place import scales_of
-from workbench.mission.settings import MEANS, Mission
+from workbench.mission.settings import Mission
+
+MEANS = ("constant", "path-loss", "propagation")
+"""What [map] mean = "auto" offers."""
 
 
 @dataclass(frozen=True)
@@ -59,5 +63,5 @@ def _trend(name: str, mission: Mission, scenario: Scenario, ground: Terrain | No
         below = source.height + (0.0 if ground is None else float(ground(np.array([source.position]))[0]))
         above = mission.altitude.above - (0.0 if mission.altitude.frame is Frame.ABOVE_GROUND else below)
         return path_loss(*source.position, max(above, source.height))
-    diffraction = replace(mission.field, file=None, unit=None, model="diffraction", shadowing_sd=0.0)
+    diffraction = structs.replace(mission.field, file=None, unit=None, model="diffraction", shadowing_sd=0.0)
     return Trend(name, field_of(replace(mission, field=diffraction), ground))

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from msgspec import structs
 
 from formulations.mapping.flight_check import length_outside
 from formulations.mapping.map_grid import MapGrid
@@ -40,7 +41,7 @@ Tell = Callable[[str], None]
 
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
-    return asdict(mission.compare)
+    return structs.asdict(mission.compare)
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> str:

@@ -6,9 +6,11 @@ Products: instance.json, instance.paths.json.gz.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+from msgspec import structs
 
 from formulations.moving_cost.effect import WindEffect
 from formulations.moving_cost.registry import METHODS
@@ -26,7 +28,7 @@ from workbench.planning import CONFIRMED, plan, require_confirmed
 
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
-    return asdict(mission.costs) | {"clearance": mission.clearance}
+    return structs.asdict(mission.costs) | {"clearance": mission.clearance}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:

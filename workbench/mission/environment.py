@@ -11,6 +11,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from msgspec import structs
+
 from formulations.mapping.heights import Frame
 from instances.disk import read_toml, write_aside
 from instances.environment.propagation import radio_map
@@ -33,7 +35,12 @@ def settings(mission: Mission) -> dict[str, Any]:
     if "scenario" in table:  # a file that names files of its own
         scenario = mission.folder / table["scenario"]
         files |= referenced_files(read_toml(scenario), scenario.parent)
-    return {"table": table, "files": files, "field": asdict(mission.field), "altitude": asdict(mission.altitude)}
+    return {
+        "table": table,
+        "files": files,
+        "field": structs.asdict(mission.field),
+        "altitude": asdict(mission.altitude),
+    }
 
 
 LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "export")
@@ -116,7 +123,7 @@ def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
     if wanted.file is None:
         assert scenario.radio is not None
         source = RadioSource.from_table(scenario.radio)
-        more = {key: value for key, value in asdict(wanted).items() if key not in ("file", "unit")}
+        more = {key: value for key, value in structs.asdict(wanted).items() if key not in ("file", "unit")}
         flown = mission.altitude
         altitude, above_ground = flown.above, flown.frame is Frame.ABOVE_GROUND
         if flown.frame is Frame.ABOVE_HOME and terrain is not None:

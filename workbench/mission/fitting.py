@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection
 from typing import Any
 
 from formulations.mapping.heights import Frame
 from formulations.moving_cost.registry import METHODS as COST_METHODS
 from formulations.routing.registry import SOLVERS
-from formulations.task_location.criterion import convention
 from formulations.task_location.registry import METHODS as PLACEMENT_METHODS
-from instances.environment.propagation import MODELS
 from instances.environment.radio import RadioSource
 from instances.environment.wind_terrain import TerrainWind
-from instances.errors import InputError, shown, suggestion
+from instances.errors import InputError, shown
 from instances.instance import check_size
 from instances.registry import LARGEST, MethodRegistry
-from workbench.mission.keys import SMALLEST
-from workbench.mission.settings import Mission
-
-BASELINES = ("lawnmower", "random", "greedy")
+from workbench.mission.settings import SMALLEST, Mission
 
 MOST_G = 200.0
 """Load factors beyond this are no flight but a length in the wrong unit (the paper's own example flies 20 g)."""
@@ -37,15 +31,11 @@ def check_mission(mission: Mission) -> None:
             "and home to their own depots; workbench costs and workbench solve take a scenario with them"
         )
     check_size(scenario.n_tasks, scenario.n_depots)
-    convention(mission.place.criterion)
     for key, methods, name, options in methods_of(mission):
         try:
             methods.asked(name, options)
         except ImportError as error:
             raise InputError(f"{key}: {name} is not available here: {error}") from None
-    _known("field.model", mission.field.model, MODELS)
-    for name in mission.compare.baselines:
-        _known("compare.baselines", name, BASELINES)
     if mission.map.mean != "constant" and scenario.radio is None:
         raise InputError(f'map.mean = "{mission.map.mean}" needs the transmitter: give a table [radio]')
     if mission.field.file is None:
@@ -72,11 +62,6 @@ def refuse_plugins(mission: Mission) -> None:
     for key, methods, name, _ in methods_of(mission):
         if name not in methods.built_in:
             raise InputError(f"--no-plugins: {key} = {shown(name)} is not built in")
-
-
-def _known(key: str, name: str, known: Collection[str]) -> None:
-    if name not in known:
-        raise InputError(f"{key}: unknown {shown(name)}{suggestion(name, known)} (known: {', '.join(known)})")
 
 
 def _check_units(mission: Mission) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from msgspec import structs
 from shapely.geometry import Polygon
 
 from formulations.mapping.clock import clocked
@@ -54,7 +55,7 @@ def settings(mission: Mission) -> dict[str, Any]:
         "origin": origin,
         "vehicle": asdict(mission.vehicle),
     }
-    return asdict(mission.flight) | own
+    return structs.asdict(mission.flight) | own
 
 
 @dataclass(frozen=True, eq=False)

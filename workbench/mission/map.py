@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from msgspec import structs
 
 from formulations.mapping.flight import Flight
 from formulations.mapping.map_grid import MapGrid
@@ -35,8 +36,8 @@ from workbench.mission.settings import Mission
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     origin = None if mission.origin is None else asdict(mission.origin)
-    planned = {name: asdict(mission.place)[name] for name in ("signal_sd", "length_scale")}
-    return asdict(mission.sensing) | asdict(mission.map) | {"origin": origin, "planning": planned}
+    planned = {name: structs.asdict(mission.place)[name] for name in ("signal_sd", "length_scale")}
+    return structs.asdict(mission.sensing) | structs.asdict(mission.map) | {"origin": origin, "planning": planned}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:

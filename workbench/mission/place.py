@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import shapely
+from msgspec import structs
 from shapely.geometry import Point, Polygon
 
 from formulations.kernel import SquaredExponential
@@ -38,7 +39,7 @@ INLET = 0.1
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     origin = None if mission.origin is None else asdict(mission.origin)
-    return asdict(mission.place) | {"clearance": mission.clearance, "origin": origin}
+    return structs.asdict(mission.place) | {"clearance": mission.clearance, "origin": origin}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:

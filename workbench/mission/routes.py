@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from msgspec import structs
 
 from formulations.routing.short_bounds import short_bounds
 from formulations.selection.part import only
@@ -40,9 +41,9 @@ SELECTION_FILE = "selection.json"
 
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
-    own = asdict(mission.routes)
+    own = structs.asdict(mission.routes)
     limited = mission.flight.endurance is not None
-    return own | ({"endurance": mission.flight.endurance, "place": asdict(mission.place)} if limited else {})
+    return own | ({"endurance": mission.flight.endurance, "place": structs.asdict(mission.place)} if limited else {})
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:

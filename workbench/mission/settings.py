@@ -1,184 +1,199 @@
-"""Settings of a mission: the scenario, what is measured, and the tables of each stage, every key checked."""
-
-# ruff: noqa: RUF009 - keys.* make dataclass fields
+"""Settings of a mission: the scenario, what is measured, and the tables of each stage, as they are declared."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar, Literal
 
-from formulations.kernel import KERNELS
-from formulations.limits import LONGEST, MOST_THREADS
+from msgspec import Meta
+from msgspec import field as key
+
+from formulations.limits import LARGEST_SEED, LONGEST, MOST_THREADS
 from formulations.mapping.heights import Altitude, Frame
-from instances.errors import InputError, shown, suggestion
-from instances.formats.mavlink_items import FIRMWARE, KINDS, Vehicle
+from formulations.task_location.criterion import Convention
+from instances.declared.scenario import ScenarioKeys, ScenarioTable
+from instances.declared.types import FileName, Table, Text, about
+from instances.formats.mavlink_items import Vehicle
 from instances.geodesy import TangentPlane
+from instances.registry import LARGEST
 from instances.scenario import Scenario
-from workbench.mission import keys
 
-MEANS = ("constant", "path-loss", "propagation")
-"""What [map] mean may name beside auto, which offers all of them."""
+SMALLEST = 1e-100
+"""The square of a smaller positive number is 0 in float64."""
+MOST = 10_000
+"""Of whatever is counted, unless the key says otherwise."""
+SCENARIO_KEYS = ScenarioKeys.__struct_encode_fields__
+"""Every key of a scenario."""
+Positive = Annotated[float, Meta(ge=SMALLEST, le=LARGEST)]
+NotNegative = Annotated[float, Meta(ge=0, le=LARGEST)]
+Lengths = Positive | Annotated[list[Positive], Meta(min_length=2, max_length=2)]
+"""One length or two. No tuple: beside a bounded number msgspec 0.22 crashes on one of fixed length."""
+TimeLimit = Annotated[float, Meta(ge=SMALLEST, le=LONGEST)]
+Seed = Annotated[int, Meta(ge=0, le=LARGEST_SEED)]
+Cells = Annotated[int, Meta(ge=1, le=1000)]
 
 
-@dataclass(frozen=True)
-class FieldSettings:
-    """[field]: what is measured; the altitude is [flight]'s."""
+class FieldSettings(Table, frozen=True, kw_only=True):
+    """What is measured; the altitude is [flight]'s."""
 
-    file: str | None = keys.text(
-        None,
-        meaning="what is measured, from a file: CSV, NetCDF or GeoTIFF; made from [radio] where none is given",
-        example="field.nc",
+    file: Annotated[
+        FileName | None,
+        about(
+            "what is measured, from a file: CSV, NetCDF or GeoTIFF; made from [radio] where none is given",
+            example="field.nc",
+        ),
+    ] = None
+    unit: Annotated[Text | None, about("unit of a file's values, what the file says unless given", example="K")] = None
+    model: Annotated[
+        Literal["diffraction", "free-space", "itm"], about("propagation of [radio]: diffraction, free-space or itm")
+    ] = "diffraction"
+    shadowing_sd: Annotated[NotNegative, about("standard deviation of the shadowing, drawn at random", "dB")] = 4.0
+    decorrelation: Annotated[Positive, about("distance at which the shadowing's correlation falls to 1/e", "m")] = (
+        2000.0
     )
-    unit: str | None = keys.text(None, meaning="unit of a file's values, what the file says unless given", example="K")
-    model: str = keys.text("diffraction", meaning="propagation of [radio]: diffraction, free-space or itm")
-    shadowing_sd: float = keys.not_negative(4.0, "dB", meaning="standard deviation of the shadowing, drawn at random")
-    decorrelation: float = keys.positive(
-        2000.0, "m", meaning="distance at which the shadowing's correlation falls to 1/e"
+    cells: Annotated[Annotated[int, Meta(ge=2, le=2000)], about("nodes of the field along the longer side")] = 200
+    seed: Annotated[Seed, about("seed of the shadowing")] = 0
+
+
+class PlaceSettings(Table, frozen=True, kw_only=True):
+    """Sub-problem 1, task locations."""
+
+    method: Annotated[
+        Text,
+        about("how tasks are placed: nlp, l-bfgs-b, greedy-swap, greedy … (workbench place --help), or module:Class"),
+    ] = "nlp"
+    options: Annotated[dict[str, Any], about("options of the method", example={"starts": 8})] = key(
+        default_factory=dict
     )
-    cells: int = keys.count(200, 2, 2000, meaning="nodes of the field along the longer side")
-    seed: int = keys.seed(meaning="seed of the shadowing")
+    criterion: Annotated[
+        Convention, about("information that is maximised: b both noisy, a latent tests, ig information gain")
+    ] = Convention.BOTH_NOISY
+    tests: Annotated[
+        tuple[Cells, Cells], about("columns and rows of the test points, at which the field is to be known")
+    ] = (20, 20)
+    signal_sd: Annotated[
+        Positive, about("σ_f of the planning kernel, in the field's unit; information is stated under this kernel")
+    ] = 30.0
+    length_scale: Annotated[Lengths, about("length scale of the planning kernel, or two along x and y", "m")] = 4000.0
+    noise_sd: Annotated[Positive, about("σ_n of a reading at a task, for planning, in the field's unit")] = 1.0
+    seed: Annotated[Seed, about("seed of the method")] = 0
+    certificate: Annotated[bool, about("whether an upper bound on the information is computed, too")] = True
 
 
-@dataclass(frozen=True)
-class PlaceSettings:
-    """[place]: sub-problem 1, task locations."""
+class CostSettings(Table, frozen=True, kw_only=True):
+    """Sub-problem 2, moving costs. Zones are widened by the clearance, tasks placed as far from the border."""
 
-    method: str = keys.text(
-        "nlp",
-        meaning="how tasks are placed: nlp, l-bfgs-b, greedy-swap, greedy … (workbench place --help), or module:Class",
+    method: Annotated[
+        Text, about("how paths are planned: refined, fmt-star, dijkstra, closed-form, or module:Class")
+    ] = "refined"
+    options: Annotated[dict[str, Any], about("options of the method", example={"samples": 2000})] = key(
+        default_factory=dict
     )
-    options: dict[str, Any] = keys.options(meaning="options of the method", example={"starts": 8})
-    criterion: str = keys.text(
-        "b", meaning="information that is maximised: b both noisy, a latent tests, ig information gain"
+    clearance: Annotated[
+        NotNegative | None,
+        about("room for turns at zones, inlets and border; twice the turning radius unless given", "m", example=100.0),
+    ] = None
+
+
+class RouteSettings(Table, frozen=True, kw_only=True):
+    """Sub-problem 3, routes."""
+
+    solver: Annotated[Text, about("who routes: any of workbench solvers, or module:Class")] = "memetic"
+    options: Annotated[dict[str, Any], about("options of the solver", example={"removals": 10})] = key(
+        default_factory=dict
     )
-    tests: list[int] = keys.counts(
-        [20, 20], meaning="columns and rows of the test points, at which the field is to be known"
+    time_limit: Annotated[TimeLimit, about("wall clock of the solver", "s")] = 10.0
+    bound_time_limit: Annotated[
+        NotNegative, about("wall clock for a bound beside the routes; 0 for the quick bounds alone", "s")
+    ] = 5.0
+    threads: Annotated[Annotated[int, Meta(ge=1, le=MOST_THREADS)], about("threads of the solver")] = 1
+    seed: Annotated[Seed, about("seed of the solver")] = 0
+
+
+class FlightSettings(Table, frozen=True, kw_only=True):
+    """Dubins tours of turning radius r_min at speed v, and how high."""
+
+    speed: Annotated[Positive | None, about("flying speed; the scenario's unless given", "m/s", example=100.0)] = None
+    turning_radius: Annotated[Positive, about("least radius of any turn", "m")] = 50.0
+    altitude: Annotated[NotNegative, about("flying altitude, in the frame", "m")] = 3000.0
+    frame: Annotated[
+        Frame, about("what the altitude is above: amsl, above-ground (the track follows the ground) or above-home")
+    ] = Frame.AMSL
+    clearance: Annotated[
+        NotNegative, about("least height of a track above the ground; lower ones are refused", "m")
+    ] = 50.0
+    climb: Annotated[Positive, about("greatest rate of climb, where a track follows the ground", "m/s")] = 5.0
+    descent: Annotated[Positive, about("greatest rate of descent, where a track follows the ground", "m/s")] = 3.0
+    border_clearance: Annotated[
+        NotNegative, about("what flown tracks keep from the region's border and from no-fly zones", "m")
+    ] = 0.0
+    endurance: Annotated[
+        Positive | None,
+        about(
+            "most that the costs of a UAV's tour may add up to; where that is too little for all tasks, "
+            "those that fit and tell most are flown",
+            "s",
+            example=3600.0,
+        ),
+    ] = None
+
+
+class SensingSettings(Table, frozen=True, kw_only=True):
+    """What the UAVs measure on their way."""
+
+    period: Annotated[Positive, about("time between two measurements of a UAV", "s")] = 10.0
+    noise_sd: Annotated[Positive, about("σ_n of a measurement, in the field's unit")] = 1.0
+    seed: Annotated[Seed, about("seed of the noise")] = 0
+
+
+class MapSettings(Table, frozen=True, kw_only=True):
+    """Sub-problem 4, the Gaussian process."""
+
+    signal_sd: Annotated[Positive, about("σ_f believed at take-off, in the field's unit")] = 30.0
+    length_scale: Annotated[Lengths, about("length scale believed at take-off, or two along x and y", "m")] = 4000.0
+    kernel: Annotated[
+        Literal["auto", "se", "matern52", "matern32", "matern12"],
+        about(
+            "covariance of the map, from se (smooth) to matern12 (rough); auto is the likeliest; planning is under se"
+        ),
+    ] = "auto"
+    mean: Annotated[
+        Literal["constant", "path-loss", "propagation", "auto"],
+        about("mean of the map: a constant, or beside it distance from the transmitter or diffraction, where likelier"),
+    ] = "constant"
+    refit_every: Annotated[
+        Annotated[int, Meta(ge=0, le=MOST)], about("measuring rounds between fits of the map's model; 0 for none")
+    ] = 10
+    cells: Annotated[Annotated[int, Meta(ge=4, le=1000)], about("cells of the map along the longer side")] = 100
+    frames: Annotated[Annotated[int, Meta(ge=2, le=MOST)], about("maps that are kept for the report")] = 30
+
+
+class CompareSettings(Table, frozen=True, kw_only=True):
+    """What else is flown over the same fields."""
+
+    baselines: Annotated[
+        list[Literal["lawnmower", "random", "greedy"]], about("what else is flown: lawnmower, random, greedy")
+    ] = key(default_factory=lambda: ["lawnmower", "random", "greedy"])
+    seeds: Annotated[
+        Annotated[int, Meta(ge=1, le=1000)],
+        about("noise seeds, each with shadowing of its own, over which verdicts are formed"),
+    ] = 8
+    draws: Annotated[
+        Annotated[int, Meta(ge=1, le=1000)], about("different random tours, taken in turn over the seeds")
+    ] = 8
+    time_limit: Annotated[TimeLimit, about("wall clock of the solver for each baseline", "s")] = 1.0
+    seed: Annotated[Seed, about("seed of what is drawn for the comparison")] = 0
+
+
+class ExportSettings(Table, frozen=True, kw_only=True):
+    """Who flies the plans."""
+
+    firmware: Annotated[Literal["px4", "ardupilot"], about("autopilot of the .plan and .waypoints files")] = "px4"
+    vehicle: Annotated[Literal["fixed-wing", "multirotor"], about("vehicle of the .plan and .waypoints files")] = (
+        "fixed-wing"
     )
-    signal_sd: float = keys.positive(
-        30.0, meaning="σ_f of the planning kernel, in the field's unit; information is stated under this kernel"
-    )
-    length_scale: float | list[float] = keys.one_or_two(
-        4000.0, "m", meaning="length scale of the planning kernel, or two along x and y"
-    )
-    noise_sd: float = keys.positive(1.0, meaning="σ_n of a reading at a task, for planning, in the field's unit")
-    seed: int = keys.seed(meaning="seed of the method")
-    certificate: bool = keys.switch(True, meaning="whether an upper bound on the information is computed, too")
-
-
-@dataclass(frozen=True)
-class CostSettings:
-    """[costs]: sub-problem 2, moving costs. Zones are widened by the clearance, tasks placed as far from the border."""
-
-    method: str = keys.text(
-        "refined", meaning="how paths are planned: refined, fmt-star, dijkstra, closed-form, or module:Class"
-    )
-    options: dict[str, Any] = keys.options(meaning="options of the method", example={"samples": 2000})
-    clearance: float | None = keys.not_negative(
-        None,
-        "m",
-        meaning="room for turns at zones, inlets and border; twice the turning radius unless given",
-        example=100.0,
-    )
-
-
-@dataclass(frozen=True)
-class RouteSettings:
-    """[routes]: sub-problem 3, routes."""
-
-    solver: str = keys.text("memetic", meaning="who routes: any of workbench solvers, or module:Class")
-    options: dict[str, Any] = keys.options(meaning="options of the solver", example={"removals": 10})
-    time_limit: float = keys.positive(10.0, "s", LONGEST, meaning="wall clock of the solver")
-    bound_time_limit: float = keys.not_negative(
-        5.0, "s", meaning="wall clock for a bound beside the routes; 0 for the quick bounds alone"
-    )
-    threads: int = keys.count(1, 1, MOST_THREADS, meaning="threads of the solver")
-    seed: int = keys.seed(meaning="seed of the solver")
-
-
-@dataclass(frozen=True)
-class FlightSettings:
-    """[flight]: Dubins tours of turning radius r_min at speed v, and how high."""
-
-    speed: float | None = keys.positive(None, "m/s", meaning="flying speed; the scenario's unless given", example=100.0)
-    turning_radius: float = keys.positive(50.0, "m", meaning="least radius of any turn")
-    altitude: float = keys.not_negative(3000.0, "m", meaning="flying altitude, in the frame")
-    frame: str = keys.text(
-        "amsl", meaning="what the altitude is above: amsl, above-ground (the track follows the ground) or above-home"
-    )
-    clearance: float = keys.not_negative(
-        50.0, "m", meaning="least height of a track above the ground; lower ones are refused"
-    )
-    climb: float = keys.positive(5.0, "m/s", meaning="greatest rate of climb, where a track follows the ground")
-    descent: float = keys.positive(3.0, "m/s", meaning="greatest rate of descent, where a track follows the ground")
-    border_clearance: float = keys.not_negative(
-        0.0, "m", meaning="what flown tracks keep from the region's border and from no-fly zones"
-    )
-    endurance: float | None = keys.positive(
-        None,
-        "s",
-        meaning="most that the costs of a UAV's tour may add up to; where that is too little for all tasks, those that "
-        "fit and tell most are flown",
-        example=3600.0,
-    )
-
-
-@dataclass(frozen=True)
-class SensingSettings:
-    """[sensing]: what the UAVs measure on their way."""
-
-    period: float = keys.positive(10.0, "s", meaning="time between two measurements of a UAV")
-    noise_sd: float = keys.positive(1.0, meaning="σ_n of a measurement, in the field's unit")
-    seed: int = keys.seed(meaning="seed of the noise")
-
-
-@dataclass(frozen=True)
-class MapSettings:
-    """[map]: sub-problem 4, the Gaussian process."""
-
-    signal_sd: float = keys.positive(30.0, meaning="σ_f believed at take-off, in the field's unit")
-    length_scale: float | list[float] = keys.one_or_two(
-        4000.0, "m", meaning="length scale believed at take-off, or two along x and y"
-    )
-    kernel: str = keys.one_of(
-        "auto",
-        ("auto", *KERNELS),
-        meaning="covariance of the map: auto (chosen by likelihood), se, matern52, matern32 or matern12; planning is "
-        "always under se",
-    )
-    mean: str = keys.one_of(
-        "constant",
-        ("auto", *MEANS),
-        meaning="mean of the map: constant, path-loss (distance from the transmitter), propagation (diffraction over "
-        "the terrain) or auto; beside constant, physics is taken only where the likelihood says so",
-    )
-    refit_every: int = keys.count(10, 0, meaning="measuring rounds between fits of the map's model; 0 for none")
-    cells: int = keys.count(100, 4, 1000, meaning="cells of the map along the longer side")
-    frames: int = keys.count(30, 2, meaning="maps that are kept for the report")
-
-
-@dataclass(frozen=True)
-class CompareSettings:
-    """[compare]: what else is flown over the same fields."""
-
-    baselines: list[str] = keys.texts(
-        ["lawnmower", "random", "greedy"], meaning="what else is flown: lawnmower, random, greedy"
-    )
-    seeds: int = keys.count(
-        8, 1, 1000, meaning="noise seeds, each with shadowing of its own, over which verdicts are formed"
-    )
-    draws: int = keys.count(8, 1, 1000, meaning="different random tours, taken in turn over the seeds")
-    time_limit: float = keys.positive(1.0, "s", LONGEST, meaning="wall clock of the solver for each baseline")
-    seed: int = keys.seed(meaning="seed of what is drawn for the comparison")
-
-
-@dataclass(frozen=True)
-class ExportSettings:
-    """[export]: who flies the plans."""
-
-    firmware: str = keys.one_of("px4", FIRMWARE, meaning="autopilot of the .plan and .waypoints files")
-    vehicle: str = keys.one_of("fixed-wing", KINDS, meaning="vehicle of the .plan and .waypoints files")
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,14 +226,9 @@ class Mission:
 
     @property
     def altitude(self) -> Altitude:
-        """How high is flown; InputError for a frame that is not known."""
+        """How high is flown."""
         wanted = self.flight
-        if wanted.frame not in list(Frame):
-            raise InputError(
-                f"flight.frame: unknown {shown(wanted.frame)}{suggestion(wanted.frame, list(Frame))} "
-                f"(known: {', '.join(Frame)})"
-            )
-        return Altitude(wanted.altitude, Frame(wanted.frame), wanted.climb / self.speed, wanted.descent / self.speed)
+        return Altitude(wanted.altitude, wanted.frame, wanted.climb / self.speed, wanted.descent / self.speed)
 
     def altitude_at(self, ground_speed: float) -> Altitude:
         """Return how high is flown where the UAV is never faster over ground than `ground_speed` [m/s]."""
@@ -233,7 +243,36 @@ class Mission:
         return turns + self.flight.border_clearance
 
 
-TABLES: dict[str, type[Any]] = {
+class MissionTable(ScenarioKeys, frozen=True, kw_only=True):
+    """A mission: a scenario, what is measured in it, and the settings of each stage. TOML."""
+
+    scenario: Annotated[
+        FileName | None,
+        about("a scenario's keys from a file of their own, instead of here", example="scenario.toml", given=False),
+    ] = None
+    field: Annotated[FieldSettings, about("what is measured")] = FieldSettings()
+    place: Annotated[PlaceSettings, about("task locations")] = PlaceSettings()
+    costs: Annotated[CostSettings, about("moving costs")] = CostSettings()
+    routes: Annotated[RouteSettings, about("routes")] = RouteSettings()
+    flight: Annotated[FlightSettings, about("how the tours are flown")] = FlightSettings()
+    sensing: Annotated[SensingSettings, about("measurements")] = SensingSettings()
+    map: Annotated[MapSettings, about("the map")] = MapSettings()
+    compare: Annotated[CompareSettings, about("what else is flown")] = CompareSettings()
+    export: Annotated[ExportSettings, about("who flies the plans")] = ExportSettings()
+
+    RULES: ClassVar[dict[str, Any]] = {
+        "if": {"required": ["scenario"]},
+        "then": {"not": {"anyOf": [{"required": [name]} for name in SCENARIO_KEYS if name != "origin"]}},
+        "else": ScenarioTable.RULES,
+    }
+    """What is refused beyond single keys, for the JSON Schema."""
+
+    def __post_init__(self) -> None:
+        if self.scenario is None:
+            self.check()
+
+
+TABLES: dict[str, type[Table]] = {
     "field": FieldSettings,
     "place": PlaceSettings,
     "costs": CostSettings,

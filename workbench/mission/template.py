@@ -1,27 +1,19 @@
 """Every key of a mission file, with what it takes, what it means and an example: as a list and as a file that runs.
 
-The words are those beside each key: `instances.scenario_keys` and the metadata of `workbench.mission.settings`.
+The words are those of the declaration, `workbench.mission.settings.MissionTable`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import Any, NamedTuple
 
-from instances.scenario_keys import RADIO_KEYS, SCENARIO_KEYS, WINDS, ScenarioKey
+from instances.declared.tables import Key, KeyTable, key_tables
 from instances.toml_text import toml_value
-from workbench.mission.settings import TABLES
+from workbench.mission.settings import MissionTable
 
-OWN = {
-    "scenario": ScenarioKey(
-        "a file", "a scenario's keys from a file of their own, instead of here", "scenario.toml", False
-    ),
-    "origin": ScenarioKey(
-        "[latitude, longitude] [degrees]", "of the point (0, 0); without it no files for other software", [36.0, 128.0]
-    ),
-}
-"""Keys of a mission file beside its scenario's."""
+WINDS = "[wind] kind = "
+"""What heads the table of a kind of wind."""
 
 
 class Described(NamedTuple):
@@ -43,17 +35,30 @@ class Described(NamedTuple):
 
 def described() -> Iterator[Described]:
     """Yield every key of a mission file, table by table."""
-    for name, key in {**SCENARIO_KEYS, **OWN}.items():
-        yield Described("", name, *key)
-    for kind, (meaning, example) in WINDS.items():
-        yield Described("wind", "kind", "a wind", f"{kind}: {meaning}", {"kind": kind, **example}, kind == "uniform")
-    for name, key in RADIO_KEYS.items():
-        yield Described("radio", name, *key)
-    for table, cls in TABLES.items():
-        for each in fields(cls):
-            about, example = each.metadata, each.metadata["example"]
-            given = example == _default(each)
-            yield Described(table, each.name, about["wanted"], about["meaning"], example, given)
+    whole, *tables = key_tables(MissionTable)
+    headed = {f"[{key.name}]" for key in whole.keys}
+    stages = [table for table in tables if table.heading in headed]
+    said = {"[wind]", *(table.heading for table in stages)}
+    yield from (_described("", key) for key in whole.keys if f"[{key.name}]" not in said)
+    yield from (_wind(table) for table in tables if table.heading.startswith(WINDS))
+    for table in stages:
+        yield from (_described(table.heading.strip("[]"), key) for key in table.keys)
+
+
+def _described(table: str, key: Key) -> Described:
+    """Return a key; a template sets it where it is needed or its example is its default."""
+    example = key.default if key.example is None else key.example
+    unsaid = key.default is None and not key.required and table not in ("", "radio")
+    given = key.given and not unsaid and (table in ("", "radio") or example == key.default)
+    return Described(table, key.name, key.wanted, key.meaning, example, given)
+
+
+def _wind(table: KeyTable) -> Described:
+    """Return a kind of wind as one key: its example holds what it needs, and what its template sets."""
+    kind = table.heading.removeprefix(WINDS).strip('"')
+    example = {"kind": kind} | {key.name: key.example for key in table.keys if key.given}
+    takes = "; ".join(f"{key.name}{f' [{key.unit}]' if key.unit else ''}: {key.meaning}" for key in table.keys)
+    return Described("wind", "kind", takes, f"{kind}: {table.about.rstrip(chr(46))}", example, kind == "uniform")
 
 
 def template() -> str:
@@ -67,7 +72,3 @@ def template() -> str:
         lines.append(f"# {key.meaning} ({key.wanted})")
         lines += key.lines if key.given else [f"# {line}" for line in key.lines]
     return "\n".join(lines) + "\n"
-
-
-def _default(each: Any) -> Any:
-    return each.default_factory() if callable(each.default_factory) else each.default

@@ -162,7 +162,7 @@ def test_tracks_with_the_clearance_are_flown() -> None:
 
 
 def test_frames_and_clearances_that_do_not_fit() -> None:
-    with pytest.raises(InputError, match=r"flight\.frame: unknown 'agl'.*known: amsl, above-ground, above-home"):
+    with pytest.raises(InputError, match=r"\[flight\] frame must be one of 'amsl', 'above-ground', 'above-home'"):
         mission_with(flight={"frame": "agl"})
     with pytest.raises(
         InputError, match=r"flight\.altitude = 30 m above the ground is less than flight\.clearance = 50"

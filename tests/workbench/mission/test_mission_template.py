@@ -9,25 +9,26 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from instances.declared.reading import read_declared
+from instances.declared.scenario import RadioTable
 from instances.environment.radio import RadioSource
 from instances.environment.wind_table import KINDS, wind_from_toml
-from instances.scenario_keys import RADIO_KEYS, WINDS
 from workbench.commands.mission import command
-from workbench.mission.file import KEYS, SCENARIO_KEYS, mission_of
-from workbench.mission.settings import TABLES
+from workbench.mission.file import mission_of
+from workbench.mission.settings import TABLES, MissionTable
 from workbench.mission.template import Described, described, template
 
 ALL = list(described())
-TABLE_KEYS = {(table, each.name) for table, cls in TABLES.items() for each in fields(cls)}
+TABLE_KEYS = {(table, name) for table, cls in TABLES.items() for name in cls.__struct_fields__}
+WINDS = {key.example["kind"]: key.example for key in ALL if key.table == "wind"}
 
 
 def test_no_key_goes_without_a_description() -> None:
-    """A new key of a scenario belongs into `instances.scenario_keys`, one of a table gets a `meaning`."""
-    assert {key.name for key in ALL if not key.table} | {key.table for key in ALL if key.table} == set(KEYS)
-    assert set(SCENARIO_KEYS) <= set(KEYS)
+    names = {key.name for key in ALL if not key.table} | {key.table for key in ALL if key.table}
+    assert names == set(MissionTable.__struct_encode_fields__)
     assert {(key.table, key.name) for key in ALL if key.table in TABLES} == TABLE_KEYS
     assert set(WINDS) == set(KINDS)
-    assert set(RADIO_KEYS) == {each.name for each in fields(RadioSource)}
+    assert set(RadioTable.__struct_fields__) == {each.name for each in fields(RadioSource)}
     for key in ALL:
         assert key.meaning, f"{key.table}.{key.name} has no meaning"
         assert key.wanted, f"{key.table}.{key.name} does not say what it takes"
@@ -36,13 +37,12 @@ def test_no_key_goes_without_a_description() -> None:
 
 @pytest.mark.parametrize("key", [key for key in ALL if key.table in TABLES], ids=lambda key: f"{key.table}.{key.name}")
 def test_examples_are_values_the_key_takes(key: Described) -> None:
-    (metadata,) = (each.metadata for each in fields(TABLES[key.table]) if each.name == key.name)
-    assert metadata["fits"](key.example)
+    read_declared(TABLES[key.table], {key.name: key.example})
 
 
-@pytest.mark.parametrize("kind", [kind for kind in WINDS if kind not in ("grid", "terrain")])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("grid", "terrain")])
 def test_winds_of_the_template_blow(kind: str) -> None:
-    assert wind_from_toml({"kind": kind, **WINDS[kind][1]})([[0.0, 0.0]]).shape == (1, 2)
+    assert wind_from_toml(WINDS[kind])([[0.0, 0.0]]).shape == (1, 2)
 
 
 def test_the_template_is_a_mission_with_the_defaults() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime
 import math
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,7 @@ TABLE: dict[str, Any] = {
 }
 NEVER = [math.nan, math.inf, -math.inf, 1e308, 10**400, 1 << 20_000, "", {"a": 1}, [[]], datetime.date(1979, 5, 27)]
 PERHAPS = [1e-320, 0, -1, 10**20, True, "x" * 10_000, "a\0b", [], {}, ".", ":x", "x:", "builtins:exit", "5:x", [1, [2]]]
-KEYS = [f"{table}.{each.name}" for table, cls in TABLES.items() for each in fields(cls)]
+KEYS = [f"{table}.{each}" for table, cls in TABLES.items() for each in cls.__struct_fields__]
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")

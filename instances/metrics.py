@@ -16,14 +16,24 @@ Source of the TSPLIB roundings: G. Reinelt, TSPLIB 95, 1995, §2.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from instances.arrays import Floats
-from instances.environment.wind_table import wind_from_toml
-from instances.errors import InputError, shown, suggestion
-from instances.extent import positive
+from instances.declared.instance import (
+    AttTable,
+    EuclideanTable,
+    GeoTable,
+    ManhattanTable,
+    MaximumTable,
+    Metric,
+    WindMetricTable,
+)
+from instances.declared.reading import read_declared
+from instances.environment.wind_table import wind_of
+from instances.errors import InputError
 from instances.wind_metric import cost_matrix
 
 ROUNDINGS: dict[str, Callable[[Floats], Floats]] = {
@@ -43,18 +53,11 @@ def metric_cost(metric: Mapping[str, Any], coordinates: Floats | None) -> Floats
 
     Metrics that are sums or maxima over axes take (k, 3) as well.
     """
-    name = metric.get("metric")
-    if not isinstance(name, str) or name not in METRICS:
-        near = suggestion(name, METRICS) if isinstance(name, str) else ""
-        raise InputError(f"cost: unknown metric {shown(name)}{near} (known: {', '.join(METRICS)})")
+    said: Any = read_declared(Metric, metric, at=["cost"], toml=False)  # type: ignore[arg-type]  # a union
     if coordinates is None:
-        raise InputError(f"cost: the metric '{name}' needs coordinates")
-    compute, keys = METRICS[name]
-    for key in metric:
-        if key not in ("metric", *keys):
-            raise InputError(f"cost: unknown key {shown(key)} of the metric '{name}'{suggestion(str(key), keys)}")
+        raise InputError(f"cost: the metric '{metric['metric']}' needs coordinates")
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused by Instance, by its entry
-        return compute(coordinates, **{key: metric[key] for key in keys if key in metric})
+        return METRICS[type(said)](coordinates, said)
 
 
 def distances(points: Floats) -> Floats:
@@ -68,31 +71,25 @@ def distances(points: Floats) -> Floats:
     return np.sqrt(squared, out=squared)
 
 
-def _rounded(d: Floats, rounding: Any) -> Floats:
-    if not isinstance(rounding, str) or rounding not in ROUNDINGS:
-        raise InputError(f"cost: unknown rounding {shown(rounding)} (known: {', '.join(ROUNDINGS)})")
-    return ROUNDINGS[rounding](d)
-
-
-def _euclidean(points: Floats, speed: Any = 1.0, rounding: Any = "none") -> Floats:
+def _euclidean(points: Floats, said: EuclideanTable) -> Floats:
     d = distances(points)
-    d /= positive(speed, "cost: speed")
-    return _rounded(d, rounding)
+    d /= said.speed
+    return ROUNDINGS[said.rounding](d)
 
 
-def _att(points: Floats) -> Floats:
+def _att(points: Floats, said: AttTable) -> Floats:
     r = distances(points)
     r /= np.sqrt(10.0)
     t = np.floor(r + 0.5)
     return np.where(t < r, t + 1.0, t)
 
 
-def _manhattan(points: Floats, rounding: Any = "none") -> Floats:
-    return _rounded(sum(_apart(points), np.zeros((len(points), len(points)))), rounding)
+def _manhattan(points: Floats, said: ManhattanTable) -> Floats:
+    return ROUNDINGS[said.rounding](sum(_apart(points), np.zeros((len(points), len(points)))))
 
 
-def _maximum(points: Floats, rounding: Any = "none") -> Floats:
-    return _rounded(np.maximum.reduce(_apart(points)), rounding)
+def _maximum(points: Floats, said: MaximumTable) -> Floats:
+    return ROUNDINGS[said.rounding](np.maximum.reduce(_apart(points)))
 
 
 def _apart(points: Floats) -> list[Floats]:
@@ -100,7 +97,7 @@ def _apart(points: Floats) -> list[Floats]:
     return [np.abs(np.subtract.outer(axis, axis)) for axis in points.T]
 
 
-def _geo(points: Floats) -> Floats:
+def _geo(points: Floats, said: GeoTable) -> Floats:
     """TSPLIB's GEO, with its own π and radius [km]; published optima hold with degrees cut off, not rounded."""
     degrees = np.trunc(points)
     latitude, longitude = (PI * (degrees + 5.0 * (points - degrees) / 3.0) / 180.0).T
@@ -112,26 +109,25 @@ def _geo(points: Floats) -> Floats:
     return d
 
 
-def _wind(points: Floats, airspeed: Any = None, wind: Any = None, region: Any = None) -> Floats:
-    v0 = positive(airspeed, "cost: airspeed")
-    if wind is not None and not isinstance(wind, Mapping):
-        raise InputError(f"cost: wind must be a table or null, got {shown(wind)}")
-    field = None if wind is None else wind_from_toml(wind)
-    if region is None:
+def _wind(points: Floats, said: WindMetricTable) -> Floats:
+    v0, field = said.airspeed, None if said.wind is None else wind_of(said.wind, Path())
+    if said.region is None:
         return cost_matrix(points, v0, field)
     # here, not above: shapely takes its time, and few files need it
     from instances.environment.region import Region, single_polygon
     from instances.old_corridor_metric import old_corridor_costs
 
-    return old_corridor_costs(points, Region(single_polygon({"type": "Polygon", "coordinates": region})), v0, field)
+    return old_corridor_costs(
+        points, Region(single_polygon({"type": "Polygon", "coordinates": said.region})), v0, field
+    )
 
 
-METRICS: dict[str, tuple[Callable[..., Floats], tuple[str, ...]]] = {
-    "euclidean": (_euclidean, ("speed", "rounding")),
-    "manhattan": (_manhattan, ("rounding",)),
-    "maximum": (_maximum, ("rounding",)),
-    "att": (_att, ()),
-    "geo": (_geo, ()),
-    "wind": (_wind, ("airspeed", "wind", "region")),
+METRICS: dict[type, Callable[[Floats, Any], Floats]] = {
+    EuclideanTable: _euclidean,
+    ManhattanTable: _manhattan,
+    MaximumTable: _maximum,
+    AttTable: _att,
+    GeoTable: _geo,
+    WindMetricTable: _wind,
 }
-"""Name of a metric → its function of the coordinates and the keys that parametrise it."""
+"""Metric, as declared → its function of the coordinates."""

@@ -38,6 +38,9 @@ FORMATS = {
         },
         by="problem",
     ),
+    "instance": FileFormat(
+        "An instance of the MMMDMTSP workbench", {"": "instances.declared.instance:InstanceTable"}, toml=False
+    ),
     "mission": FileFormat("A mission of the MMMDMTSP workbench", {"": "workbench.mission.settings:MissionTable"}),
     "scenario": FileFormat("A scenario of the MMMDMTSP workbench", {"": "instances.declared.scenario:ScenarioTable"}),
 }

@@ -78,7 +78,7 @@ def _sentence(kind: type, value: Any, error: msgspec.ValidationError, at: Sequen
     if isinstance(inner, inspect.StructType) and isinstance(node.value, Mapping):
         return _wrong_keys(node.type, inner, node.value, name)
     if not name:
-        return f"must hold {words_of(node.type)}, got {shown(node.value)}"
+        return f"must hold a {'TOML table' if toml else 'JSON object'}, got {type(node.value).__name__}"
     near = ""
     if isinstance(inner, (inspect.EnumType, inspect.LiteralType)) and isinstance(node.value, str):
         near = suggestion(node.value, names_of(inner))

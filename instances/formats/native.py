@@ -1,17 +1,14 @@
 """Native instance files: JSON, or JSON compressed by gzip.
 
-``schema`` (1), ``name``, ``n_tasks``, ``n_depots``, ``cost`` [s] as rows or as a named metric
-(`instances.metrics`), ``coordinates`` [m] (n+m pairs, or null), ``provenance`` (free); where UAVs, times or states
-differ, ``travel`` with ``cost`` [s] (class, knot, state, state; null where a class cannot fly a leg), ``classes``,
-``departures`` [s] and ``nodes``, and then ``cost`` is its least and may be left out; ``endurance`` [s] (m numbers, null
-where unlimited). Floats are written with
-the shortest digits that read back as the same float64; the same instance gives the same bytes.
+Its keys are declared in `instances.declared.instance`. Floats are written with the shortest digits that read back as
+the same float64; the same instance gives the same bytes.
 """
 
 from __future__ import annotations
 
 import gzip
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,22 +16,15 @@ import msgspec
 import numpy as np
 
 from instances.arrays import Floats
+from instances.declared.instance import SCHEMA, InstanceTable, MetricTable, TravelTable
+from instances.declared.reading import read_declared
 from instances.disk import read_unpacked, write_aside
 from instances.documents import json_of, text_of
-from instances.errors import InputError, naming, shown, suggestion
+from instances.errors import InputError, naming, shown
 from instances.formats.format import Format
 from instances.instance import MAX_NODES, Instance, check_size
 from instances.metrics import metric_cost
 from instances.travel import Travel
-
-SCHEMA = 1
-"""Version of the format that is written, and the newest that is read."""
-
-KEYS = ("schema", "name", "n_tasks", "n_depots", "cost", "coordinates", "provenance", "travel", "endurance")
-"""Every key of a file; the last four may be left out, and where there is ``travel`` also ``cost``."""
-
-TRAVEL_KEYS = ("cost", "classes", "departures", "nodes")
-"""Every key of ``travel``; the last two may be left out."""
 
 ROWS_UP_TO = 300
 """Nodes up to which costs are written as rows, for other readers' sake; beyond, by metric where they have one."""
@@ -44,11 +34,8 @@ def read_native(path: Path) -> Instance:
     """Read a native file; InputError names the file, the field and the value that cannot be used."""
     content = read_unpacked(path)
     with naming(path):
-        apart = _costs_apart(content)
-        if apart is None:
-            return instance_of(json_of(text_of(content)))
-        rest, cost = apart
-        return instance_of({**json_of(text_of(rest)), "cost": cost})
+        rest, cost = _costs_apart(content) or (content, None)
+        return instance_of(json_of(text_of(rest)), cost)
 
 
 def write_native(instance: Instance, path: Path) -> None:
@@ -58,96 +45,58 @@ def write_native(instance: Instance, path: Path) -> None:
     write_aside(path, gzip.compress(content, mtime=0) if path.name.lower().endswith(".gz") else content)
 
 
-def instance_of(document: Any) -> Instance:
-    """Return the Instance a parsed native file describes; InputError names the field and the value."""
-    if not isinstance(document, dict):
-        raise InputError(f"must hold a JSON object, got {type(document).__name__}")
-    _check_schema(document.get("schema"))
-    for key in document:
-        if key not in KEYS:
-            raise InputError(f"unknown key {shown(key)}{suggestion(key, KEYS)}")
-    for key in ("name", "n_tasks", "n_depots", "cost"):
-        if key not in document and not (key == "cost" and "travel" in document):
-            raise InputError(f"the key '{key}' is missing")
-    for key in ("n_tasks", "n_depots"):
-        if not isinstance(document[key], int) or isinstance(document[key], bool) or document[key] < 1:
-            raise InputError(f"{key} must be a whole number of at least 1, got {shown(document[key])}")
-    check_size(document["n_tasks"], document["n_depots"])
-    nodes = document["n_tasks"] + document["n_depots"]
-    coordinates = document.get("coordinates")
-    if coordinates is not None:
-        coordinates = _rows(coordinates, "coordinates", nodes, 2)
-    provenance = document.get("provenance", {})
-    if not isinstance(provenance, dict):
-        raise InputError(f"provenance must be an object, got {shown(provenance)}")
-    travel = travel_of(document["travel"]) if document.get("travel") is not None else None
-    cost = document.get("cost")
-    if cost is None and travel is not None:
-        matrix = travel.least()
-    elif isinstance(cost, dict):
+def instance_of(document: Any, cost: Floats | None = None) -> Instance:
+    """Return the Instance a parsed native file describes; InputError names the field and the value.
+
+    cost : (N, N) [s], where they were read apart.
+    """
+    if isinstance(document, dict) and isinstance(document.get("schema"), int) and document["schema"] > SCHEMA:
+        raise InputError(f"schema {shown(document['schema'])} is of a newer version; this one reads up to {SCHEMA}")
+    said = read_declared(InstanceTable, document, toml=False)
+    size = said.n_tasks, said.n_depots
+    check_size(*size)
+    nodes = sum(size)
+    coordinates = None if said.coordinates is None else _rows(said.coordinates, "coordinates", nodes, 2)
+    travel = None if said.travel is None else travel_of(said.travel)
+    provenance = said.provenance
+    if isinstance(said.cost, MetricTable):
         if coordinates is not None and not np.isfinite(coordinates).all():
             raise InputError("coordinates must be finite")
-        provenance = {**provenance, "metric": cost}
-        matrix = metric_cost(cost, coordinates)
+        provenance = {**provenance, "metric": document["cost"]}
+        matrix = metric_cost(document["cost"], coordinates)
+    elif (rows := said.cost if cost is None else cost) is not None:
+        matrix = _rows(rows, "cost", nodes, nodes)
+    elif travel is not None:
+        matrix = travel.least()
     else:
-        matrix = _rows(cost, "cost", nodes, nodes)
-    size = document["n_tasks"], document["n_depots"]
-    limits = _endurance(document.get("endurance"), size[1])
-    return Instance(document["name"], matrix, *size, coordinates, provenance, travel, limits)
+        raise InputError("the key 'cost' is missing")
+    return Instance(said.name, matrix, *size, coordinates, provenance, travel, _endurance(said.endurance, size[1]))
 
 
-def travel_of(document: Any) -> Travel:
-    """Return the Travel of a parsed ``travel`` object; InputError names the field and the value."""
-    if not isinstance(document, dict):
-        raise InputError(f"travel must be an object, got {shown(document)}")
-    for key in document:
-        if key not in TRAVEL_KEYS:
-            raise InputError(f"unknown key travel.{shown(key)}{suggestion(key, TRAVEL_KEYS)}")
-    for key in TRAVEL_KEYS[:2]:
-        if key not in document:
-            raise InputError(f"the key 'travel.{key}' is missing")
-    cost = document["cost"]
-    departures = document.get("departures", [0.0])
-    return Travel(
-        _travel_cost(cost),
-        _list(document["classes"], "travel.classes"),
-        _numbers(departures, "travel.departures"),
-        _list(document.get("nodes", []), "travel.nodes"),
-    )
-
-
-def _travel_cost(value: Any) -> Floats:
-    """Return (G, Q, S, S) numbers, +inf for null."""
-    if not isinstance(value, list) or not all(isinstance(knots, list) for knots in value):
-        raise InputError(f"travel.cost must be lists of numbers, class by class and knot by knot, got {shown(value)}")
-    states = len(value[0][0]) if value and value[0] and isinstance(value[0][0], list) else 0
+def travel_of(said: TravelTable) -> Travel:
+    """Return the Travel of a declared ``travel`` object; InputError names the field and the value."""
+    states = len(said.cost[0][0]) if said.cost and said.cost[0] else 0
     classes = []
-    for g, knots in enumerate(value):
-        if len(knots) != len(value[0]):
-            raise InputError(f"travel.cost[{g}] has {len(knots)} knots, must have {len(value[0])}")
-        for q, rows in enumerate(knots):
-            unknown = isinstance(rows, list) and all(isinstance(row, list) for row in rows)
-            finite = [[np.inf if entry is None else entry for entry in row] for row in rows] if unknown else rows
-            classes.append(_rows(finite, f"travel.cost[{g}][{q}]", states, states))
-    return np.array(classes).reshape(len(value), len(value[0]) if value else 0, states, states)
+    for g, knots in enumerate(said.cost):
+        if len(knots) != len(said.cost[0]):
+            raise InputError(f"travel.cost[{g}] has {len(knots)} knots, must have {len(said.cost[0])}")
+        classes += [_rows(rows, f"travel.cost[{g}][{q}]", states, states) for q, rows in enumerate(knots)]
+    shape = (len(said.cost), len(said.cost[0]) if said.cost else 0, states, states)
+    cost = _unlimited(np.array(classes).reshape(shape))
+    return Travel(cost, said.classes, np.array(said.departures), said.nodes)  # type: ignore[arg-type]  # made arrays there
 
 
-def _endurance(value: Any, n_depots: int) -> Floats | None:
+def _endurance(value: list[float | None] | None, n_depots: int) -> Floats | None:
     if value is None:
         return None
-    if not isinstance(value, list) or len(value) != n_depots:
+    if len(value) != n_depots:
         raise InputError(f"endurance must be a list of n_depots = {n_depots} numbers [s] or null, got {shown(value)}")
-    return _numbers([np.inf if each is None else each for each in value], "endurance")
+    return _unlimited(np.array(value, dtype=np.float64))
 
 
-def _numbers(value: Any, label: str) -> Floats:
-    return _rows([_list(value, label)], label, 1, len(value))[0]
-
-
-def _list(value: Any, label: str) -> Any:
-    if not isinstance(value, list):
-        raise InputError(f"{label} must be a list of numbers, got {shown(value)}")
-    return value
+def _unlimited(numbers: Floats) -> Floats:
+    """Return numbers with +inf where the file says null."""
+    return np.where(np.isnan(numbers), np.inf, numbers)
 
 
 def document_text(instance: Instance) -> str:
@@ -175,13 +124,6 @@ def document_text(instance: Instance) -> str:
     return "{\n" + ",\n".join(f'"{key}": {value}' for key, value in parts.items()) + "\n}\n"
 
 
-def _check_schema(schema: Any) -> None:
-    if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
-        raise InputError(f"schema must be a whole number from 1 to {SCHEMA}, got {shown(schema)}")
-    if schema > SCHEMA:
-        raise InputError(f"schema {shown(schema)} is of a newer version; this one reads up to {SCHEMA}")
-
-
 def _costs_apart(content: bytes | bytearray) -> tuple[bytes | bytearray, Floats] | None:
     """Return the file with null in place of its costs, and these; None where they are not a square most of it.
 
@@ -206,26 +148,14 @@ def _costs_apart(content: bytes | bytearray) -> tuple[bytes | bytearray, Floats]
     return before + b"null" + after, cost
 
 
-def _rows(value: Any, label: str, count: int, width: int) -> Floats:
-    """Return `count` rows of `width` numbers; json has told numbers, texts and truth values apart: so do we."""
-    if isinstance(value, np.ndarray) and value.shape == (count, width):
-        return value
-    if not isinstance(value, (list, np.ndarray)):
-        raise InputError(f"{label} must be a list of rows, got {shown(value)}")
+def _rows(value: Sequence[Sequence[float | None]] | Floats, label: str, count: int, width: int) -> Floats:
+    """Return `count` rows of `width` numbers, NaN for null."""
     if len(value) != count:
         raise InputError(f"{label} has {len(value)} rows, must have n_tasks + n_depots = {shown(count)}")
     for i, row in enumerate(value):
-        if not isinstance(row, list):
-            raise InputError(f"{label}[{i}] must be a list of numbers, got {shown(row)}")
         if len(row) != width:
             raise InputError(f"{label}[{i}] has {len(row)} entries, must have {width}")
-        if not {*map(type, row)} <= {int, float}:
-            j = next(j for j, entry in enumerate(row) if type(entry) not in (int, float))
-            raise InputError(f"{label}[{i}][{j}] must be a number, got {shown(row[j])}")
-    try:
-        return np.array(value, dtype=np.float64)
-    except OverflowError:
-        raise InputError(f"{label} holds a number too large for float64") from None
+    return np.array(value, dtype=np.float64)
 
 
 def _row_lines(array: Floats) -> str:
@@ -238,7 +168,7 @@ def _travel_text(travel: Travel) -> str:
         ["[\n" + ",\n".join(json.dumps(_nulls(row)) for row in rows) + "\n]" for rows in each] for each in travel.cost
     )
     cost = ",\n".join("[" + ",\n".join(each) + "]" for each in knots)
-    rest = {name: json.dumps(getattr(travel, name).tolist()) for name in TRAVEL_KEYS[1:]}
+    rest = {name: json.dumps(getattr(travel, name).tolist()) for name in ("classes", "departures", "nodes")}
     return "{" + f'"cost": [{cost}],\n' + ",\n".join(f'"{name}": {text}' for name, text in rest.items()) + "}"
 
 

@@ -121,7 +121,7 @@ BAD = {
     "ragged": ({"cost": [[[[0, 1.0], [1.0]]]]}, r"travel.cost\[0\]\[0\]\[1\] has 1 entries"),
     "departures": ({"departures": [1.0]}, "travel.departures must be 1 increasing times"),
     "nodes": ({"nodes": [0, 0, 0, 1, 3]}, "travel.nodes must name the node"),
-    "unknown": ({"speed": 3}, "unknown key travel."),
+    "unknown": ({"speed": 3}, "travel: unknown key "),
 }
 
 

@@ -70,7 +70,8 @@ def _listed(context: click.Context, parameter: click.Parameter, value: str | Non
 SEED = Whole(0, LARGEST_SEED)
 COUNT = Whole(1, 1_000_000)
 """How many of something."""
-JOBS = Whole(1, 10_000)
+MOST_JOBS = 10_000
+JOBS = Whole(1, MOST_JOBS)
 """Runs at once."""
 THREADS = Whole(1, MOST_THREADS)
 ITERATIONS = Whole(0, LARGEST_WHOLE)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +18,7 @@ from workbench.terminal import print_json, say
 if TYPE_CHECKING:
     from workbench.jobs.execute import Plan
     from workbench.jobs.problem import Published, Source
+    from workbench.jobs.slurm import Slurm
     from workbench.jobs.store import Store
     from workbench.jobs.study import Study
 
@@ -36,6 +39,9 @@ if TYPE_CHECKING:
 @click.option("--jobs", type=JOBS, help="Runs at once.  [default: the cores of this machine]")
 @click.option("--shard", help="Run only part i of n: i/n. The parts may share a folder.")
 @click.option("--scheduler", metavar="tcp://...", help="Run on a dask.distributed cluster.")
+@click.option(
+    "--slurm", metavar="FILE.toml", type=click.Path(path_type=Path), help="Run in SLURM jobs (docs/clusters.md)."
+)
 @click.option("--report/--no-report", default=True, help="Whether to write results.csv and report.html at the end.")
 @click.option("--no-plugins", is_flag=True, help="Refuse a study that names code which is not built in.")
 @click.option("--dry-run", is_flag=True, help="Say what would be run and how long it would take.")
@@ -53,6 +59,7 @@ def command(
     retry: str | None,
     shard: str | None,
     scheduler: str | None,
+    slurm: Path | None,
     report: bool,
     no_plugins: bool,
     dry_run: bool,
@@ -79,7 +86,8 @@ def command(
     from workbench.jobs.machine import available_cores
     from workbench.settings import memory
 
-    parallel = available_cores() if jobs is None else jobs
+    queue = _slurm(slurm, scheduler)
+    parallel = queue.jobs * queue.cores if queue else available_cores() if jobs is None else jobs
     limit = None if memory_limit is None else memory(memory_limit, "--memory-limit")
     study = _study(targets, solvers, {key: value for key, value in changes.items() if value is not None})
     if no_plugins and study.plugins:
@@ -87,15 +95,14 @@ def command(
     if columns:
         _refuse_columns(study, columns)
     folder = out or Path("runs") / study.name
-    if scheduler is not None and not dry_run:
-        _reach(scheduler)
+    if not dry_run:
+        _reach(scheduler, queue)
     plan, store = _planned(study, folder, retry, shard, dry_run)
-    if scheduler is None:
-        _warn_of_crowding(study, parallel)
+    _warn_of_crowding(study, parallel, elsewhere=bool(scheduler or queue))
     if dry_run:
-        _tell_plan(plan, parallel, as_json)
+        _tell_plan(plan, parallel, queue, as_json)
         return
-    published = _carry_out(study, plan, store, Means(parallel, limit, scheduler), report)
+    published = _carry_out(study, plan, store, Means(parallel, limit, scheduler, queue), report)
     about = {"study": study.name, "folder": folder, "runs": len(plan.jobs), "ran": len(plan.todo)}
     _tell(published, columns, about if as_json else None)
     context.exit(1 if published.problems else 0)
@@ -192,17 +199,28 @@ def _planned(study: Study, folder: Path, retry: str | None, shard: str | None, d
     return plan(jobs, store, again).shard(*part), store
 
 
-def _warn_of_crowding(study: Study, parallel: int) -> None:
+def _warn_of_crowding(study: Study, parallel: int, elsewhere: bool) -> None:
     from workbench.jobs.machine import available_cores
 
     threads = max(entry.threads for entry in study.entries)
     cores = available_cores()
-    if threads * parallel > cores:
+    if threads * parallel > cores and not elsewhere:
         asked = f"{parallel} runs at once with {threads} threads each"
         say(f"warning: {asked} on {cores} cores: times will be those of a crowded machine", err=True)
 
 
-def _tell_plan(plan: Plan, parallel: int, as_json: bool) -> None:
+def _slurm(file: Path | None, scheduler: str | None) -> Slurm | None:
+    """Return what is asked of SLURM, or None."""
+    if file is None:
+        return None
+    from workbench.jobs.slurm import read_slurm
+
+    if scheduler is not None:
+        raise InputError("--slurm: starts a scheduler of its own; give it or --scheduler")
+    return read_slurm(file)
+
+
+def _tell_plan(plan: Plan, parallel: int, queue: Slurm | None, as_json: bool) -> None:
     from workbench.jobs.progress import Estimate, duration
 
     if as_json:
@@ -213,16 +231,23 @@ def _tell_plan(plan: Plan, parallel: int, as_json: bool) -> None:
         click.echo(job.path)
     longest = duration(Estimate(plan.todo, parallel).left())
     done = len(plan.jobs) - len(plan.todo)
-    say(f"{len(plan.todo)} runs to do ({done} of {len(plan.jobs)} stored), at most {longest} with {parallel} at once")
+    click.echo(
+        f"{len(plan.todo)} runs to do ({done} of {len(plan.jobs)} stored), at most {longest} with {parallel} at once"
+    )
+    if queue:
+        from workbench.jobs.slurm import job_script
+
+        click.echo(job_script(queue), err=True)
 
 
 @dataclass(frozen=True)
 class Means:
-    """What the runs are given: how many at once, the memory limit of each [bytes], or a cluster's scheduler."""
+    """What the runs are given: how many at once, the memory limit of each [bytes], a scheduler, or SLURM's jobs."""
 
     parallel: int
     memory_limit: int | None
     scheduler: str | None
+    slurm: Slurm | None
 
 
 def _execute(study: Study, plan: Plan, store: Store, means: Means) -> list[str]:
@@ -241,16 +266,34 @@ def _execute(study: Study, plan: Plan, store: Store, means: Means) -> list[str]:
         StudyProgress(plan.todo, means.parallel, study.problem.spell) as progress,
         Backlog(plan.todo, store, plan.seen) as backlog,
     ):
-        if means.scheduler is None:
+        if means.scheduler is None and means.slurm is None:
             return run_locally(backlog, study.problem, means.parallel, progress, means.memory_limit)
         from workbench.jobs.cluster import run_on_cluster  # here: an extra
 
-        return run_on_cluster(backlog, study.problem, means.scheduler, progress, means.memory_limit)
+        with _scheduler(means) as address:
+            return run_on_cluster(backlog, study.problem, address, progress, means.memory_limit)
 
 
-def _reach(scheduler: str) -> None:
+@contextlib.contextmanager
+def _scheduler(means: Means) -> Iterator[str]:
+    """Give the address of the cluster's scheduler: the one that is named, or one of SLURM's jobs."""
+    if means.slurm is None:
+        yield means.scheduler or ""
+        return
+    from workbench.jobs.slurm import launched
+
+    with launched(means.slurm) as address:
+        yield address
+
+
+def _reach(scheduler: str | None, queue: Slurm | None) -> None:
     """Refuse a cluster that is not there before anything is stored."""
-    from workbench.jobs.cluster import connected, threads_of  # here: an extra
+    if queue is not None:
+        from workbench.jobs.slurm import try_slurm
 
-    with connected(scheduler) as client:
-        threads_of(client, scheduler)
+        try_slurm(queue)
+    if scheduler is not None:
+        from workbench.jobs.cluster import connected, threads_of  # here: an extra
+
+        with connected(scheduler) as client:
+            threads_of(client, scheduler)

@@ -41,8 +41,7 @@ def command(
       time_limit  seconds it was allowed
       seed, threads, machine
       routes      [[tasks of the first UAV], ...], text or file of a .sol
-      objective   the longest tour it claims [s]
-      bound       the lower bound it claims [s]
+      objective, bound   the longest tour and lower bound it claims [s]
 
     Routes are checked and costed as those of every solver; a claim they do not bear out is stored as ERROR, and the
     exit code is 1. What is imported carries a † wherever it is named: its times were measured elsewhere. A value

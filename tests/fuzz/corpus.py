@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from formulations.limits import Limits
 from instances.code import code_digest
@@ -99,6 +100,21 @@ frames = 2
 [compare]
 baselines = ["random"]
 time_limit = 2.0
+"""
+OTHERS = """instance,solver,seed,time_limit,elapsed,routes,objective,bound,machine
+small.json,LKH-3,0,60,1.5,"[[0, 1], [2, 3]]",,100.5,a laptop
+small.json,LKH-3,1,60,1.25,small.sol,,,
+small.json,HGS,0,60,2,"Route #1: 0 1
+Route #2: 2 3",,,
+small.json,Claims,0,60,2,,1234.57,,
+"""
+SLURM = """jobs = 2
+cores = 4
+memory = "8GB"
+walltime = "04:00:00"
+queue = "short"
+directives = ["--constraint=avx2"]
+prologue = ["module load python"]
 """
 MODEL = 'model = "free-space"\nshadowing_sd = 2.0\ncells = 10\n'
 """What a mission measures; in its place may stand a file."""
@@ -208,6 +224,9 @@ def _instances() -> None:
         Path(f"small.{ending}").write_text(TSPLIB)
     for ending in ("sol", "tour"):
         write_routes([[0, 1], [2, 3]], read_instance("small.json"), f"small.{ending}")
+    Path("others.csv").write_text(OTHERS)
+    pd.read_csv("others.csv").to_parquet("others.parquet")
+    Path("slurm.toml").write_text(SLURM)
 
 
 def _environment() -> None:

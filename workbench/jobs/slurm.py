@@ -40,8 +40,14 @@ LONGEST_REASON = 300
 """Characters repeated of what sbatch says."""
 
 
+LONGEST_LINE = 200
 Line = Annotated[
-    str, Meta(pattern=r"^[^\x00-\x1f\x7f]*[^\s\x00-\x1f\x7f][^\x00-\x1f\x7f]*$", extra={"words": "one printable line"})
+    str,
+    Meta(
+        max_length=LONGEST_LINE,
+        pattern=r"^[^\x00-\x1f\x7f]*[^\s\x00-\x1f\x7f][^\x00-\x1f\x7f]*$",
+        extra={"words": f"one printable line of at most {LONGEST_LINE} characters"},
+    ),
 ]
 Jobs = Annotated[int, Meta(ge=1, le=MOST_JOBS)]
 

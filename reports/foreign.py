@@ -39,11 +39,11 @@ def foreign_notes(runs: pd.DataFrame, claims: Sequence[str]) -> list[str]:
     notes = []
     foreign = runs[runs["foreign"].astype(bool)]
     if len(foreign):
+        verb = "was" if len(foreign) == 1 else "were"
         names = one_line(", ".join(sorted(foreign["method"].unique())), MOST_NAMES)
         notes.append(
-            f"{MARK} {numbers.counted(len(foreign), 'run')} of {names} made elsewhere and imported: their routes were "
-            "checked and costed here like all others; their times were measured elsewhere, their bounds are claims of "
-            "others."
+            f"{MARK} {numbers.counted(len(foreign), 'run')} of {names} {verb} made elsewhere and imported: routes were "
+            "checked and costed here like all others; times were measured elsewhere, bounds are claims of others."
         )
     if claims:
         notes.append(

@@ -126,7 +126,7 @@ def test_main_is_whole_and_names_only_what_is_there(paper):
     assert {"ombuki2009using", "cho2018informative", "potvin1993parallel"} <= cited
     assert r"mine\_50\%:A\&B" in text
     assert r"LKH\textdagger{}" in text
-    assert r"\textdagger{} 8 runs of LKH\textdagger{} made elsewhere" in text
+    assert r"\textdagger{} 8 runs of LKH\textdagger{} were made elsewhere" in text
     assert all(path.read_text().isascii() for path in paper.rglob("*.tex"))
 
 

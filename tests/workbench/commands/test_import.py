@@ -179,7 +179,7 @@ def test_tables_and_pages_name_the_mark(cli, store, tmp_path, without_figures):
     cli("import", "others.csv", "--into", store)
     code, told, _ = cli("report", store, "--out", "page.html", "--csv", "runs.csv", "--latex", "runs.tex")
     assert code == 0
-    note = "† 1 run of LKH-3† made elsewhere and imported: their routes were checked"
+    note = "† 1 run of LKH-3† was made elsewhere and imported: routes were checked"
     assert "LKH-3†" in told
     assert note in told
     assert note in Path("page.html").read_text()

@@ -102,7 +102,7 @@ def compare(
     time_limit
         Wall clock of each run [s], after which it is killed.
     seeds
-        How many seeds (0, 1, …) each solver that draws at random is run with.
+        How many seeds (0, 1, …) each solver is run with.
     out
         Folder that keeps the runs; what is stored there is not run again. By default nothing is kept.
     jobs

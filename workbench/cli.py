@@ -124,7 +124,7 @@ def main(args: list[str] | None = None) -> NoReturn:
     try:
         with signals_as_exits():
             # click's own standalone mode would turn Ctrl-C into exit code 1
-            code = commands.main(args=args, standalone_mode=False)
+            code = commands.main(args=args, prog_name="workbench", standalone_mode=False)
     except click.ClickException as error:
         from instances.errors import InputError  # here, not above: --help must not import numpy
 

@@ -14,6 +14,7 @@ from instances.errors import LONGEST_SENTENCE, one_line
 from reports.numbers import counted
 from reports.record import Run
 from workbench.jobs.job import Job
+from workbench.terminal import say
 
 STARTING = 2.0
 """Seconds a process takes around its solve, until a run has shown how long."""
@@ -95,7 +96,7 @@ class StudyProgress:
             self._bar.console.print(line, highlight=False, markup=False, soft_wrap=True)
             self._bar.update(self._task, advance=1, description=left)
         else:
-            print(f"[{self._done}/{self._total}] {line}; {left}", file=sys.stderr, flush=True)
+            say(f"[{self._done}/{self._total}] {line}; {left}", err=True)
 
 
 def duration(seconds: float) -> str:

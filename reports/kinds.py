@@ -8,26 +8,58 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from itertools import chain
-from typing import Any, NamedTuple, TypeGuard
+from typing import Annotated, Any, NamedTuple, TypeGuard
 
-import numpy as np
+import msgspec
+from msgspec import Meta
 
+from instances.declared.types import about
 from instances.errors import one_line
 
 LONGEST_LINE = 1000
 """Characters kept of a name or sentence."""
+LARGEST = sys.float_info.max
 LARGEST_WHOLE = 2**63 - 1
 MOST_TASKS = 2**31 - 1
 
+Finite = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
+Amount = Annotated[float, Meta(ge=0, le=LARGEST)]
+Limit = Annotated[float, Meta(gt=0, le=LARGEST)]
+Whole = Annotated[int, Meta(ge=-LARGEST_WHOLE, le=LARGEST_WHOLE)]
+Task = Annotated[int, Meta(ge=-MOST_TASKS, le=MOST_TASKS)]
+Size = Annotated[int, Meta(ge=0, le=MOST_TASKS)]
+
+
+class Item(msgspec.Struct, frozen=True, kw_only=True):
+    """What was solved, and more by problem."""
+
+    name: Annotated[str, about("of what was solved")]
+    digest: Annotated[str, about("of its arrays")]
+    n_tasks: Annotated[Size | None, about("number of tasks n")] = None
+    n_depots: Annotated[Size | None, about("number of depots and UAVs m")] = None
+    asymmetry: Annotated[Amount | None, about("mean |c_ij − c_ji| / (c_ij + c_ji)")] = None
+    best_known: Annotated[Amount | None, about("best known value of its set", "s")] = None
+    family: Annotated[str | None, about("generator family or set")] = None
+
+
+class Paths(msgspec.Struct, frozen=True, kw_only=True):
+    """Polylines held end to end, or nothing."""
+
+    offsets: Annotated[list[Whole] | None, about("where each path begins in points")] = None
+    points: Annotated[list[tuple[Finite, Finite]] | None, about("of all paths, end to end", "m")] = None
+
+    def __post_init__(self) -> None:
+        if (self.offsets is None) != (self.points is None):
+            raise ValueError("paths must have both offsets and points, or neither")
+
 
 class Kind(NamedTuple):
-    """What checks a value, what it must be in words, what stands where it is missing, and what it is kept as."""
+    """The type of a value, what stands where it is missing, what it is kept as, and what its type does not say."""
 
-    check: Callable[[Any], bool]
-    words: str
+    type: Any
     missing: Callable[[], Any] = lambda: None
     keep: Callable[[Any], Any] = lambda value: value
+    fault: Callable[[Any], str] = lambda value: ""
 
 
 def is_number(value: object) -> TypeGuard[float]:
@@ -37,61 +69,8 @@ def is_number(value: object) -> TypeGuard[float]:
     return abs(value) <= sys.float_info.max  # also of whole numbers too large for a float; False for NaN
 
 
-def _is_amount(value: object) -> bool:
-    return value is None or (is_number(value) and value >= 0)
-
-
-def _is_whole(value: object, largest: int = LARGEST_WHOLE) -> bool:
-    return type(value) is int and abs(value) <= largest
-
-
-def _is_numbers(value: object, *shape: int | None) -> bool:
-    """Return whether `value` holds finite numbers in lists of these lengths (None: any), or is an empty list."""
-    if not isinstance(value, list):
-        return False
-    try:
-        array = np.array(value)
-    except (ValueError, OverflowError):  # lists of different lengths
-        return False
-    if not array.size:
-        return len(shape) == 1 or not value
-    fits = array.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, array.shape, strict=True))
-    return fits and array.dtype.kind in "iuf" and bool(np.isfinite(array).all())
-
-
-def _is_matrix(value: object) -> bool:
-    return _is_numbers(value, None, None) and all(len(row) == len(value) for row in value)  # type: ignore[attr-defined, arg-type]
-
-
-def _is_routes(value: object) -> bool:
-    return isinstance(value, list) and all(
-        isinstance(route, list) and all(_is_whole(task, MOST_TASKS) for task in route) for route in value
-    )
-
-
-def _is_trace(value: object) -> bool:
-    if not isinstance(value, list) or not all(isinstance(point, list) and len(point) == 3 for point in value):
-        return False
-    if not value:
-        return True
-    if not set(map(type, chain.from_iterable(value))) <= {int, float, type(None)}:
-        return False
-    try:
-        points = np.array(value, dtype=np.float64)  # null becomes NaN
-    except OverflowError:
-        return False
-    return bool((np.isfinite(points[:, 0]) & (points[:, 0] >= 0)).all() and not np.isinf(points).any())
-
-
-def _is_item(value: object) -> bool:
-    if not isinstance(value, dict) or not all(isinstance(value.get(key), str) for key in ("name", "digest")):
-        return False
-    sizes = (value.get("n_tasks"), value.get("n_depots"))
-    return (
-        all(size is None or (_is_whole(size, MOST_TASKS) and size >= 0) for size in sizes)
-        and all(map(_is_amount, (value.get("asymmetry"), value.get("best_known"))))
-        and isinstance(value.get("family", ""), (str, type(None)))
-    )
+def _line(value: str) -> str:
+    return one_line(value, LONGEST_LINE)
 
 
 def _item(value: dict[str, Any]) -> dict[str, Any]:
@@ -99,42 +78,29 @@ def _item(value: dict[str, Any]) -> dict[str, Any]:
     return sizes | {key: _line(entry) if isinstance(entry, str) else entry for key, entry in value.items()}
 
 
-def _line(value: str) -> str:
-    return one_line(value, LONGEST_LINE)
+def _not_square(value: list[list[float]]) -> str:
+    square = all(len(row) == len(value) for row in value)
+    return "" if square else "must be as many lists of finite numbers as each holds numbers"
 
 
-def _is_figures(value: object) -> bool:
-    return isinstance(value, dict) and all(map(is_number, value.values()))
-
-
-def _is_paths(value: object) -> bool:
-    if value == {}:
-        return True
-    return (
-        isinstance(value, dict)
-        and _is_numbers(value.get("offsets"), None)
-        and all(_is_whole(offset) for offset in value["offsets"])
-        and _is_numbers(value.get("points"), None, 2)
-    )
-
-
+BOTH = Meta(extra_json_schema={"dependentRequired": {"offsets": ["points"], "points": ["offsets"]}})
 KINDS = {
-    "line": Kind(lambda value: isinstance(value, str), "a text", str, _line),
-    "text": Kind(lambda value: isinstance(value, str), "a text", str),
-    "number": Kind(lambda value: value is None or is_number(value), "a finite number or null"),
-    "finite": Kind(is_number, "a finite number"),
-    "amount": Kind(_is_amount, "a finite number of at least 0, or null"),
-    "limit": Kind(lambda value: is_number(value) and value > 0, "a finite number above 0"),
-    "whole": Kind(_is_whole, "a whole number of at most 19 digits"),
-    "flag": Kind(lambda value: isinstance(value, bool), "true or false", bool),
-    "table": Kind(lambda value: isinstance(value, dict), "a table or null", dict),
-    "figures": Kind(_is_figures, "a table of finite numbers, or null", dict),
-    "numbers": Kind(lambda value: _is_numbers(value, None), "a list of finite numbers, or null"),
-    "points": Kind(lambda value: _is_numbers(value, None, 2), "a list of [x, y], or null"),
-    "matrix": Kind(_is_matrix, "as many lists of finite numbers as each holds numbers, or null"),
-    "paths": Kind(_is_paths, "a table of offsets, a list of whole numbers, and points, a list of [x, y]", dict),
-    "routes": Kind(_is_routes, "a list of lists of task numbers, or null"),
-    "trace": Kind(_is_trace, "a list of [elapsed, objective or null, bound or null]", list),
-    "item": Kind(_is_item, "a table with the texts name and digest, and numbers", dict, _item),
+    "line": Kind(str, str, _line),
+    "text": Kind(str, str),
+    "number": Kind(Finite | None),
+    "finite": Kind(Finite),
+    "amount": Kind(Amount | None),
+    "limit": Kind(Limit),
+    "whole": Kind(Whole),
+    "flag": Kind(bool, bool),
+    "table": Kind(dict[str, Any], dict),
+    "figures": Kind(dict[str, Finite], dict),
+    "numbers": Kind(list[Finite]),
+    "points": Kind(list[tuple[Finite, Finite]]),
+    "matrix": Kind(list[list[Finite]], fault=_not_square),
+    "paths": Kind(Annotated[Paths, BOTH], dict),
+    "routes": Kind(list[list[Task]]),
+    "trace": Kind(list[tuple[Amount, Finite | None, Finite | None]], list),
+    "item": Kind(Item, dict, _item),
 }
 """Kind of a column → what its values are."""

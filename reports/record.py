@@ -13,12 +13,17 @@ import contextlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cache
 from operator import itemgetter
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
+
+import msgspec
 
 from instances import disk
 from instances.code import code_digest
+from instances.declared.reading import read_declared
+from instances.declared.types import about
 from instances.errors import InputError, one_line, shown
 from reports.kinds import KINDS
 
@@ -201,22 +206,37 @@ def run_from(data: Any) -> Run:
     problem = data.get("problem", "routing")
     if not isinstance(problem, str) or problem not in OWN:
         raise InputError(f"is a run of a problem unknown here, {shown(problem)} (known: {', '.join(OWN)})")
-    common, own = ({c.name: _checked(data, c) for c in columns} for columns in (RUN, OWN[problem]))
+    read_declared(run_type(problem), data, toml=False)
+    common, own = ({c.name: _kept_value(data, c) for c in columns} for columns in (RUN, OWN[problem]))
     common |= {"problem": problem, "label": common["label"] or common["solver"]}
-    if common["status"] not in STATUSES.get(problem, (common["status"],)):
-        raise InputError(f"status must be one of {', '.join(STATUSES[problem])}, got {shown(common['status'])}")
     common["trace"] = sorted(map(tuple, common["trace"]), key=itemgetter(0))
     return Run(**common, own=own)
 
 
-def _checked(data: Mapping[str, Any], column: Column) -> Any:
-    name, value, kind = column.name, data.get(column.name), KINDS[column.kind]
-    if column.required and name not in data:
-        raise InputError(f"'{name}' is missing")
+@cache
+def run_type(problem: str) -> type[msgspec.Struct]:
+    """Return what a stored run of `problem` is declared as: its columns, each of its kind; others are let be."""
+    closed: dict[str, Any] = {"problem": Literal[problem]}
+    if problem in STATUSES:
+        closed["status"] = Literal[STATUSES[problem]]
+    stated = [("schema", Annotated[Literal[SCHEMA], about("version of the format")])]
+    stated += [_declared(c, closed.get(c.name, KINDS[c.kind].type)) for c in (*RUN, *OWN[problem]) if c.required]
+    rest = [_declared(c, closed.get(c.name, KINDS[c.kind].type)) for c in (*RUN, *OWN[problem]) if not c.required]
+    made = msgspec.defstruct(f"{problem}-run", [*stated, *((name, kind, None) for name, kind in rest)], kw_only=True)
+    made.__doc__ = f"A run of {problem}, every number checked by the workbench. Other keys are let be."
+    return made
+
+
+def _declared(column: Column, kind: Any) -> tuple[str, Any]:
+    return column.name, Annotated[kind if column.required else kind | None, about(column.meaning, column.unit)]
+
+
+def _kept_value(data: Mapping[str, Any], column: Column) -> Any:
+    value, kind = data.get(column.name), KINDS[column.kind]
     if value is None and not column.required:
         return kind.missing()
-    if not kind.check(value):
-        raise InputError(f"{name} must be {kind.words}, got {shown(value)}")
+    if value is not None and (fault := kind.fault(value)):
+        raise InputError(f"{column.name} {fault}")
     return kind.keep(value)
 
 

@@ -12,7 +12,11 @@ from instances.declared.tables import Key, key_tables
 
 
 class FileFormat(NamedTuple):
-    """One format. declared : ``module:Class`` of each variant, by the value of `by` where there are several."""
+    """One format.
+
+    declared : variant → ``module:name`` of its declaration, or of a function of the variant that returns it.
+    by : the key that says the variant, where there are several; without it the first is meant.
+    """
 
     about: str
     declared: Mapping[str, str]
@@ -24,7 +28,8 @@ class FileFormat(NamedTuple):
         found = {}
         for variant, target in self.declared.items():
             module, _, name = target.partition(":")
-            found[variant] = getattr(importlib.import_module(module), name)
+            made = getattr(importlib.import_module(module), name)
+            found[variant] = made if isinstance(made, type) else made(variant)
         return found
 
 
@@ -43,6 +48,12 @@ FORMATS = {
     ),
     "mission": FileFormat("A mission of the MMMDMTSP workbench", {"": "workbench.mission.settings:MissionTable"}),
     "scenario": FileFormat("A scenario of the MMMDMTSP workbench", {"": "instances.declared.scenario:ScenarioTable"}),
+    "run": FileFormat(
+        "A stored run of the MMMDMTSP workbench",
+        dict.fromkeys(("routing", "placement", "moving-cost"), "reports.record:run_type"),
+        by="problem",
+        toml=False,
+    ),
 }
 """Format of a file → how it is declared."""
 

@@ -81,7 +81,7 @@ def _sentence(kind: type, value: Any, error: msgspec.ValidationError, at: Sequen
         return f"must hold a {'TOML table' if toml else 'JSON object'}, got {type(node.value).__name__}"
     near = ""
     if isinstance(inner, (inspect.EnumType, inspect.LiteralType)) and isinstance(node.value, str):
-        near = suggestion(node.value, names_of(inner))
+        near = suggestion(node.value, map(str, names_of(inner)))
     return f"{name} must be {words_of(node.type, node.unit, node.value)}, got {shown(node.value)}{near}"
 
 

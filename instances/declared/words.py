@@ -64,9 +64,9 @@ def words_of(node: inspect.Type, unit: str = "", value: object = None) -> str:
     return _phrase(inner, value).said(unit)
 
 
-def names_of(inner: inspect.EnumType | inspect.LiteralType) -> list[str]:
+def names_of(inner: inspect.EnumType | inspect.LiteralType) -> list[object]:
     """Return the values of an enumeration, in their order."""
-    return [str(each) for each in (inner.values if isinstance(inner, inspect.LiteralType) else inner.cls)]
+    return list(inner.values) if isinstance(inner, inspect.LiteralType) else [str(each) for each in inner.cls]
 
 
 def _plural(node: inspect.Type, unit: str) -> str:

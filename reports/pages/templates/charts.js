@@ -99,7 +99,7 @@ const bar = (chart) => {
     pan.setAttribute("aria-pressed", String(on));
     dragTo(chart, on ? "PanTool" : "BoxZoomTool");
   } }, "Move");
-  return make("div", { class: "tools" }, button("+", () => zoom(chart, 0.5), "zoom in"), button("−", () => zoom(chart, 2), "zoom out"), pan,
+  return make("div", { class: "tools" }, button("+", () => zoom(chart, 0.5), "zoom in (or drag over a part, or Ctrl and the wheel)"), button("−", () => zoom(chart, 2), "zoom out"), pan,
     button("Reset", () => reset(chart), "back to the whole figure"), button("CSV", () => save(`${chart.name}.csv`, "text/csv", csvText(chart)), "save the values"));
 };
 const TIP = ":host { --tooltip-color: var(--paper); --tooltip-text: var(--ink); --tooltip-border: var(--faint); --tooltip-arrow-color: var(--faint); --tooltip-arrow-inner-color: var(--paper); } .bk-tooltip-row-label { color: var(--soft) }";
@@ -135,6 +135,7 @@ for (const figure of document.querySelectorAll("figure")) {
   if (told) charts.push({ figure, title, name, told: JSON.parse(told.textContent) });
 }
 window.charts = {
+  names,
   shown: () => names().filter((name) => !hidden.has(name)),
   show: (kept) => { hidden.clear(); names().filter((name) => !kept.includes(name)).forEach((name) => hidden.add(name)); changed(); },
 };

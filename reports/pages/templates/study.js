@@ -157,17 +157,35 @@ const drawTours = (tours) => {
   return svg;
 };
 
+// The ends of an axis for values that come over time: those from a third of the (logarithmic) time on, where all of them,
+// first routes and first bounds included, would squeeze these into less than a third of the axis.
+const ends = (lines, from) => {
+  const all = [], late = [];
+  for (const { trace, bounds } of lines) for (const k of bounds ? [1, 2] : [1]) {
+    let last = null;
+    for (const p of trace) if (p[k] !== null) {
+      if (p[0] >= from) late.push(p[k], last ?? p[k]);
+      all.push(last = p[k]);
+    }
+    if (last !== null) late.push(last);
+  }
+  const span = (values) => [Math.min(...values), Math.max(...values)];
+  if (!all.length) return null;
+  const [low, high] = span(all), [lowLate, highLate] = span(late);
+  return high - low > 3 * (highLate - lowLate) && highLate > lowLate ? { low: lowLate, high: highLate, before: [low, high] } : { low, high };
+};
+
 // lines: [{ trace, colour, dashes, bounds }] of one instance, step functions of time up to `limit` [s]
 const drawTrace = (lines, limit, label) => {
   const W = 520, H = 300, left = 62, right = 12, top = 12, bottom = 40;
-  const all = lines.flatMap(({ trace, bounds }) => trace.flatMap((p) => (bounds ? [p[1], p[2]] : [p[1]]))).filter((v) => v !== null);
-  if (!all.length) return make("p", { class: "soft" }, "No trace: the run reported nothing on its way.");
-  let low = Math.min(...all), high = Math.max(...all);
-  const slack = (high - low || Math.abs(high) || 1) * 0.06; low -= slack; high += slack;
   const times = lines.flatMap(({ trace }) => trace.map((p) => p[0])).filter((t) => t > 0);
   const first = Math.min(Math.max(Math.min(...times, limit / 10), 1e-3), limit / 10), span = Math.log(limit / first) || 1;
+  const found = ends(lines, first * Math.exp(span / 3));
+  if (!found) return make("p", { class: "soft" }, "No trace: the run reported nothing on its way.");
+  let { low, high } = found;
+  const slack = (high - low || Math.abs(high) || 1) * 0.06; low -= slack; high += slack;
   const x = (t) => left + (W - left - right) * Math.max(0, Math.min(1, Math.log(Math.max(t, first) / first) / span));
-  const y = (v) => top + (H - top - bottom) * (high - v) / (high - low);
+  const y = (v) => top + (H - top - bottom) * Math.max(0, Math.min(1, (high - v) / (high - low)));
   const svg = draw("svg", { viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": label });
   for (const v of ticks(low, high)) svg.append(draw("line", { x1: left, x2: W - right, y1: y(v), y2: y(v), stroke: "var(--faint)", "stroke-width": 0.5 }), text(left - 6, y(v) + 4, number(v, 6), { "text-anchor": "end" }));
   for (let e = Math.ceil(Math.log10(first)); e <= Math.log10(limit); e++) svg.append(draw("line", { x1: x(10 ** e), x2: x(10 ** e), y1: top, y2: H - bottom, stroke: "var(--faint)", "stroke-width": 0.5 }), text(x(10 ** e), H - bottom + 16, number(10 ** e), { "text-anchor": "middle" }));
@@ -181,7 +199,9 @@ const drawTrace = (lines, limit, label) => {
     svg.append(draw("path", { d: steps(trace, 1), fill: "none", stroke: colour, "stroke-width": 2, "stroke-dasharray": dashes || "" }));
     if (bounds && steps(trace, 2)) svg.append(draw("path", { d: steps(trace, 2), fill: "none", stroke: colour, "stroke-width": 1.4, "stroke-dasharray": "2 3" }));
   }
-  return svg;
+  if (!found.before) return svg;
+  const [least, most] = found.before.map((v) => number(v, 4));
+  return make("div", {}, svg, make("p", { class: "soft" }, `The axis is cut where the first values, ${least} to ${most} s in all, would flatten the rest.`));
 };
 
 // ---- the panel ----------------------------------------------------------------------------------------------------

@@ -1,6 +1,11 @@
 """The study's page in headless Chromium: sorting, filtering, panels, the address, themes and keys work."""
 
+import json
+import re
+
 import pytest
+
+from reports.pages.page import embedded
 
 pytestmark = pytest.mark.slow
 
@@ -221,3 +226,22 @@ def test_the_section_of_the_navigation_comes_into_view_and_the_keyboard_goes_on_
     page.open(study, "#groups&theme=dark")
     page.settle()
     assert 0 <= page.run("return document.getElementById('groups').getBoundingClientRect().top") < 200
+
+
+def test_first_values_do_not_flatten_a_trace(page, study, tmp_path):
+    text = study.read_text(encoding="utf-8")
+    (data,) = re.findall(r'<script type="application/json" id="data">(.*?)</script>', text, flags=re.S)
+    told = json.loads(data)
+    run = next(int(k) for k, detail in told["details"].items() if len(detail["trace"]) > 2)
+    told["details"][str(run)]["trace"] = [[0.01, 9000, 0], [0.02, 101, 99], [1, 100.5, 99.5], [10, 100, 99.8]]
+    cut = tmp_path / "page.html"
+    cut.write_text(text.replace(data, embedded(told)), encoding="utf-8")
+    page.open(cut)
+    while page.run("return !document.querySelector('#run-list .more').hidden"):
+        page.run("document.querySelector('#run-list .more').click()")
+    page.run("document.querySelectorAll('#run-list-table tbody tr')[arguments[0]].click()", run)
+    assert "The axis is cut" in page.run("return document.getElementById('panel-body').innerText")
+    texts = "return [...document.querySelectorAll(arguments[0])].map(t => t.textContent)"
+    ticks = page.run(texts, "#panel svg[aria-label^=Objective] text")
+    values = [float(t.replace(",", "")) for t in ticks if re.fullmatch(r"[\d.,]+", t)]
+    assert 99 < max(values) < 110

@@ -1,0 +1,67 @@
+"""`--json` of every command is one JSON object with the keys that docs/json.md states."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from instances.files import write_routes
+from reports.figures.svg import Drawn
+from workbench.cli import COMMANDS
+
+PAGE = (Path(__file__).parents[3] / "docs/json.md").read_text(encoding="utf-8")
+STATED = dict(re.findall(r"^\| `([^`]+)` \| (.*) \|$", PAGE, re.MULTILINE))
+TYPED = {
+    "generate": "generate uniform --tasks 3 --uavs 2 --count 2",
+    "solve": "solve small.json --solver greedy",
+    "check": "check small.json a.sol",
+    "compare": "compare small.json --solvers greedy --out runs --no-report",
+    "compare --dry-run": "compare small.json --solvers greedy --out runs --dry-run",
+    "report": "report runs",
+    "convert": "convert small.json b.json",
+    "select": "select small.json --endurance 900 --information --method subset-dp",
+    "place": "place --tasks 2 --method greedy --tests 4x4",
+    "place --study": "place --study n=2..3 --method greedy --tests 4x4",
+    "costs": "costs wind.toml --option samples=300 --out wind.json",
+    "bound": "bound small.json --routes a.sol",
+    "mission": "mission m.toml --out m --stage environment",
+    "figures": "figures --out figures",
+    "status": "status runs",
+    "solvers": "solvers greedy",
+    "families": "families ring",
+    "methods": "methods grid",
+    "studies": "studies",
+    "init": "init study",
+    "warmup": "warmup greedy",
+    "completion": "completion bash",
+}
+
+
+@pytest.fixture
+def ready(cli, instance, instance_file, tmp_path, monkeypatch):
+    """Files that the commands read; figures that are empty, as drawing takes seconds."""
+    write_routes([[0, 1], [2, 3]], instance, tmp_path / "a.sol")
+    for kind, name in (("scenario", "wind.toml"), ("mission", "m.toml")):
+        cli("init", kind, name)
+    for name in ("random_paths", "sensing"):
+        monkeypatch.setattr(f"workbench.commands.figures.{name}", lambda seed: Drawn("a", "A", "b", Figure()))
+    return cli
+
+
+def test_each_prints_one_object_with_the_keys_that_are_stated(ready):
+    for name, words in TYPED.items():
+        code, out, _ = ready(*words.split(), "--json")
+        assert code == 0, name
+        told, stated = json.loads(out), STATED[name]
+        if stated.startswith("by name: "):
+            keys, told = re.findall(r"`(\w+)`", stated), next(iter(told.values()))
+        else:
+            keys = re.findall(r"`(\w+)`", stated.partition(":")[0])
+        assert set(keys) <= set(told), name
+        assert "and more" in stated or set(told) == set(keys), name
+
+
+def test_every_command_is_stated():
+    assert {name.split()[0] for name in STATED} == {name.split()[0] for name in TYPED} == set(COMMANDS)

@@ -57,7 +57,7 @@ class Positive(click.ParamType):  # type: ignore[type-arg]
 
 def refuse(param: click.Parameter | None, wanted: str, value: Any) -> NoReturn:
     """Raise the InputError that says what `param` must be."""
-    flag = param.opts[0] if param is not None else "value"
+    flag = "/".join(param.opts) if param is not None else "value"
     raise InputError(f"{flag}: must be {wanted}, got {shown(value)}")
 
 

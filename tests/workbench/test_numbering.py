@@ -19,3 +19,7 @@ def test_screen_and_files_number_uavs_alike(cli, tmp_path):
     assert re.findall(r"^Route #(\d):", text, re.MULTILINE) == ["1", "2", "3"]
     (tmp_path / "b.sol").write_text("Route #1: 0 1\nRoute #2: 2 3 9\n")
     assert "UAV 1 visits 9, which is not a task" in cli("check", name, "b.sol")[2]
+
+
+def test_uavs_and_depots_are_one_number(cli):
+    assert cli("generate", "uniform", "--uavs", 0)[2].startswith("workbench: --depots/--uavs: must be a whole number")

@@ -164,7 +164,7 @@ def _needed(table: TextTable, key: str, room: int | None) -> int:
 
     at = table.keys.index(key)
     needed = max((cell_len(_clean(row[at])) for row in table.rows), default=1)
-    heading = table.headings[at]
+    heading = _clean(table.headings[at])
     if room is None:
         return max(needed, cell_len(heading))
     if at < table.words or key in table.left:
@@ -196,7 +196,7 @@ def _print(table: TextTable, keys: Sequence[str], room: int | None) -> None:
     for key, at in zip(keys, places, strict=True):
         needed = _needed(table, key, room)
         printed.add_column(
-            Text("\n".join(_heading(table.headings[at], needed))),  # Text: in which [brackets] are no markup
+            Text("\n".join(_heading(_clean(table.headings[at]), needed))),  # Text: in which [brackets] are no markup
             width=needed,
             justify="left" if at < table.words or key in table.left else "right",
             vertical="top",

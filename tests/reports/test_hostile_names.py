@@ -20,7 +20,7 @@ from reports.pages.blocks import Section
 from reports.pages.page import Page, embedded, write_page
 from reports.pages.study import write_report
 from reports.tables import write_csv, write_latex, write_markdown
-from workbench.terminal import print_table, say
+from workbench.terminal import TextTable, print_table, say
 
 HOSTILE = "=[/b] \x1b[31m\a <!--<script>alert(1)</script> $x_{ |`a` \\ \u202e\ud800\n* [l](u)"
 
@@ -138,7 +138,7 @@ def test_exports_keep_their_rows(root, tmp_path):
 def test_a_terminal_shows_control_characters_and_obeys_none(capsys):
     say(HOSTILE)
     say(HOSTILE, err=True)
-    print_table(["a", HOSTILE], [[HOSTILE, HOSTILE]])
+    print_table(TextTable(["a", "b"], ["a", HOSTILE], [[HOSTILE, HOSTILE]]))
     told = capsys.readouterr()
     for text in (told.out, told.err):
         assert "\\x1b[31m" in text

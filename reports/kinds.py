@@ -7,11 +7,11 @@ text, which tables and figures show, becomes one printable line on the way.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, NamedTuple, TypeGuard
 
 import msgspec
-from msgspec import Meta
+from msgspec import UNSET, Meta, UnsetType
 
 from instances.declared.types import about
 from instances.errors import one_line
@@ -45,21 +45,25 @@ class Item(msgspec.Struct, frozen=True, kw_only=True):
 class Paths(msgspec.Struct, frozen=True, kw_only=True):
     """Polylines held end to end, or nothing."""
 
-    offsets: Annotated[list[Whole] | None, about("where each path begins in points")] = None
-    points: Annotated[list[tuple[Finite, Finite]] | None, about("of all paths, end to end", "m")] = None
+    offsets: Annotated[list[Whole] | UnsetType, about("where each path begins in points")] = UNSET
+    points: Annotated[list[tuple[Finite, Finite]] | UnsetType, about("of all paths, end to end", "m")] = UNSET
 
     def __post_init__(self) -> None:
-        if (self.offsets is None) != (self.points is None):
-            raise ValueError("paths must have both offsets and points, or neither")
+        if (self.offsets is UNSET) != (self.points is UNSET):
+            raise ValueError("must have both offsets and points, or neither")
 
 
 class Kind(NamedTuple):
-    """The type of a value, what stands where it is missing, what it is kept as, and what its type does not say."""
+    """The type of a value, what stands where it is missing, what it is kept as, and what its type does not say.
+
+    fault : what is wrong with a value of the type, or "". rule : what the type checks and its JSON Schema lacks.
+    """
 
     type: Any
     missing: Callable[[], Any] = lambda: None
     keep: Callable[[Any], Any] = lambda value: value
     fault: Callable[[Any], str] = lambda value: ""
+    rule: Mapping[str, Any] | None = None
 
 
 def is_number(value: object) -> TypeGuard[float]:
@@ -83,7 +87,6 @@ def _not_square(value: list[list[float]]) -> str:
     return "" if square else "must be as many lists of finite numbers as each holds numbers"
 
 
-BOTH = Meta(extra_json_schema={"dependentRequired": {"offsets": ["points"], "points": ["offsets"]}})
 KINDS = {
     "line": Kind(str, str, _line),
     "text": Kind(str, str),
@@ -98,7 +101,7 @@ KINDS = {
     "numbers": Kind(list[Finite]),
     "points": Kind(list[tuple[Finite, Finite]]),
     "matrix": Kind(list[list[Finite]], fault=_not_square),
-    "paths": Kind(Annotated[Paths, BOTH], dict),
+    "paths": Kind(Paths, dict, rule={"dependentRequired": {"offsets": ["points"], "points": ["offsets"]}}),
     "routes": Kind(list[list[Task]]),
     "trace": Kind(list[tuple[Amount, Finite | None, Finite | None]], list),
     "item": Kind(Item, dict, _item),

@@ -223,6 +223,8 @@ def run_type(problem: str) -> type[msgspec.Struct]:
     stated += [_declared(c, closed.get(c.name, KINDS[c.kind].type)) for c in (*RUN, *OWN[problem]) if c.required]
     rest = [_declared(c, closed.get(c.name, KINDS[c.kind].type)) for c in (*RUN, *OWN[problem]) if not c.required]
     made = msgspec.defstruct(f"{problem}-run", [*stated, *((name, kind, None) for name, kind in rest)], kw_only=True)
+    rules = {c.name: KINDS[c.kind].rule for c in OWN[problem] if KINDS[c.kind].rule}
+    made.RULES = {"properties": rules}  # type: ignore[attr-defined]  # read by instances.declared.schema
     made.__doc__ = f"A run of {problem}, every number checked by the workbench. Other keys are let be."
     return made
 

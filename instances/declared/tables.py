@@ -87,7 +87,7 @@ def _keys(struct: inspect.StructType) -> Iterator[Key]:
 def _default(each: inspect.Field) -> Any:
     """Return the default as a file would say it; None where it says nothing."""
     value = each.default
-    if value is msgspec.NODEFAULT:
+    if value in (msgspec.NODEFAULT, msgspec.UNSET):
         value = None if each.default_factory is msgspec.NODEFAULT else each.default_factory()
     return None if isinstance(value, msgspec.Struct) or value in ({}, []) else msgspec.to_builtins(value)
 

@@ -26,7 +26,7 @@ Places = Annotated[list[Pair], Meta(min_length=1)]
 
 
 class RadioTable(Table, frozen=True, kw_only=True):
-    """[radio]: one transmitter, whose signal a mission measures where its [field] names no file."""
+    """One transmitter, whose signal a mission measures where its [field] names no file."""
 
     position: Annotated[
         Pair | None,
@@ -40,7 +40,7 @@ class RadioTable(Table, frozen=True, kw_only=True):
 
 
 class UavTable(Table, frozen=True, kw_only=True):
-    """[[uav]]: UAVs that differ. Without any there is one at each depot, all alike."""
+    """UAVs that differ. Without any there is one at each depot, all alike."""
 
     depot: Annotated[
         Annotated[int, Meta(ge=0)] | None,

@@ -98,6 +98,8 @@ def _phrase(inner: inspect.Type, value: object) -> Phrase:
         return Phrase("text", "texts")
     if isinstance(inner, inspect.BoolType):
         return Phrase("truth value, true or false", "truth values")
+    if isinstance(inner, inspect.DictType) and not isinstance(inner.value_type, inspect.AnyType):
+        return Phrase("table", "tables", f" of {_plural(inner.value_type, '')}")
     if isinstance(inner, (inspect.DictType, inspect.StructType)):
         return Phrase("table", "tables")
     return Phrase("value", "values")

@@ -73,8 +73,9 @@ def embedded(chart: Chart) -> dict[str, Any]:
     for panel in chart.panels:
         plots.append(_plot(chart, panel, plots[0] if chart.shared and plots else None, sources))
     document = Document(title="")
-    for plot in plots:
-        document.add_root(plot)
+    with document.models.freeze():
+        for plot in plots:
+            document.add_root(plot)
     ids = dict[str, str]()
     told = _renumbered(document.to_json(deferred=False), ids)
     shown = [(panel, series) for panel in chart.panels for series in panel.series if series.name]

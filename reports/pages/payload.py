@@ -26,7 +26,7 @@ from reports.figures.style import COLOURS
 from reports.pages.blocks import line_of
 from reports.record import read_run
 
-DETAILS_BUDGET = 1_300_000
+DETAILS_BUDGET = 900_000
 """Characters of JSON spent on runs' details at most; with long lists it is less, down to a quarter."""
 LISTED_BESIDE = 900_000
 """Characters of lists from which on the details have less, so that a page of 10,000 runs stays below 4 MB."""

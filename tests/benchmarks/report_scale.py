@@ -26,7 +26,7 @@ from instances import Instance
 RUNS, QUICK_RUNS = 10_000, 1_000
 METHODS = ("greedy", "ga", "memetic", "milp", "circuit")
 SEEDS = 10
-BARS = {"time": 30.0, "memory": 1e9, "page": 6e6}
+BARS = {"time": 30.0, "memory": 1e9, "page": 4e6}
 
 REPORT = """
 import sys

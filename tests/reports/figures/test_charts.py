@@ -19,7 +19,11 @@ from reports.figures import study_figures
 from reports.figures.chart import Axis, Chart, Panel, Rule, Series, marks
 from reports.figures.files import write_figures
 from reports.figures.flight import DEPOT
+from reports.figures.heights import draw_heights
 from reports.figures.interactive import embedded
+from reports.figures.mission import draw_comparison, draw_progress
+from reports.figures.paths import draw_claim, draw_methods
+from reports.figures.placement import draw_placement_convergence
 from reports.figures.static import LINEAR_BELOW, LINEAR_SHARE, draw, transformed
 from reports.figures.style import COLOURS, FAINT, INK, PAPER, styles
 from reports.metrics import with_gaps
@@ -67,6 +71,39 @@ def test_paper_shows_the_same_values_as_the_table(drawn):
                 shown = np.column_stack([values["x"] * series.aside, values["y"]])
                 among = dots if series.kind == "points" else lines
                 assert any(np.array_equal(shown, of, equal_nan=True) for of in among), (d.key, series.name)
+
+
+TICKS = pd.DataFrame(
+    {"time": [10.0, 20.0], "rmse": [2.0, 1.0], "mean_sd": [1.0, 0.5], "max_sd": [2.0, 1.0], "nlpd": [3.0, 2.0],
+     "coverage": [0.5, 0.96], "information": [3.0, 4.0], "flown": [1e3, 2e3], "name": ["mission", "mission"]}
+)  # fmt: skip
+FLOWN = pd.DataFrame({"uav": [0, 0], "x": [0.0, 3e3], "y": [0.0, 4e3], "z": [300.0, 310.0]})
+METHODS = pd.DataFrame(
+    [("refined", "default", 0.5, 0.0, 0.0, 1e-6), ("fmt-star", "2 000", 0.1, 6e-2, 0.12, 1.5)],
+    columns=["method", "options", "cpu", "mean", "p95", "largest"],
+)
+CLAIM = pd.DataFrame({"starts": [5, 10], "one query a pair": [1.0, 4.0], "one tree a start": [0.2, 0.4]})
+TRACE = {"nlp": [(0.1, 20.0), (1.0, 22.0)], "grid": [(0.01, 18.0)]}
+
+
+@pytest.mark.parametrize(
+    ("made", "last"),
+    [
+        (draw_progress(TICKS, "dBm"), {"series": "information gathered", "time [s]": 20.0, "y": 4.0}),
+        (draw_comparison(TICKS, "dBm"), {"series": "mission", "flown by all UAVs [km]": 2.0, "y": 2.0}),
+        (draw_heights(FLOWN, None), {"series": "nearest to the ground", "flown [km]": 0.0, "height [m]": 300.0}),
+        (draw_methods(METHODS), {"series": "fmt-star", "options": "2 000", "CPU time, all pairs [s]": 0.1}),
+        (draw_claim(CLAIM), {"series": "one tree a start", "number of starts n": 10.0, "CPU time [s]": 0.4}),
+        (draw_placement_convergence(TRACE, 25.0, "t", styles(TRACE)),
+         {"series": "nlp", "wall clock [s]": 1.4, "gap to the certificate [%]": 12.0}),
+    ],
+)  # fmt: skip
+def test_other_pages_hold_the_same_values_as_the_table(made, last):
+    frame = made.chart.frame()
+    assert frame.iloc[-1][list(last)].to_dict() == pytest.approx(last)
+    told = json.loads(json.dumps(embedded(made.chart), allow_nan=False))
+    pd.testing.assert_frame_equal(table(told), frame, check_dtype=False)
+    assert {entry["name"] for entry in told["legend"]} == set(frame["series"])
 
 
 def test_every_axis_says_what_it_is(drawn):

@@ -1,6 +1,7 @@
 """`workbench report` on damaged and hostile stores: what is whole is reported, what is not is counted, exit code 1."""
 
 import json
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -47,6 +48,18 @@ def test_formulas_are_marked_unless_asked_for_raw(cli, store):
     assert cli("report", "runs", "--csv", "a.csv")[0] == 0
     assert cli("report", "runs", "--csv", "b.csv", "--raw-csv")[0] == 0
     assert pd.read_csv("a.csv")["message"][0] == "'" + pd.read_csv("b.csv")["message"][0]
+
+
+def test_figures_are_written_for_papers_without_a_page(cli, store):
+    assert cli("report", "runs", "--figures", "paper/figures")[0] == 0
+    written = {path.name for path in Path("paper/figures").iterdir()}
+    assert {"convergence.pdf", "convergence.svg", "convergence.csv", "tradeoff.pdf"} <= written
+    told = pd.read_csv("paper/figures/tradeoff.csv")
+    assert list(told["time of the solve [s]"]) == [0.5, 0.5]  # the instance, and what is typical
+    Path("a file").write_text("")
+    code, _, err = cli("report", "runs", "--figures", "a file/figures")
+    assert code == 2
+    assert "a file/figures: cannot be made" in err
 
 
 def test_check_names_whose_bounds_were_held_against_the_routes(cli, store):

@@ -20,6 +20,7 @@ from instances.environment.region import Region, single_polygon
 from instances.environment.wind import WindField
 from instances.environment.wind_table import wind_from_toml
 from instances.errors import one_line
+from instances.families import FAMILIES
 from instances.fleet import Return
 from instances.paths import Paths
 from instances.scenario import Scenario
@@ -57,17 +58,30 @@ def draw_routes(
 def surroundings(instance: Instance) -> tuple[Region | None, WindField | None]:
     """Return the region (None: open country) and wind (None: calm or not stated) that `instance` was made in.
 
-    A family states them in the provenance: under ``surroundings`` or, over open country and in old files, ``metric``.
+    A family states them in the provenance: under ``surroundings`` or, over open country and in old files, ``metric``;
+    where it does not, the family makes its scenario again, which counts if its nodes are those of `instance`.
     """
     stated = instance.provenance.get("surroundings", instance.provenance.get("metric"))
-    if not isinstance(stated, Mapping):
-        return None, None
     try:
+        if not isinstance(stated, Mapping):
+            return _made_again(instance)
         walls, wind = stated.get("region"), stated.get("wind")
         region = Region(single_polygon({"type": "Polygon", "coordinates": walls})) if walls else None
         return region, wind_from_toml(wind) if wind else None
     except InputError:
         return None, None
+
+
+def _made_again(instance: Instance) -> tuple[Region | None, WindField | None]:
+    """Return region and wind of the scenario that a built-in family made `instance` of."""
+    name, given, seed = (instance.provenance.get(key) for key in ("family", "parameters", "seed"))
+    if instance.coordinates is None or not (isinstance(given, Mapping) and isinstance(seed, int) and seed >= 0):
+        return None, None
+    if not isinstance(name, str) or name not in FAMILIES.built_in:
+        return None, None
+    scenario = FAMILIES.load(name).scenario(instance.n_tasks, instance.n_depots, seed, given)
+    same = np.array_equal(scenario.points, instance.coordinates)
+    return (scenario.free, scenario.wind) if same else (None, None)
 
 
 def _title(instance: Instance, routes: Routes) -> str:
@@ -123,8 +137,8 @@ def _legs(instance: Instance, k: int, route: Sequence[int], paths: Paths | None,
     return [own.between(i, j) for i, j in steps]
 
 
-def _wind_arrows(axes: Axes, wind: WindField, region: Region | None, corners: Floats, scale: float) -> None:
-    """Draw the wind on a coarse grid and say how strong the strongest arrow is [m/s]."""
+def wind_inside(wind: WindField, region: Region | None, corners: Floats) -> tuple[Floats, Floats]:
+    """Return points (k, 2) [m] of a coarse grid over `corners`, those inside `region`, and the wind there [m/s]."""
     low, high = corners.min(axis=0), corners.max(axis=0)
     span = np.where(high > low, high - low, 1.0)
     cells = np.maximum(2, np.round(11 * span / span.max()).astype(int))
@@ -132,7 +146,12 @@ def _wind_arrows(axes: Axes, wind: WindField, region: Region | None, corners: Fl
     points = np.stack(np.meshgrid(*grids), axis=-1).reshape(-1, 2)
     if region is not None:
         points = points[region.contains(points)]
-    velocity = np.asarray(wind(points))
+    return points, np.asarray(wind(points))
+
+
+def _wind_arrows(axes: Axes, wind: WindField, region: Region | None, corners: Floats, scale: float) -> None:
+    """Draw the wind on a coarse grid and say how strong the strongest arrow is [m/s]."""
+    points, velocity = wind_inside(wind, region, corners)
     strongest = float(np.hypot(*velocity.T).max(initial=0.0))
     if strongest == 0:
         return

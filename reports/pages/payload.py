@@ -21,7 +21,7 @@ from instances.errors import one_line
 from instances.files import read_instance
 from reports import numbers
 from reports.columns import INSTANCES
-from reports.figures.routes import surroundings
+from reports.figures.routes import surroundings, wind_inside
 from reports.figures.style import COLOURS
 from reports.pages.blocks import line_of
 from reports.record import read_run
@@ -50,15 +50,14 @@ def payload(
     """
     methods = sorted(runs["method"].unique())
     number = {digest: i for i, digest in enumerate(table.index)}
-    maps = dict(_maps(list(table.index), number, instance_files))
+    maps = _maps(list(table.index), number, instance_files)
     written = table.assign(proved=table["proved"].map(numbers.proved))
     return {
         "methods": methods,
         "styles": {method: line_of(method, methods) for method in methods},
         "colours": COLOURS,
         "instances": {c.key: _values(written[c.key]) for c in INSTANCES} | {"digest": list(table.index)},
-        "maps": {i: places for i, (places, _) in maps.items()},
-        "walls": {i: found for i, (_, found) in maps.items() if found},
+        **maps,
         "runs": {"instance": [number[d] for d in runs["digest"]]}
         | {key: _values(runs[key]) for key in ("value", "bound", "peak_memory")},
         "details": dict(_details(runs, max(DETAILS_BUDGET // 4, DETAILS_BUDGET - max(0, listed - LISTED_BESIDE)))),
@@ -77,10 +76,12 @@ def _number(value: Any, digits: int = 7) -> Any:
     return int(short) if short == int(short) and abs(short) < 1e15 else short
 
 
-def _maps(
-    digests: list[Any], number: dict[Any, int], files: dict[str, Path]
-) -> Iterator[tuple[int, tuple[list[Any], list[Any]]]]:
-    """Yield an instance's number, its coordinates [m] and the rings of its region, while the budget lasts."""
+def _maps(digests: list[Any], number: dict[Any, int], files: dict[str, Path]) -> dict[str, dict[int, Any]]:
+    """Return by an instance's number its coordinates [m], the rings of its region, its wind, while the budget lasts.
+
+    A wind is arrows: x, y [m], and along both [m/s].
+    """
+    found: dict[str, dict[int, Any]] = {"maps": {}, "walls": {}, "winds": {}}
     spent = 0
     for digest in digests:
         if digest not in files or spent > MAPS_BUDGET:
@@ -89,15 +90,25 @@ def _maps(
             instance = read_instance(files[digest])
         except InputError:
             continue
-        if instance.coordinates is not None:
-            region, _ = surroundings(instance)
-            places, *rings = (
-                [[_number(x, 5), _number(y, 5)] for x, y in points]
-                for points in (instance.coordinates, *(region.rings if region is not None else []))
-            )
-            spent += 12 * (len(places) + sum(map(len, rings)))
-            if spent <= MAPS_BUDGET:
-                yield number[digest], (places, rings)
+        if instance.coordinates is None:
+            continue
+        region, wind = surroundings(instance)
+        rings = region.rings if region is not None else []
+        corners = np.vstack([instance.coordinates, *rings])
+        arrows = np.hstack(wind_inside(wind, region, corners)) if wind is not None else np.empty((0, 4))
+        spent += 12 * (len(corners) + 2 * len(arrows))
+        if spent <= MAPS_BUDGET:
+            i = number[digest]
+            found["maps"][i] = _rows(instance.coordinates)
+            if rings:
+                found["walls"][i] = [_rows(ring) for ring in rings]
+            if arrows.any():
+                found["winds"][i] = _rows(arrows, 4)
+    return found
+
+
+def _rows(table: Floats, digits: int = 5) -> list[list[Any]]:
+    return [[_number(value, digits) for value in row] for row in table]
 
 
 def _details(runs: pd.DataFrame, budget: int) -> Iterator[tuple[int, dict[str, Any]]]:

@@ -127,6 +127,12 @@ const drawRoutes = (places, instance, routes) => {
   const svg = draw("svg", { viewBox: `0 0 ${(w * scale + 2 * pad).toFixed(0)} ${(h * scale + 2 * pad).toFixed(0)}`, role: "img", "aria-label": `Routes of ${routes.filter((r) => r.length).length} UAVs on the map` });
   const outline = rings.map((ring) => "M" + ring.map((p) => put(p).map((v) => v.toFixed(1)).join(",")).join("L") + "Z").join("");
   if (outline) svg.append(draw("path", { d: outline, fill: "var(--wash)", stroke: "var(--faint)", "fill-rule": "evenodd" }));
+  const winds = data.winds[instance.index] || [], fastest = Math.max(...winds.map((w) => Math.hypot(w[2], w[3])));
+  for (const [x, y, u, v] of winds) {
+    const [a, b] = put([x, y]), size = 22 / fastest, ends = [a - u * size / 2, b + v * size / 2, a + u * size / 2, b - v * size / 2].map((c) => c.toFixed(1));
+    svg.append(draw("line", { x1: ends[0], y1: ends[1], x2: ends[2], y2: ends[3], stroke: "var(--faint)", "stroke-width": 1 }));
+    svg.append(draw("circle", { cx: ends[2], cy: ends[3], r: 1.6, fill: "var(--faint)" }));
+  }
   routes.forEach((route, k) => {
     if (!route.length) return;
     const stops = [instance.n_tasks + k, ...route, instance.n_tasks + k].map(at), colour = data.colours[k % data.colours.length];
@@ -141,8 +147,11 @@ const drawRoutes = (places, instance, routes) => {
   const r = Math.max(1, 3.4 - instance.n_tasks / 150);
   for (let i = 0; i < instance.n_tasks; i++) { const [cx, cy] = at(i); svg.append(draw("circle", { cx: cx.toFixed(1), cy: cy.toFixed(1), r, fill: "currentColor" })); }
   for (let k = 0; k < instance.n_depots; k++) { const [x, y] = at(instance.n_tasks + k); svg.append(draw("rect", { x: (x - 6).toFixed(1), y: (y - 6).toFixed(1), width: 12, height: 12, fill: data.colours[k % data.colours.length], stroke: "var(--paper)", "stroke-width": 1.5 })); }
-  if (!outline) return svg;
-  return make("div", {}, svg, make("p", { class: "soft" }, "Stops are joined by straight lines here; around walls the UAVs fly by the corners."));
+  const notes = [
+    ...(winds.length ? [`Grey: the wind, towards the dot, up to ${number(fastest, 2)} m/s.`] : []),
+    ...(outline ? ["Stops are joined by straight lines here; around walls the UAVs fly by the corners."] : []),
+  ];
+  return notes.length ? make("div", {}, svg, make("p", { class: "soft" }, notes.join(" "))) : svg;
 };
 
 const drawTours = (tours) => {

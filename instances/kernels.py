@@ -14,15 +14,18 @@ import os
 import shutil
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numba
-from numba import njit
+from numba.core import event
 from numba.core.caching import UserProvidedCacheLocator
 from platformdirs import user_cache_path
 
+from instances import compilation
 from instances.code import KERNEL_PACKAGES, ROOT, closure_digest, code_digest
+from instances.linking import Kernel
 
 __all__ = ["njit"]
 
@@ -30,6 +33,12 @@ KEPT = 7 * 24 * 3600.0
 """Seconds after its last use that machine code of other sources is kept: several checkouts may be in use."""
 PREFIX, MODULE_PREFIX = "kernels-", "kernels-of-"
 """Of the folder of plug-ins' kernels, which may call any of ours; and of the folder of each of our modules."""
+
+
+def njit(**options: Any) -> Callable[[Any], Any]:
+    """Return a decorator that makes a function a kernel; options are those of `numba.njit`, `cache` is always on."""
+    chosen = {name: value for name, value in options.items() if name != "cache"}
+    return lambda function: Kernel(function, targetoptions={"boundscheck": None, **chosen, "nopython": True})
 
 
 def cache_folder() -> Path:
@@ -73,6 +82,17 @@ class KernelLocator(UserProvidedCacheLocator):
         return super().from_function(py_func, py_file) if ours else None
 
 
+class _Told(event.Listener):
+    """Tells of compilations, not of machine code that is loaded."""
+
+    def on_start(self, compiled: Any) -> None:
+        compilation.begun()
+
+    def on_end(self, compiled: Any) -> None:
+        compilation.ended()
+
+
+event.register("numba:compile", _Told())
 _folder = cache_folder()
 remove_old(_folder.parent)
 os.environ["NUMBA_CACHE_DIR"] = str(_folder)  # child processes inherit it

@@ -143,7 +143,8 @@ def search(
     if not ends:
         return Found(np.zeros(0, np.int64), np.zeros(0), 0, True)
     at, value = np.concatenate(ends), np.concatenate(values)
-    chosen = _cheapest_of_each_set(at, value, store.visited)
+    slots = _cheapest_of_each_set(at, value, store.visited)
+    chosen = np.sort(slots[slots >= 0])
     return Found(at[chosen], value[chosen], end, complete)
 
 
@@ -232,7 +233,8 @@ def _depart(problem: Subproblem, store: Store, threshold: float) -> int:
     for j in range(problem.price.size):
         least = _beginning_with(problem, j)
         if least < threshold and free < store.last.size:
-            store.visited[free] = np.uint64(0)
+            for w in range(store.visited.shape[1]):
+                store.visited[free, w] = np.uint64(0)
             store.visited[free, j >> 6] = np.uint64(1) << np.uint64(j & 63)
             store.last[free], store.parent[free] = j, -1
             store.cost[free], store.gain[free], store.bound[free] = problem.legs.out[j], problem.price[j], least
@@ -279,7 +281,8 @@ def _expand(
                 free += 1
                 store.slots[slot] = at
                 store.last[at] = j
-                store.visited[at] = fresh
+                for w in range(fresh.size):
+                    store.visited[at, w] = fresh[w]
                 store.cost[at] = np.inf
             fresh[j >> 6] ^= bit
             if spent < store.cost[at]:
@@ -303,14 +306,21 @@ def _clear(store: Store, begin: int, end: int) -> None:
             slot = (slot + 1) & mask
 
 
-@njit(cache=True)
 def keep_best(store: Store, beam: int, begin: int, end: int) -> int:
     """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
-    limit = np.partition(store.bound[begin:end], beam - 1)[beam - 1]
+    limit = float(np.partition(store.bound[begin:end], beam - 1)[beam - 1])
+    return _keep(store, beam, begin, end, limit)
+
+
+@njit(cache=True)
+def _keep(store: Store, beam: int, begin: int, end: int, limit: float) -> int:
+    """Keep the first `beam` labels of a layer whose bound is within `limit` [s] and return the new end."""
     free = begin
     for label in range(begin, end):
         if store.bound[label] <= limit and free < begin + beam:
-            store.visited[free], store.last[free] = store.visited[label], store.last[label]
+            for w in range(store.visited.shape[1]):
+                store.visited[free, w] = store.visited[label, w]
+            store.last[free] = store.last[label]
             store.cost[free], store.gain[free] = store.cost[label], store.gain[label]
             store.bound[free], store.parent[free] = store.bound[label], store.parent[label]
             free += 1
@@ -332,7 +342,7 @@ def _tours(problem: Subproblem, store: Store, threshold: float, begin: int, end:
 
 @njit(cache=True)
 def _cheapest_of_each_set(labels: Ints, values: Floats, visited: NDArray[np.uint64]) -> Ints:
-    """Return the positions in `labels` of the tour of least value of every set visited, in order of discovery."""
+    """Return a table of the positions in `labels` of the tour of least value of every set visited, and of −1."""
     size = 16
     while size < 2 * labels.size:
         size *= 2
@@ -344,4 +354,4 @@ def _cheapest_of_each_set(labels: Ints, values: Floats, visited: NDArray[np.uint
             slot = (slot + 1) & (size - 1)
         if slots[slot] < 0 or values[t] < values[slots[slot]]:
             slots[slot] = t
-    return np.sort(slots[slots >= 0])
+    return slots

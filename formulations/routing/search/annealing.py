@@ -14,7 +14,7 @@ from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
 from formulations.routing.search.ruin import Removed, remove_adjacent, remove_strings, restore
-from formulations.routing.search.tours import Tours, copy_tours, sum_costs, unlink
+from formulations.routing.search.tours import Tours, copy_tours, longest, sum_costs, unlink
 from instances.arrays import Floats
 from instances.kernels import njit
 
@@ -46,7 +46,8 @@ def undo(costs: Costs, tours: Tours, count: int, removed: Removed, costs_before:
     for i in range(count):
         unlink(costs, tours, tasks[i])
     restore(costs, tours, count, removed)
-    tours.cost[:] = costs_before
+    for k in range(costs_before.size):
+        tours.cost[k] = costs_before[k]
 
 
 @njit(cache=True, nogil=True)
@@ -55,10 +56,10 @@ def _keep(tours: Tours, best: Tours, fittest: Tours, lowest: float, measure: Mea
 
     measure: of fitness. Return the lowest fitness then.
     """
-    longest = tours.cost.max()
-    if longest < best.cost.max():
+    now = longest(tours.cost)
+    if now < longest(best.cost):
         copy_tours(tours, best)
-    if longest - measure.cap < lowest:
+    if now - measure.cap < lowest:
         value = fitness(tours.cost, measure)
         if value < lowest:
             copy_tours(tours, fittest)
@@ -98,12 +99,14 @@ def anneal(
             now = move(costs, nearest, tours, workspace, rng, now, temperature, objective, parameters.move)
             lowest = _keep(tours, best, fittest, lowest, measure)
             continue
-        costs_before[:] = tours.cost
+        for k in range(m):
+            costs_before[k] = tours.cost[k]
         if uniform(rng) < parameters.strings:
             count = remove_strings(costs, nearest, tours, removed, rng)
         else:
             count = remove_adjacent(costs, nearest, tours, removed, rng)
-        queue[:count] = tasks[:count]
+        for i in range(count):
+            queue[i] = tasks[i]
         shuffle(queue, count, rng)
         guide = GUIDES[below(rng, parameters.guides)]
         recreate(costs, near, tours, queue, count, guide, parameters.recreate, rng)

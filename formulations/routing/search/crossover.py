@@ -11,7 +11,7 @@ import numpy as np
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.problem_data import Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below
-from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
+from formulations.routing.search.recreate import RecreateParameters, recreate_all, shuffle
 from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink
 from instances.arrays import Ints
 from instances.kernels import njit
@@ -54,20 +54,27 @@ def inherit(costs: Costs, child: Tours, donor: Tours, k: int, h: int, removed: N
     return kept
 
 
-@njit(cache=True, nogil=True)
 def crossover(data: ProblemData, child: Tours, donor: Tours, parameters: RecreateParameters, rng: Rng) -> None:
     """Turn `child`, a copy of the first parent, into its child with `donor`, who gives up to half of the tours."""
-    n, m = data.near.tasks.shape[0], child.cost.size
-    removed = np.empty(n, np.int32)
-    order = np.arange(m).astype(np.int32)
+    recreate_all(data, child, inherit_some(data.costs, data.site, child, donor, rng), parameters, rng)
+
+
+@njit(cache=True, nogil=True)
+def inherit_some(costs: Costs, site: Ints, child: Tours, donor: Tours, rng: Rng) -> Nodes:
+    """Make up to half of the child's tours those of the donor; return the tasks left on no tour, in random order."""
+    m = child.cost.size
+    removed = np.empty(child.after.size - m, np.int32)
+    order = np.empty(m, np.int32)
+    for k in range(m):
+        order[k] = k
     shuffle(order, m, rng)
     count = 0
     taken = np.zeros(m, np.uint8)
     for i in range(1 + below(rng, (m + 1) // 2)):
-        h = matching_tour(child, donor, order[i], data.site)
+        h = matching_tour(child, donor, order[i], site)
         if not taken[h]:
             taken[h] = 1
-            count = inherit(data.costs, child, donor, order[i], h, removed, count)
+            count = inherit(costs, child, donor, order[i], h, removed, count)
     sum_costs(child)
     shuffle(removed, count, rng)
-    recreate(data.costs, data.near, child, removed, count, GUIDES[below(rng, len(GUIDES))], parameters, rng)
+    return removed[:count]

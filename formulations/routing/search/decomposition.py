@@ -20,7 +20,7 @@ from formulations.routing.search.problem_data import (
     problem_data,
 )
 from formulations.routing.search.randomness import Rng, below, uniform
-from formulations.routing.search.tours import Tours, clear, copy_tours, empty_tours, fill, sum_costs
+from formulations.routing.search.tours import Tours, clear, duplicate, empty_tours, fill, link, sum_costs
 from instances.kernels import njit
 
 
@@ -98,20 +98,15 @@ def around_longest(
     return chosen[:count]
 
 
-@njit(cache=True, nogil=True)
 def _nodes_of(tours: Tours, uavs: Nodes) -> Nodes:
     """Return the tasks of some tours in their order, then their depots."""
-    n = tours.after.size - tours.cost.size
-    nodes = np.empty(tours.size[uavs].sum() + uavs.size, np.int32)
-    count = 0
-    for k in uavs:
-        v = tours.after[n + k]
+    n, nodes = tours.after.size - tours.cost.size, []
+    for depot in n + uavs:
+        v = tours.after[depot]
         while v < n:
-            nodes[count] = v
-            count += 1
+            nodes.append(v)
             v = tours.after[v]
-    nodes[count:] = n + uavs
-    return nodes
+    return np.array([*nodes, *(n + uavs)], np.int32)
 
 
 def subproblem(data: ProblemData, tours: Tours, uavs: Nodes, parameters: NeighbourhoodParameters) -> Subproblem:
@@ -119,13 +114,13 @@ def subproblem(data: ProblemData, tours: Tours, uavs: Nodes, parameters: Neighbo
     nodes = _nodes_of(tours, uavs)
     n_tasks = nodes.size - uavs.size
     own = problem_data(part_of(data.costs, nodes, uavs), n_tasks, parameters)
-    part = Subproblem(own, tours, empty_tours(n_tasks, uavs.size), empty_tours(n_tasks, uavs.size), nodes)
+    empty = empty_tours(n_tasks, uavs.size)
+    part = Subproblem(own, tours, empty, empty, nodes)
     ends = np.cumsum(tours.size[uavs])
     for j, tasks in enumerate(np.split(np.arange(n_tasks, dtype=np.int32), ends[:-1])):
         fill(own.costs, part.tours, j, tasks)
     sum_costs(part.tours)
-    copy_tours(part.tours, part.best)
-    return part
+    return part._replace(best=duplicate(part.tours))
 
 
 @njit(cache=True, nogil=True)
@@ -137,6 +132,8 @@ def merge(costs: Costs, nodes: Nodes, found: Tours, tours: Tours) -> None:
     for depot in nodes[s:]:
         clear(costs, tours, depot - n, removed)
     for j in range(w):
-        own = _nodes_of(found, np.array([j], np.int32))[:-1]
-        fill(costs, tours, nodes[s + j] - n, nodes[own])
+        u, v = nodes[s + j], found.after[s + j]
+        while v < s:
+            link(costs, tours, nodes[v], u)
+            u, v = nodes[v], found.after[v]
     sum_costs(tours)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import NamedTuple
 
-from formulations.routing.search.tours import Tours
+from formulations.routing.search.tours import Tours, longest
 from instances.arrays import Floats
 from instances.kernels import njit
 
@@ -86,19 +86,22 @@ def power(x: float, p: int) -> float:
 @njit(cache=True, nogil=True)
 def norm(lengths: Floats, p: int) -> float:
     """Return ‖C‖_p [s] of lengths (m,) [s]."""
-    longest = lengths.max()
-    if longest <= 0.0:
+    scale = longest(lengths)
+    if scale <= 0.0:
         return 0.0
     total = 0.0
     for length in lengths:
-        total += power(length / longest, p)
-    return longest * total ** (1.0 / p)
+        total += power(length / scale, p)
+    return scale * total ** (1.0 / p)
 
 
 @njit(cache=True, nogil=True)
 def energy(lengths: Floats, objective: Objective) -> float:
     """Return the energy [s] of lengths (m,) [s]."""
-    measure, total = objective.measure, objective.mean_weight * lengths.mean()
+    measure, total = objective.measure, 0.0
+    for length in lengths:
+        total += length
+    total = objective.mean_weight * (total / lengths.size)
     if measure.kind == MeasureKind.P_NORM:
         return total + norm(lengths, measure.p)
     for length in lengths:
@@ -118,14 +121,14 @@ def fitness(lengths: Floats, measure: Measure) -> float:
     total = 0.0
     for length in lengths:
         total += max(0.0, length - measure.cap)
-    return total if total > 0.0 else lengths.max() - measure.cap
+    return total if total > 0.0 else longest(lengths) - measure.cap
 
 
 @njit(cache=True, nogil=True)
 def energy_without(tours: Tours, k_a: int, k_b: int, objective: Objective) -> PartialEnergy:
     """Return the PartialEnergy of all tours but k_a and k_b."""
     measure = objective.measure
-    scale, total, measured = max(tours.cost.max(), TINY), 0.0, 0.0
+    scale, total, measured = max(longest(tours.cost), TINY), 0.0, 0.0
     for k in range(tours.cost.size):
         if k != k_a and k != k_b:
             total += tours.cost[k]

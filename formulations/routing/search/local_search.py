@@ -65,17 +65,22 @@ def closed_tour(cost: Floats, parameters: LocalSearchParameters) -> ClosedTour:
     """Return the tour 0, 1, …, L, 0 over `cost`, shape (L+1, L+1) [s], ready to be improved."""
     size = cost.shape[0]
     near = min(parameters.near, size - 1)
-    costs = AlikeCosts(cost, cost.T.copy())
+    into = np.empty((size, size))
+    for u in range(size):
+        for w in range(size):
+            into[w, u] = cost[u, w]
+    costs = AlikeCosts(cost, into)
     ahead, behind = np.zeros((size, near), np.int32), np.zeros((size, near), np.int32)
     for v in range(size):
         keep_nearest(costs.out[v], costs.out[v], v, 0, ahead[v])
         keep_nearest(costs.into[v], costs.into[v], v, 0, behind[v])
-    segments, position = concatenation.empty_segments(costs, size - 1), np.arange(size)
+    segments, position = concatenation.empty_segments(costs, size - 1), np.empty(size, np.int64)
     spare = np.zeros(size + 1, np.int32)
     queue, queued, ring = np.zeros(size, np.int64), np.zeros(size, np.bool_), np.zeros(2, np.int64)
     tour = ClosedTour(costs, segments, ahead, behind, position, spare, queue, queued, ring, parameters)
     segments.shape[1] = size - 1
-    segments.nodes[:size] = position
+    for i in range(size):
+        position[i] = segments.nodes[i] = i
     segments.nodes[size] = 0
     segments.forward[0] = segments.backward[0] = 0.0
     book(tour, 1)
@@ -125,11 +130,18 @@ def exchange(tour: ClosedTour, p: int, q: int, r: int) -> None:
     for i in (p, p + 1, q, q + 1, r, r + 1):
         _enqueue(tour, i)
     spare, nodes = tour.spare, tour.segments.nodes
-    spare[: q - p] = nodes[p + 1 : q + 1]
+    _copy(nodes, p + 1, q - p, spare, 0)
     for i in range(q + 1, r + 1):
         nodes[i - q + p] = nodes[i]
-    nodes[p + 1 + r - q : r + 1] = spare[: q - p]
+    _copy(spare, 0, q - p, nodes, p + 1 + r - q)
     book(tour, p + 1)
+
+
+@njit(cache=True, nogil=True)
+def _copy(source: Nodes, first: int, count: int, target: Nodes, to: int) -> None:
+    """Write source[first : first + count] to target[to : to + count], none of it to itself."""
+    for i in range(count):
+        target[to + i] = source[first + i]
 
 
 @njit(cache=True, nogil=True)
@@ -228,10 +240,10 @@ def _double_bridge(tour: ClosedTour, rng: Rng) -> None:
     nodes, spare = tour.segments.nodes, tour.spare
     for i in (p, p + 1, p + a, p + a + 1, p + a + b, p + a + b + 1, p + a + b + c, p + a + b + c + 1):
         _enqueue(tour, i)
-    spare[:c] = nodes[p + a + b + 1 : p + a + b + c + 1]
-    spare[c : c + b] = nodes[p + a + 1 : p + a + b + 1]
-    spare[c + b : c + b + a] = nodes[p + 1 : p + a + 1]
-    nodes[p + 1 : p + a + b + c + 1] = spare[: a + b + c]
+    _copy(nodes, p + a + b + 1, c, spare, 0)
+    _copy(nodes, p + a + 1, b, spare, c)
+    _copy(nodes, p + 1, a, spare, c + b)
+    _copy(spare, 0, a + b + c, nodes, p + 1)
     book(tour, p + 1)
 
 
@@ -248,10 +260,10 @@ def improve(tour: ClosedTour, rng: Rng, kicks: int) -> None:
         _double_bridge(tour, rng)
         descend(tour)
         if tour.segments.forward[-1] <= best:
-            kept[:] = tour.segments.nodes
+            _copy(tour.segments.nodes, 0, kept.size, kept, 0)
             best = tour.segments.forward[-1]
         else:
-            tour.segments.nodes[:] = kept
+            _copy(kept, 0, kept.size, tour.segments.nodes, 0)
             book(tour, 1)
 
 

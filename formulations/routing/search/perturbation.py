@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from formulations.routing.search.costs import Costs, leg, leg_into
-from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.problem_data import Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
-from formulations.routing.search.recreate import GUIDES, RecreateParameters, recreate, shuffle
-from formulations.routing.search.tours import Tours, clear, link, sum_costs, unlink
+from formulations.routing.search.recreate import RecreateParameters, recreate_all, shuffle
+from formulations.routing.search.tours import Tours, clear, link, longest, sum_costs, unlink
 from instances.kernels import njit
 
 
@@ -30,7 +30,7 @@ def draw_relocation(costs: Costs, tours: Tours, draws: int, rng: Rng) -> tuple[i
 
     The UAV can fly to the task and back in less than the longest tour. (−1, −1) where none such is drawn.
     """
-    m, longest = tours.cost.size, tours.cost.max()
+    m, limit = tours.cost.size, longest(tours.cost)
     n = tours.after.size - m
     for _ in range(draws):
         h, v = below(rng, m), below(rng, n)
@@ -39,7 +39,7 @@ def draw_relocation(costs: Costs, tours: Tours, draws: int, rng: Rng) -> tuple[i
             h = g
         if tours.cost[tours.tour[w]] > tours.cost[tours.tour[v]]:
             v = w
-        if tours.tour[v] != h and leg(costs, h, n + h, v) + leg_into(costs, h, n + h, v) < longest:
+        if tours.tour[v] != h and leg(costs, h, n + h, v) + leg_into(costs, h, n + h, v) < limit:
             return h, v
     return -1, -1
 
@@ -59,21 +59,27 @@ def relocate(costs: Costs, tours: Tours, h: int, v: int, limit: float) -> None:
         u, v = v, after
 
 
-@njit(cache=True, nogil=True)
 def perturb(
     data: ProblemData, tours: Tours, parameters: PerturbationParameters, recreation: RecreateParameters, rng: Rng
 ) -> None:
     """Let one UAV leave its tasks to the others and take over a segment, of random length, of a long tour."""
-    costs = data.costs
-    h, v = draw_relocation(costs, tours, parameters.draws, rng)
-    if h < 0:
-        return
-    n = data.near.tasks.shape[0]
+    count, removed = relocate_one(data.costs, tours, parameters.draws, rng)
+    if count >= 0:
+        recreate_all(data, tours, removed[:count], recreation, rng)
+
+
+@njit(cache=True, nogil=True)
+def relocate_one(costs: Costs, tours: Tours, draws: int, rng: Rng) -> tuple[int, Nodes]:
+    """Relocate a UAV; return how many tasks it left, −1 where none is drawn, and these in random order."""
+    h, v = draw_relocation(costs, tours, draws, rng)
+    n = tours.after.size - tours.cost.size
     removed = np.empty(n, np.int32)
+    if h < 0:
+        return -1, removed
     there_and_back = leg(costs, h, n + h, v) + leg_into(costs, h, n + h, v)
-    limit = there_and_back + uniform(rng) * (tours.cost.max() - there_and_back)
+    limit = there_and_back + uniform(rng) * (longest(tours.cost) - there_and_back)
     count = clear(costs, tours, h, removed)
     relocate(costs, tours, h, v, limit)
     sum_costs(tours)
     shuffle(removed, count, rng)
-    recreate(data.costs, data.near, tours, removed, count, GUIDES[below(rng, len(GUIDES))], recreation, rng)
+    return count, removed

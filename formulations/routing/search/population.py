@@ -26,7 +26,7 @@ from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule
-from formulations.routing.search.tours import Tours, copy_tours, duplicate, empty_tours, reprice
+from formulations.routing.search.tours import Tours, duplicate, empty_tours, reprice
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class Population:
         """Keep a copy of tours whose longest is shorter than that of the best."""
         if tours.cost.max() < self.incumbent:
             self.improved = True
-            copy_tours(tours, self.best)
+            self.best = duplicate(tours)
 
     def _follow(self, *under_way: Tours) -> None:
         """Let the reference of the endurances follow the best tours; all tours are priced anew where it fell."""

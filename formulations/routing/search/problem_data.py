@@ -46,24 +46,16 @@ def problem_data(costs: Costs, n_tasks: int, parameters: NeighbourhoodParameters
     return ProblemData(costs, granular_neighbourhood(anyones, n_tasks, parameters), site)
 
 
-@njit(cache=True, nogil=True)
 def depot_sites(costs: AlikeCosts, n_tasks: int, kind: Ints) -> Ints:
     """Return for each depot the first depot at the same place whose UAV is of the same kind, shape (m,).
 
     The place is the same where the costs to all tasks are.
     """
-    n_depots = costs.out.shape[0] - n_tasks
-    site = np.arange(n_depots)
-    for k in range(n_depots):
-        for h in range(k):
-            row, other = n_tasks + k, n_tasks + h
-            if (
-                kind[k] == kind[h]
-                and np.all(costs.out[row, :n_tasks] == costs.out[other, :n_tasks])
-                and np.all(costs.into[row, :n_tasks] == costs.into[other, :n_tasks])
-            ):
-                site[k] = h
-                break
+    first: dict[tuple[int, bytes, bytes], int] = {}
+    site = np.arange(costs.out.shape[0] - n_tasks)
+    for k in range(site.size):
+        there, back = (cost[n_tasks + k, :n_tasks] + 0.0 for cost in costs)  # + 0.0: −0 is 0 too
+        site[k] = first.setdefault((int(kind[k]), there.tobytes(), back.tobytes()), k)
     return site
 
 

@@ -18,7 +18,7 @@ from formulations.routing.search.costs import Costs, leg, leg_into
 from formulations.routing.search.energy import Measure, MeasureKind, excess, p_norm, power
 from formulations.routing.search.problem_data import GranularNeighbourhood, Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below
-from formulations.routing.search.tours import Tours, insertion_change, link
+from formulations.routing.search.tours import Tours, insertion_change, link, longest
 from instances.kernels import njit
 
 GUIDES = (p_norm(1), p_norm(2), p_norm(5), p_norm(12), p_norm(30), excess(1.0))
@@ -125,8 +125,8 @@ def recreate(
     rng: Rng,
 ) -> None:
     """Insert queue[:count] into the tours, in that order, and book the costs."""
-    longest = tours.cost.max()
-    scale = 1.0 / longest if longest > 0.0 else 1.0
+    unit = longest(tours.cost)
+    scale = 1.0 / unit if unit > 0.0 else 1.0
     for i in range(count):
         v = queue[i]
         u, change = best_insertion(costs, near, tours, v, guide, scale, parameters, parameters.blink, rng)
@@ -146,10 +146,29 @@ def shuffle(queue: Nodes, count: int, rng: Rng) -> None:
 
 
 @njit(cache=True, nogil=True)
+def recreate_in_turn(
+    data: ProblemData,
+    tours: Tours,
+    queue: Nodes,
+    at_once: int,
+    guide: Measure,
+    parameters: RecreateParameters,
+    rng: Rng,
+) -> None:
+    """Insert the queue into the tours, by a recreation for each `at_once` of its tasks."""
+    for i in range(0, queue.size, at_once):
+        count = min(at_once, queue.size - i)
+        recreate(data.costs, data.near, tours, queue[i : i + count], count, guide, parameters, rng)
+
+
+def recreate_all(data: ProblemData, tours: Tours, queue: Nodes, parameters: RecreateParameters, rng: Rng) -> None:
+    """Insert the queue into the tours by one recreation, its guide drawn from all."""
+    guide = GUIDES[below(rng, len(GUIDES))]
+    recreate_in_turn(data, tours, queue, max(1, queue.size), guide, parameters, rng)
+
+
 def construct(data: ProblemData, tours: Tours, parameters: RecreateParameters, rng: Rng) -> None:
     """Fill empty tours with all tasks in random order, each where it least raises Σ_k C_k²."""
-    n = data.near.tasks.shape[0]
-    queue = np.arange(n).astype(np.int32)
-    shuffle(queue, n, rng)
-    for i in range(n):
-        recreate(data.costs, data.near, tours, queue[i : i + 1], 1, _CONSTRUCTION_GUIDE, parameters, rng)
+    queue = np.arange(data.size[0], dtype=np.int32)
+    shuffle(queue, queue.size, rng)
+    recreate_in_turn(data, tours, queue, 1, _CONSTRUCTION_GUIDE, parameters, rng)

@@ -76,7 +76,8 @@ def remove_strings(costs: Costs, near: Nodes, tours: Tours, removed: Removed, rn
     seed = below(rng, n)
     wanted = 1 + below(rng, tasks.size)
     longest = 1 + below(rng, wanted)
-    ruined[:] = False
+    for k in range(ruined.size):
+        ruined[k] = False
     count = 0
     for j in range(-1, near.shape[1]):
         v = seed if j < 0 else near[seed, j]

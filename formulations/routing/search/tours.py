@@ -33,13 +33,11 @@ class Tours(NamedTuple):
     size: Nodes
 
 
-@njit(cache=True, nogil=True)
 def empty_tours(n_tasks: int, n_depots: int) -> Tours:
     """Return tours with no task on any of them."""
-    after = np.arange(n_tasks + n_depots).astype(np.int32)
+    after = np.arange(n_tasks + n_depots, dtype=np.int32)
     tour = np.full(n_tasks + n_depots, -1, np.int32)
-    for k in range(n_depots):
-        tour[n_tasks + k] = k
+    tour[n_tasks:] = np.arange(n_depots)
     arc = np.zeros(n_tasks + n_depots)
     return Tours(after, after.copy(), arc, arc.copy(), tour, np.zeros(n_depots), np.zeros(n_depots, np.int32))
 
@@ -47,20 +45,30 @@ def empty_tours(n_tasks: int, n_depots: int) -> Tours:
 @njit(cache=True, nogil=True)
 def copy_tours(source: Tours, target: Tours) -> None:
     """Overwrite `target` with `source`."""
-    target.after[:] = source.after
-    target.before[:] = source.before
-    target.arc[:] = source.arc
-    target.back[:] = source.back
-    target.tour[:] = source.tour
-    target.cost[:] = source.cost
-    target.size[:] = source.size
+    for u in range(source.after.size):  # numba compiles assigned slices ten times as long, to word their errors
+        target.after[u] = source.after[u]
+        target.before[u] = source.before[u]
+        target.arc[u] = source.arc[u]
+        target.back[u] = source.back[u]
+        target.tour[u] = source.tour[u]
+    for k in range(source.cost.size):
+        target.cost[k] = source.cost[k]
+        target.size[k] = source.size[k]
 
 
 def duplicate(tours: Tours) -> Tours:
     """Return a copy."""
-    copy = empty_tours(tours.after.size - tours.cost.size, tours.cost.size)
-    copy_tours(tours, copy)
-    return copy
+    return Tours._make(array.copy() for array in tours)
+
+
+@njit(cache=True, nogil=True)
+def longest(lengths: Floats) -> float:
+    """Return the greatest of lengths (m,) ≥ 0 [s]; compiled in a fraction of the time of numpy's."""
+    most = 0.0
+    for length in lengths:
+        if length > most:
+            most = length
+    return most
 
 
 @njit(cache=True, nogil=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from formulations.routing.solver import Event, Result, Solver, Status
-from instances import Instance, Routes, makespan
+from instances import Instance, Routes, compilation, makespan
 
 
 def all_with_first(instance: Instance) -> Routes:
@@ -305,3 +305,9 @@ class SpinsWhilePreparing(Honest):
     def prepare(self, instance):
         while True:
             pass
+
+
+class DiesCompiling(Honest):
+    def prepare(self, instance):
+        compilation.begun()
+        os._exit(3)

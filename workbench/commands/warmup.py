@@ -12,37 +12,34 @@ from workbench.terminal import print_json, say
 
 
 @click.command("warmup")
-@click.argument("solvers", nargs=-1, shell_complete=SOLVER)
+@click.argument("names", nargs=-1, shell_complete=SOLVER)
 @JSON
-def command(solvers: tuple[str, ...], as_json: bool) -> None:
-    """Compile the kernels of SOLVERS (by default of all that are there), once for this version of the code.
+def command(names: tuple[str, ...], as_json: bool) -> None:
+    """Compile the kernels of NAMES, once for this version of the code.
 
-    What is compiled lies in your cache folder; a method that is not warm compiles when it is first used, before its
-    clock starts.
+    NAMES are solvers, moving-cost methods, costs (all of these), select and
+    map; by default all that is there. What is compiled lies in your cache
+    folder; a method that is not warm compiles when it is first used, before
+    its clock starts.
 
     \b
     Examples:
       workbench warmup
-      workbench warmup memetic exact
+      workbench warmup memetic exact costs
     """
     from rich.console import Console
     from rich.progress import track
 
-    from formulations.moving_cost.families import generate
-    from formulations.routing.registry import SOLVERS, make_solver
-    from formulations.routing.solver import refusal
+    from instances.compilation import WORDS, told_to
+    from workbench.warming import warmers
 
-    names = list(solvers) or [name for name in SOLVERS.built_in if SOLVERS.why_unavailable(name) is None]
-    methods = {name: make_solver(name) for name in names}
-    instance = generate("uniform", 6, 2, 0)
+    wanted = warmers(names)
     began = time.perf_counter()
-    for solver in track(
-        list(methods.values()), console=Console(stderr=True), description="compiling kernels, once", transient=True
-    ):
-        if refusal(solver, instance) is None:
-            solver.prepare(instance)
+    with told_to(lambda begins: None):  # the bar says it
+        for warm in track(list(wanted.values()), console=Console(stderr=True), description=WORDS, transient=True):
+            warm()
     elapsed = time.perf_counter() - began
     if as_json:
-        print_json({"ready": names, "elapsed": elapsed})
+        print_json({"ready": list(wanted), "elapsed": elapsed})
     else:
-        say(f"{', '.join(names)}: ready after {elapsed:.0f} s")
+        say(f"{', '.join(wanted)}: ready after {elapsed:.0f} s")

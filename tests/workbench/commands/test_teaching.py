@@ -13,6 +13,7 @@ import sys
 import pytest
 from click.testing import CliRunner
 
+from instances.compilation import WORDS, OnStderr, told_to
 from workbench.cli import COMMANDS, commands
 
 
@@ -98,9 +99,27 @@ def test_lists_are_there_for_people_and_programs(cli):
 
 
 def test_warmup_says_what_is_ready(cli):
-    code, out, _ = cli("warmup", "greedy")
+    code, out, _ = cli("warmup", "greedy", "map")
     assert code == 0
-    assert out.startswith("greedy: ready after")
+    assert out.startswith("greedy, map: ready after")
+
+
+def test_warmup_names_what_it_cannot_warm(cli):
+    code, _, err = cli("warmup", "memetik")
+    assert code == 2
+    assert "'memetik' is no solver" in err
+    assert "memetic" in err
+
+
+def test_a_cold_start_is_told_and_a_warm_one_is_not(cli, instance_file, tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "machine-code"))  # which the child of the run inherits
+    said = []
+    for _ in range(2):
+        with told_to(OnStderr()):
+            code, _, err = cli("solve", instance_file, "--solver", "subset-dp")
+        assert code == 0
+        said.append(err.count(WORDS))
+    assert said == [1, 0]
 
 
 @pytest.mark.parametrize("name", COMMANDS)

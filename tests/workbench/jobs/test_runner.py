@@ -14,6 +14,7 @@ import pytest
 from formulations.limits import Limits
 from formulations.routing.solver import Status
 from instances import Instance, makespan
+from instances.compilation import told_to
 from reports.record import Run, run_from
 from workbench.jobs.job import Job, folder_of
 from workbench.jobs.process import child
@@ -319,3 +320,11 @@ def test_a_run_killed_together_with_its_study_is_not_stored(finish, monkeypatch)
     monkeypatch.setattr(Tree, "close", lambda tree: ended.append(time.monotonic()))
     with pytest.raises(InterruptedRunError):
         finish("KillsItsParent", 60, stop=lambda: bool(ended) and time.monotonic() - ended[0] > 0.3)
+
+
+@pytest.mark.parametrize("name", ["Honest", "DiesCompiling"])
+def test_who_waits_is_told_of_compilations_in_a_run(finish, name):
+    told: list[bool] = []
+    with told_to(told.append):
+        finish(name)
+    assert told == ([True, False] if name == "DiesCompiling" else [])

@@ -12,7 +12,7 @@ from reports.record import Run, run_from
 from workbench.jobs.census import census
 from workbench.jobs.execute import plan
 from workbench.jobs.job import Job, folder_of
-from workbench.jobs.progress import Estimate, duration
+from workbench.jobs.progress import COLD, STARTING, Estimate, duration
 from workbench.jobs.runner import run
 from workbench.jobs.store import Store
 from workbench.problems.routing import ROUTING
@@ -103,6 +103,18 @@ def test_a_run_survives_json(honest):
     text = json.loads(honest.to_json())
     assert (text["schema"], text["problem"], text["gap"]) == (1, "routing", None)
     assert text["instance"]["n_tasks"] == 4
+
+
+def test_time_left_counts_compiling_once_a_method(instance):
+    first, *later = [Job(folder_of(instance), "ga", seed=seed, time_limit=10) for seed in range(3)]
+    other = Job(folder_of(instance), "memetic", time_limit=10)
+    estimate = Estimate([first, *later, other], parallel=1)
+    estimate.finished(first, wall=34, prepared=30)
+    assert estimate.left() == 2 * (4 + COLD) + (10 + STARTING + 30)  # the other method is still to be compiled
+    estimate.finished(other, wall=40, prepared=30)
+    assert estimate.left() == 2 * (4 + COLD)
+    estimate.finished(later[0], wall=5, prepared=1)
+    assert estimate.left() == 4 + 1
 
 
 def test_time_left_is_learnt_from_each_solver(instance):

@@ -14,7 +14,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from workbench.jobs.process.messages import FOLLOWS, Event, Message, Prepared, Started, UnreadableError, read_message
+from instances import compilation
+from workbench.jobs.process.messages import (
+    FOLLOWS,
+    Compiling,
+    Event,
+    Message,
+    Prepared,
+    Started,
+    UnreadableError,
+    read_message,
+)
 from workbench.jobs.process.tree import Tree
 from workbench.jobs.process.worker import Assignment
 
@@ -97,7 +107,7 @@ class _Child:
     def __init__(self, assignment: Assignment, hear: Hear, memory_limit: int) -> None:
         self.limit, self.memory_limit, self.hear = assignment.limits.time, memory_limit, hear
         self.unread, self.log = b"", b""
-        self.killed, self.out_of_memory = "", False
+        self.killed, self.out_of_memory, self.compiling = "", False, False
         self.heard: type[Any] | None = None
         self.prepare, self.cpu_before, self.cpu = 0.0, 0.0, None  # type: float, float, float | None
         self.next_look = 0.0
@@ -111,7 +121,7 @@ class _Child:
     @property
     def preparing(self) -> bool:
         """Whether the solve has not begun."""
-        return self.heard in (None, Started)
+        return self.heard in (None, Started, Compiling)
 
     @property
     def working(self) -> bool:
@@ -136,6 +146,7 @@ class _Child:
         self.tree.end()
         for descriptor in (self.tree.messages, self.tree.output):
             self._read(descriptor)
+        self._compiled()
         self.selector.close()
         self.tree.close()
 
@@ -192,6 +203,11 @@ class _Child:
         return 0.0 if self.preparing else now - self.tree.began - self.prepare
 
     def _follow(self, message: Message, now: float) -> None:
+        if isinstance(message, Compiling):
+            self.compiling = True
+            compilation.begun()
+            return
+        self._compiled()
         if isinstance(message, Prepared):
             self.prepare, self.deadline = now - self.tree.began, now + self.limit + grace(self.limit)
             self.cpu_before = self.tree.processor_time()
@@ -199,6 +215,11 @@ class _Child:
             self.deadline = now + EXIT_GRACE
             self._weigh()
             self.cpu = self.tree.processor_time(afresh=True)
+
+    def _compiled(self) -> None:
+        if self.compiling:
+            self.compiling = False
+            compilation.ended()
 
     def _outlasted(self, now: float) -> None:
         if not self.working:

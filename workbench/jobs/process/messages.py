@@ -1,6 +1,6 @@
 """Messages: what a child says to its parent, one JSON object a line, checked by one schema before anything believes it.
 
-    started, prepared, event …, result        or, at the places of the schema, declined or error
+    started, compiling (or not), prepared, event …, result        or, at the places of the schema, declined or error
 
 Numbers are finite, texts can be encoded, tables are not nested deeper than `Figure` allows and not larger than stated
 here; the product is decoded by the type its problem names. Whatever is wrong is an UnreadableError.
@@ -65,6 +65,10 @@ class Declined(Struct, tag="declined", tag_field="kind", forbid_unknown_fields=T
     reason: str
 
 
+class Compiling(Struct, tag="compiling", tag_field="kind", forbid_unknown_fields=True):
+    """Preparing is going to take a while: kernels are compiled."""
+
+
 class Prepared(Struct, tag="prepared", tag_field="kind", forbid_unknown_fields=True):
     """The solve begins."""
 
@@ -87,10 +91,11 @@ class Failed(Struct, tag="error", tag_field="kind", forbid_unknown_fields=True):
     message: str
 
 
-Message = Started | Declined | Prepared | Event | Result | Failed
+Message = Started | Compiling | Declined | Prepared | Event | Result | Failed
 FOLLOWS: dict[type[Any] | None, tuple[type[Any], ...]] = {
     None: (Started, Failed),
-    Started: (Declined, Prepared, Failed),
+    Started: (Compiling, Declined, Prepared, Failed),
+    Compiling: (Declined, Prepared, Failed),
     Prepared: (Event, Result, Failed),
     Event: (Event, Result, Failed),
 }

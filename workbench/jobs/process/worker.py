@@ -16,10 +16,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from formulations.limits import Limits
+from instances.compilation import told_to
 from instances.errors import InputError
 from workbench.jobs.problem import Claim, Problem
 from workbench.jobs.process.messages import (
     Claimed,
+    Compiling,
     Declined,
     Ended,
     Event,
@@ -81,11 +83,19 @@ def _carry_out(assignment: Assignment, channel: Channel) -> None:
     problem, item = assignment.problem, assignment.item
     method = problem.methods.make(assignment.method, assignment.options)
     channel.say(Started(bool(getattr(method, "proves", False))))
-    reason = problem.accepts(method, item)
-    if reason is not None:
-        channel.say(Declined(text(reason)))
-        return
-    problem.prepare(method, item)
+    said: list[Message] = []
+
+    def compiling(begins: bool) -> None:
+        if begins and not said:
+            said.append(Compiling())
+            channel.say(said[0])
+
+    with told_to(compiling):
+        reason = problem.accepts(method, item)
+        if reason is not None:
+            channel.say(Declined(text(reason)))
+            return
+        problem.prepare(method, item)
 
     def tell(claim: Claim) -> None:
         channel.say(Event(Claimed(encoded(claim.product), *_numbers(claim))))

@@ -39,6 +39,14 @@ def _methods(context: click.Context, parameter: click.Parameter, incomplete: str
 METHODS: Complete = _methods
 
 
+def _warm(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    groups = [CompletionItem(name) for name in ("costs", "select", "map") if name.startswith(incomplete)]
+    return SOLVER(context, parameter, incomplete) + COST_METHOD(context, parameter, incomplete) + groups
+
+
+WARM: Complete = _warm
+
+
 def study_or_file(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Offer the shipped studies, and files, where none fits: bash forgets what stands before a file."""
     from workbench.jobs.study import shipped_studies

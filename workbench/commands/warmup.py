@@ -6,13 +6,13 @@ import time
 
 import click
 
-from workbench.completing import SOLVER
+from workbench.completing import WARM
 from workbench.options import JSON
 from workbench.terminal import print_json, say
 
 
 @click.command("warmup")
-@click.argument("names", nargs=-1, shell_complete=SOLVER)
+@click.argument("names", nargs=-1, shell_complete=WARM)
 @JSON
 def command(names: tuple[str, ...], as_json: bool) -> None:
     """Compile the kernels of NAMES, once for this version of the code.

@@ -48,7 +48,7 @@ def test_the_shell_completes_commands_and_values() -> None:
         ("place", "method", "gr", "greedy-swap"),
         ("costs", "method", "", "refined"),
         ("mission", "stage", "ro", "routes"),
-        ("warmup", "solvers", "ex", "exact"),
+        ("warmup", "names", "ref", "refined"),
     ],
 )
 def test_values_are_offered(command: str, parameter: str, incomplete: str, value: str) -> None:

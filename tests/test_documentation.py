@@ -20,6 +20,7 @@ from formulations.routing.registry import SOLVERS
 from formulations.selection.registry import METHODS as SELECTION
 from formulations.task_location.registry import METHODS as PLACEMENT
 from tests import gallery
+from workbench import facade, informing
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -150,7 +151,7 @@ def test_mypy_passes_strictly_on_the_proof(settings: str, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("name", [name for name in wb.__all__ if name.islower()])
 def test_the_docstring_of_a_function_says_what_it_takes_returns_and_raises(name: str) -> None:
-    function = getattr(wb, name)
+    function = getattr(informing if name in informing.__all__ else facade, name)
     words = inspect.getdoc(function) or ""
     taken = words.split("Parameters\n----------\n")[1].split("\n\nReturns\n")[0]
     said = {each.strip(" *") for line in taken.splitlines() if not line.startswith(" ") for each in line.split(",")}

@@ -139,3 +139,10 @@ def test_a_file_called_instances_in_the_way_is_not_ours(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.stderr.count("not ours") == 0, done.stderr
     assert done.stdout.split() == ["6.0", "1"]
+
+
+def test_a_mission_is_called_by_its_name_once_its_package_is_imported_too(tmp_path: Path) -> None:
+    import workbench.mission.file  # noqa: F401 - what hides the function
+
+    with pytest.raises(InputError, match=r"nowhere\.toml"):
+        wb.mission(tmp_path / "nowhere.toml", tmp_path / "out")

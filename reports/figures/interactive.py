@@ -186,9 +186,8 @@ def _axis(plot: figure, panel: Panel, side: Side) -> None:
         low, high = panel.span(side)
         if high / low < 200:
             decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
-            drawn.ticker = grid.ticker = FixedTicker(
-                ticks=[step * 10.0**power for power in decades for step in (1, 2, 5)]
-            )
+            steps = (1, 2, 5) if high / low > 20 else range(1, 10)
+            drawn.ticker = grid.ticker = FixedTicker(ticks=[step * 10.0**power for power in decades for step in steps])
         drawn.formatter = PrintfTickFormatter(format="%.0e" if low < 1e-4 else "%.6g")
 
 

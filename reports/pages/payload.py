@@ -26,10 +26,12 @@ from reports.figures.style import COLOURS
 from reports.pages.blocks import line_of
 from reports.record import read_run
 
-DETAILS_BUDGET = 900_000
-"""Characters of JSON spent on runs' details at most; with long lists it is less, down to a quarter."""
+DETAILS_BUDGET = 1_300_000
+"""Characters of JSON spent on runs' details at most."""
+LEAST_DETAILS = 200_000
+"""The same beside the longest lists."""
 LISTED_BESIDE = 900_000
-"""Characters of lists from which on the details have less, so that a page of 10,000 runs stays below 4 MB."""
+"""Characters of lists from which on the details have less, four for each, so that 10,000 runs fit into 4 MB."""
 MAPS_BUDGET = 300_000
 """Characters of JSON spent on coordinates."""
 TRACE_POINTS = 80
@@ -58,14 +60,21 @@ def payload(
         "colours": COLOURS,
         "instances": {c.key: _values(written[c.key]) for c in INSTANCES} | {"digest": list(table.index)},
         **maps,
-        "runs": {"instance": [number[d] for d in runs["digest"]]}
-        | {key: _values(runs[key]) for key in ("value", "bound", "peak_memory")},
-        "details": dict(_details(runs, max(DETAILS_BUDGET // 4, DETAILS_BUDGET - max(0, listed - LISTED_BESIDE)))),
+        "runs": {
+            "instance": [number[d] for d in runs["digest"]],
+            "megabytes": [_number(value / 1e6, 3) for value in runs["peak_memory"].astype(float)],
+        },
+        "details": dict(_details(runs, _budget(listed))),
     }
 
 
-def _values(column: pd.Series, digits: int = 7) -> list[Any]:
-    return [value if isinstance(value, str) else _number(value, digits) for value in column]
+def _budget(listed: int) -> int:
+    """Return the characters that details may take beside lists of so many."""
+    return min(DETAILS_BUDGET, max(LEAST_DETAILS, DETAILS_BUDGET - 4 * max(0, listed - LISTED_BESIDE)))
+
+
+def _values(column: pd.Series) -> list[Any]:
+    return [value if isinstance(value, str) else _number(value) for value in column]
 
 
 def _number(value: Any, digits: int = 7) -> Any:
@@ -123,6 +132,7 @@ def _details(runs: pd.DataFrame, budget: int) -> Iterator[tuple[int, dict[str, A
             continue
         detail: dict[str, Any] = {
             "routes": run.own["routes"],
+            "end": [_number(value) for value in ends[index][1:]],
             "tours": [_number(c, 6) for c in tours[index]],
             "trace": [[_number(t, 4), _number(z), _number(b)] for t, z, b in _whole(traces[index], ends[index])],
             "options": _told(run.options, " = "),

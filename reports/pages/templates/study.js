@@ -85,7 +85,8 @@ const said = (run, key) => {
   return text === dash || !unit ? text : `${text} ${unit}`;
 };
 const runs = rowsOf("run-list-table").map((row, index) => {
-  const run = { row, index, on: instances[data.runs.instance[index]], value: data.runs.value[index], bound: data.runs.bound[index] };
+  const run = { row, index, on: instances[data.runs.instance[index]] };
+  [run.value, run.bound] = data.details[index]?.end ?? ["value", "bound"].map((key) => shownValue(row.cells[runPlace[key]]));
   for (const key of ["method", "seed", "status"]) run[key] = said(run, key);
   return run;
 });
@@ -247,7 +248,7 @@ const limitOf = (run) => Number(said(run, "time_limit").replace(/,| .*/g, ""));
 const aboutRun = (run) => {
   const detail = data.details[run.index], instance = run.on, parts = [];
   const back = make("button", { type: "button", onclick: () => go(instance) }, `All runs on ${instance.instance}`);
-  const memory = data.runs.peak_memory[run.index], stopped = said(run, "stopped_by");
+  const memory = data.runs.megabytes[run.index], stopped = said(run, "stopped_by");
   parts.push(make("p", {}, back));
   parts.push(facts([
     ["Instance", `${instance.instance} (${instance.family}, n = ${instance.n_tasks}, m = ${instance.n_depots}, digest ${instance.digest})`],
@@ -256,7 +257,7 @@ const aboutRun = (run) => {
     ["Lower bound", run.bound === null ? null : `${number(run.bound, 9)} s`],
     ["Gap", `to best found ${said(run, "gap_found")}, to best bound ${said(run, "gap_bound")}${instance.bound_by ? ` (claimed by ${instance.bound_by})` : ""}`],
     ["Time", `${said(run, "elapsed")} of ${said(run, "time_limit")}` + (detail ? `; start and compilation ${seconds(detail.times[0])} s, processor ${seconds(detail.times[2])} s` : "")],
-    ["Peak memory", memory === null ? null : `${Math.round(memory / 1e6)} MB`],
+    ["Peak memory", memory === null ? null : `${Math.round(memory)} MB`],
     ["Options", detail && (detail.options || "all at their defaults")],
     ["Figures of the method", detail && detail.statistics],
     ["File", detail && detail.file],

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import LinAlgError
 from scipy.optimize import minimize
 
+from formulations.blas import one_thread
 from formulations.kernel import KERNELS, Kernel, SquaredExponential
 from formulations.mapping.likelihood import RestrictedLikelihood
 from formulations.mapping.trend import CONSTANT, Trend
@@ -79,6 +80,7 @@ class Fitted:
     evidence: Mapping[tuple[str, str], float] = field(default_factory=dict)
 
 
+@one_thread()
 def choose_model(given: MapModel, offered: Offered, noise_sd: float, positions: ArrayLike, values: ArrayLike) -> Fitted:
     """Return the model of greatest restricted likelihood of `values` (N,) at `positions` (N, 2) [m].
 

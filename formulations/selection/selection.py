@@ -15,10 +15,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
+from formulations.blas import one_thread
 from formulations.limits import Limits
 from formulations.routing.solver import Status
 from formulations.selection.worth import Worth
-from formulations.task_location.blas import one_thread
 from instances import InputError, Instance, Routes, as_routes, check_routes, tour_costs
 
 TOLERANCE = 1e-6

@@ -28,8 +28,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from formulations.blas import one_thread
 from formulations.kernel import SquaredExponential
-from formulations.task_location.blas import one_thread
 from formulations.task_location.boundary import is_rectangle
 from formulations.task_location.criterion import Criterion
 from formulations.task_location.supremum import supremum

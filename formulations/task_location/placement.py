@@ -17,8 +17,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from formulations.blas import one_thread
 from formulations.limits import Limits
-from formulations.task_location.blas import one_thread
 from formulations.task_location.criterion import Convention, Criterion
 from instances.arrays import Floats
 from instances.environment.region import Region

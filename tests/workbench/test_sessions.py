@@ -24,6 +24,7 @@ SESSIONS = sorted((Path(__file__).parent / "sessions").glob("*.txt"))
 WIDTH = 80
 PROMPT = "$ "
 _ANY = (
+    (re.compile(r"^compiling kernels, once\n", re.MULTILINE), ""),  # where they are not kept yet
     (re.compile(r"^ *\d+\.\d\d s  .*\n", re.MULTILINE), ""),  # progress of a solver: as many lines as it has time for
     (re.compile(r"\b[0-9a-f]{12}\b"), "0"),  # digests
     (re.compile(r"[<>] (?=\d)"), ""),  # as in < 0.001

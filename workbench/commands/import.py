@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import click
 
-from workbench.options import SECONDS, SEED, THREADS, Whole
+from workbench.options import JSON, SECONDS, SEED, THREADS, Whole
 
 
 @click.command("import")
@@ -26,7 +25,7 @@ from workbench.options import SECONDS, SEED, THREADS, Whole
 @click.option(
     "--first-task", type=Whole(0, 1), default=0, show_default=True, help="Number of the first task in the routes."
 )
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 @click.pass_context
 def command(
     context: click.Context, /, results: Path, into: Path, first_task: int, as_json: bool, **settled: Any
@@ -50,15 +49,14 @@ def command(
     \b
     Examples:
       workbench import lkh.csv --into runs/mine
-      workbench import wind-1.sol --into runs/mine --solver LKH-3.0.13 \\
-          --elapsed 12.5 --time-limit 60 --first-task 1
+      workbench import a.sol --into b --solver LKH --elapsed 9 --time-limit 60
       workbench report runs/mine --out report.html
     """
     from reports.numbers import counted
     from workbench.importing.rows import read_rows
     from workbench.importing.storing import judged, put_all
     from workbench.jobs.store import Store
-    from workbench.terminal import say
+    from workbench.terminal import print_json, say
 
     rows = read_rows(results, {name: value for name, value in settled.items() if value is not None})
     store = Store(into)
@@ -71,7 +69,7 @@ def command(
         say(sentence, err=True)
     if as_json:
         told = {"imported": len(runs), "replaced": replaced, "without_routes": unproved, "wrong": wrong}
-        click.echo(json.dumps(told | {"files": list(found)}))
+        print_json(told | {"files": list(found)})
     else:
         parts = [f"{counted(len(runs), 'run')} imported into {into}"]
         parts += [f"{replaced} in place of earlier ones"] if replaced else []

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from instances.errors import InputError
+from workbench.options import JSON
 
 if TYPE_CHECKING:
     from reports.paper.document import Cited
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 @click.command("paper")
 @click.argument("folders", metavar="RUNS-DIR...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", required=True, metavar="DIR", type=click.Path(path_type=Path), help="Folder of the paper.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
+@JSON
 @click.pass_context
 def command(context: click.Context, /, folders: tuple[Path, ...], out: Path, as_json: bool) -> None:
     """Write what the runs of one store, or of several, show for a paper in LaTeX; nothing is run.
@@ -41,7 +41,7 @@ def command(context: click.Context, /, folders: tuple[Path, ...], out: Path, as_
     from reports.record import study_title
     from reports.stores import read_stores
     from workbench.settings import make_folder
-    from workbench.terminal import say
+    from workbench.terminal import print_json, say
 
     if out.exists() and not out.is_dir():
         raise InputError(f"{out}: is no folder")
@@ -59,7 +59,7 @@ def command(context: click.Context, /, folders: tuple[Path, ...], out: Path, as_
     uncited = [method.name for method in methods if not method.keys]
     if as_json:
         cited = {method.name: list(method.keys) for method in methods}
-        click.echo(json.dumps({"files": [str(out / name) for name in files], "cited": cited}))
+        print_json({"files": [str(out / name) for name in files], "cited": cited})
     else:
         click.echo("\n".join(str(out / name) for name in files))
         if uncited:

@@ -9,6 +9,9 @@ import click
 
 from instances.disk import write_aside
 from instances.errors import InputError
+from workbench.options import JSON
+from workbench.settings import make_folder
+from workbench.terminal import print_json
 
 KINDS = ("study", "scenario", "mission", "instance", "run", "all")
 
@@ -17,7 +20,8 @@ KINDS = ("study", "scenario", "mission", "instance", "run", "all")
 @click.argument("kind", type=click.Choice(KINDS))
 @click.option("--out", type=click.Path(path_type=Path), help="File to write, or with `all` the folder of all five.")
 @click.option("--markdown", is_flag=True, help="Every key as tables for people instead, in Markdown.")
-def command(kind: str, out: Path | None, markdown: bool) -> None:
+@JSON
+def command(kind: str, out: Path | None, markdown: bool, as_json: bool) -> None:
     """Print the JSON Schema of a file format, made from the declarations that validate such files.
 
     Editors that know JSON Schema complete keys with it and mark what is wrong, in TOML files too. It is draft 2020-12.
@@ -31,17 +35,20 @@ def command(kind: str, out: Path | None, markdown: bool) -> None:
     from workbench.formats import FORMATS, json_schema
     from workbench.formats import markdown as tables
 
-    def text(name: str) -> str:
-        return tables(name) if markdown else json.dumps(json_schema(name), indent=1, ensure_ascii=False) + "\n"
-
-    if kind != "all":
-        if out is None:
-            click.echo(text(kind), nl=False)
-        else:
-            write_aside(out, text(kind))
-        return
-    if out is None:
+    if kind == "all" and out is None and not as_json:
         raise InputError("schema: all five are written into a folder: give --out FOLDER")
-    out.mkdir(parents=True, exist_ok=True)
-    for name in FORMATS:
-        write_aside(out / f"{name}.{'md' if markdown else 'schema.json'}", text(name))
+    names = list(FORMATS) if kind == "all" else [kind]
+    texts = {
+        name: tables(name) if markdown else json.dumps(json_schema(name), indent=1, ensure_ascii=False) + "\n"
+        for name in names
+    }
+    files = {} if out is None else dict.fromkeys(names, out)
+    if kind == "all" and out is not None:
+        make_folder(out)
+        files = {name: out / f"{name}.{'md' if markdown else 'schema.json'}" for name in names}
+    for name, file in files.items():
+        write_aside(file, texts[name])
+    if as_json:
+        print_json({"schemas": {name: json_schema(name) for name in names}, "files": list(files.values())})
+    elif out is None:
+        click.echo(texts[kind], nl=False)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
 
 import click
 
-from workbench.options import Whole
+from workbench.options import JSON, Whole
+from workbench.terminal import print_json
 
 NICE = 10
 """How far the page stands back behind the runs it watches."""
@@ -17,7 +17,7 @@ NICE = 10
 @click.command("watch")
 @click.argument("folder", metavar="RUNS-DIR", type=click.Path(path_type=Path))
 @click.option("--port", type=Whole(0, 65535), default=0, help="Port on 127.0.0.1.  [default: any that is free]")
-@click.option("--json", "as_json", is_flag=True, help="Say the address as one JSON object.")
+@JSON
 def command(folder: Path, port: int, as_json: bool) -> None:
     """Serve a page about the study in RUNS-DIR that updates itself, on 127.0.0.1 alone, until Ctrl-C.
 
@@ -33,6 +33,9 @@ def command(folder: Path, port: int, as_json: bool) -> None:
     from workbench.watching.standing import Observer
 
     with PageServer(Observer(folder), port) as server:
-        click.echo(json.dumps({"address": server.url, "folder": str(folder)}) if as_json else server.url)
+        if as_json:
+            print_json({"address": server.url, "folder": folder})
+        else:
+            click.echo(server.url)
         os.nice(NICE)
         server.serve_forever()

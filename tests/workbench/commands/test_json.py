@@ -35,8 +35,12 @@ TYPED = {
     "studies": "studies",
     "init": "init study",
     "warmup": "warmup greedy",
+    "import": "import a.sol --into runs --instance r4-2-0 --solver LKH --elapsed 1 --time-limit 5",
+    "schema": "schema study",
     "completion": "completion bash",
 }
+ELSEWHERE = {"paper", "watch"}
+"""What draws for seconds, and what serves until it is stopped: their own tests look at their JSON."""
 
 
 @pytest.fixture
@@ -58,10 +62,10 @@ def test_each_prints_one_object_with_the_keys_that_are_stated(ready):
         if stated.startswith("by name: "):
             keys, told = re.findall(r"`(\w+)`", stated), next(iter(told.values()))
         else:
-            keys = re.findall(r"`(\w+)`", stated.partition(":")[0])
+            keys = re.findall(r"`(\w+)`", re.sub(r":[^;]*", "", stated))
         assert set(keys) <= set(told), name
         assert "and more" in stated or set(told) == set(keys), name
 
 
 def test_every_command_is_stated():
-    assert {name.split()[0] for name in STATED} == {name.split()[0] for name in TYPED} == set(COMMANDS)
+    assert {name.split()[0] for name in STATED} == {name.split()[0] for name in TYPED} | ELSEWHERE == set(COMMANDS)

@@ -16,6 +16,7 @@ import pandas as pd
 from instances.arrays import Floats
 from instances.natural import natural
 from reports.metrics import contradictions, penalised, time_to_proof
+from reports.numbers import counted
 from reports.statistics import ALPHA, bootstrap_interval, holm, signed_rank
 from reports.statistics.pairwise import enough
 
@@ -152,7 +153,8 @@ def _regressions(methods: pd.DataFrame, lies: int) -> list[str]:
         for row in methods.itertuples()
         if row.verdict == "worse"
     ]
-    return said + ([f"The new store holds {lies} contradictions more than the baseline."] if lies > 0 else [])
+    more = f"The new store holds {counted(lies, 'contradiction')} more than the baseline."
+    return [*said, *([more] if lies > 0 else [])]
 
 
 def _proofs(mine: pd.DataFrame, theirs: pd.DataFrame) -> list[str]:

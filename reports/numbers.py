@@ -124,4 +124,5 @@ def apart(a: float, b: float, digits: int = 2) -> tuple[str, str]:
 def signed(values: Sequence[float], least: float, digits: int = 2) -> list[str]:
     """Return numbers with their signs, with so many decimals or as many more as give `least` two figures."""
     places = max(digits, min(12, 1 - math.floor(math.log10(least)))) if least > 0 else digits
-    return [f"{value:+.{places}f}".replace("-", "−") for value in values]
+    texts = [f"{value:+.{places}f}".replace("-", "−") for value in values]
+    return [text.replace("−", "+") if not text.strip("−0.") else text for text in texts]  # no −0.00

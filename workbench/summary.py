@@ -13,9 +13,6 @@ if TYPE_CHECKING:
 
     from reports.columns import Column
 
-UNITS = ("\u00a0%", " MB", " GB", " kB")
-"""Units that texts end with, which go into the heading where all do."""
-
 
 @dataclass(frozen=True)
 class Summary:
@@ -39,23 +36,12 @@ class Summary:
         """Return the rows as texts, each unit in its heading."""
         from reports.columns import texts
 
-        cells = [list(column) for column in zip(*texts(self.columns, self.frame), strict=True)]
-        headings = [column.heading for column in self.columns]
-        for at, column in enumerate(cells):
-            headings[at], cells[at] = _headed(headings[at], column)
+        told = zip(*texts(self.columns, self.frame), strict=True)
+        headed = [column.with_unit(words) for column, words in zip(self.columns, told, strict=True)]
+        headings, cells = [column.heading for column, _ in headed], [words for _, words in headed]
         left = [column.key for column in self.columns if column.is_text]
         keys = [column.key for column in self.columns]
         return TextTable(keys, headings, list(zip(*cells, strict=True)), self.words, self.first, left)
-
-
-def _headed(heading: str, cells: list[str]) -> tuple[str, list[str]]:
-    """Return a heading with the unit that all numbers of its column end with, and the cells without it."""
-    from reports.numbers import NOTHING
-
-    for unit in UNITS:
-        if any(cell.endswith(unit) for cell in cells) and all(c.endswith(unit) or c in (NOTHING, "∞") for c in cells):
-            return f"{heading} [{unit.strip()}]", [cell.removesuffix(unit) for cell in cells]
-    return heading, cells
 
 
 def print_summaries(summaries: Sequence[Summary], names: Sequence[str] = ()) -> None:

@@ -201,8 +201,6 @@ def test_the_address_of_something_that_is_not_there_opens_the_page_as_it_is(page
 
 def test_methods_shown_in_the_figures_stand_in_the_address(page, study):
     page.open(study, "#summary")
-    if not page.run("return Boolean(window.charts)"):
-        pytest.skip("the figures of this page are no charts")
     first, *others = page.run("return window.charts.shown()")
     page.run("window.charts.show(arguments[0])", others)
     page.settle()
@@ -245,3 +243,43 @@ def test_first_values_do_not_flatten_a_trace(page, study, tmp_path):
     ticks = page.run(texts, "#panel svg[aria-label^=Objective] text")
     values = [float(t.replace(",", "")) for t in ticks if re.fullmatch(r"[\d.,]+", t)]
     assert 99 < max(values) < 110
+
+
+TOLD = """
+const inside = (root) => [...root.querySelectorAll('*')]
+  .flatMap((part) => [part, ...(part.shadowRoot ? inside(part.shadowRoot) : [])]);
+return inside(document).filter((part) => part.classList.contains('bk-tooltip-row-value'))
+  .map((part) => part.textContent);
+"""
+FIRST = "const box = document.querySelector('figure.interactive .panels > div');"
+
+
+def test_values_are_told_under_the_pointer(page):
+    page.run(f"await window.charts.ready; {FIRST} box.scrollIntoView({{ block: 'center' }});")
+    page.settle()
+    x, y, width, height = page.run(
+        f"{FIRST} const at = box.getBoundingClientRect(); return [at.x, at.y, at.width, at.height];"
+    )
+    told = []
+    for step in range(30 * 20):  # until the pointer has met a line
+        across, down = (step % 30 + 1) / 31, (step // 30 + 1) / 21
+        page.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + across * width, y=y + down * height)
+        if step % 30 == 29:
+            page.settle()
+        if told := page.run(TOLD):
+            break
+    assert any(character.isdigit() for value in told for character in value)
+
+
+def test_a_method_is_hidden_in_all_figures_at_once(page):
+    page.run("await window.charts.ready;")
+    row = "document.querySelectorAll('.methods button.method')"
+    name = page.run(f"return {row}[0].value")
+    page.run(f"{row}[0].click();")
+    page.settle()
+    pressed = page.run(
+        "return [...document.querySelectorAll('button.method')].map(b => [b.value, b.getAttribute('aria-pressed')])"
+    )
+    assert len({value for value, _ in pressed}) > 1
+    assert all((state == "false") == (value == name) for value, state in pressed)
+    assert name not in page.run("return window.charts.shown()")

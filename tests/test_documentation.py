@@ -39,7 +39,16 @@ def name_of(page: Path) -> str:
     return str(page.relative_to(ROOT))
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if p != gallery.PAGE and blocks_of(p)], ids=name_of)
+SLOW = ("comparing.md", "papers.md")
+"""Pages whose blocks take more than five seconds each."""
+RUN = [
+    pytest.param(page, id=name_of(page), marks=[pytest.mark.slow] if page.name in SLOW else [])
+    for page in PAGES
+    if page != gallery.PAGE and blocks_of(page)
+]
+
+
+@pytest.mark.parametrize("page", RUN)
 def test_every_block_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for kind, text in blocks_of(page):
@@ -47,6 +56,7 @@ def test_every_block_runs(page: Path, tmp_path: Path, monkeypatch: pytest.Monkey
         gallery.run(kind, text)
 
 
+@pytest.mark.slow
 def test_every_block_of_the_gallery_makes_the_figures_below_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     figures = []
@@ -134,6 +144,7 @@ follow_imports = silent
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "settings", [OURS, pytest.param("[mypy]\nstrict = True\n", marks=pytest.mark.slow)], ids=["ours", "everything"]
 )

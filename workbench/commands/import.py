@@ -23,7 +23,7 @@ from workbench.options import JSON, SECONDS, SEED, THREADS, Whole
 @click.option("--threads", type=THREADS, help="Its threads.  [default: 1]")
 @click.option("--machine", help="Where it ran, in words.  [default: elsewhere]")
 @click.option(
-    "--first-task", type=Whole(0, 1), default=0, show_default=True, help="Number of the first task in the routes."
+    "--first-task", type=Whole(0, 1), default=0, show_default=True, help="Number of the first task in lists of tasks."
 )
 @JSON
 @click.pass_context

@@ -43,13 +43,12 @@ class Verdict:
 def foreign_run(row: Row, instance: Instance, base: Path, first_task: int = 0) -> Run:
     """Return the run of `row` on `instance`.
 
-    base : folder that names of ``.sol`` files are relative to. first_task : number of the first task in the routes.
-    InputError where the routes cannot be read; that they are wrong is the run's ERROR.
+    base : folder that names of ``.sol`` files are relative to. first_task : number of the first task in lists of tasks;
+    a ``.sol`` says itself how it numbers them (`instances.formats.sol`). InputError where the routes cannot be read;
+    that they are wrong is the run's ERROR.
     """
     with naming(row.where):
-        routes, cost = _routes(row.routes, instance, base)
-    if routes is not None:
-        routes = tuple(tuple(task - first_task for task in route) for route in routes)
+        routes, cost = _routes(row.routes, instance, base, first_task)
     claimed = row.objective or (stated(Decimal(repr(cost).removesuffix(".0"))) if cost is not None else None)
     verdict = _verdict(instance, routes, claimed, row.bound)
     solver = row.solver.removesuffix(MARK) + MARK
@@ -92,7 +91,7 @@ def machine_of(row: Row) -> dict[str, Any]:
     return {"machine": {"stated": row.machine}, "versions": {}}
 
 
-def _routes(given: Any, instance: Instance, base: Path) -> tuple[Routes | None, float | None]:
+def _routes(given: Any, instance: Instance, base: Path, first_task: int) -> tuple[Routes | None, float | None]:
     """Return the routes and the cost [s] stated with them, each None where there is none."""
     if given is None:
         return None, None
@@ -109,7 +108,7 @@ def _routes(given: Any, instance: Instance, base: Path) -> tuple[Routes | None, 
         tables = given if text is None else json.loads(text)
         if not isinstance(tables, list) or not all(isinstance(route, list) for route in tables):
             raise TypeError
-        return as_routes(tables), None
+        return tuple(tuple(task - first_task for task in route) for route in as_routes(tables)), None
     except (TypeError, ValueError, RecursionError):
         raise InputError(f"routes must be a list of lists of task numbers, got {shown(given)}") from None
 

@@ -124,6 +124,7 @@ def test_text_cannot_leave_its_script():
     assert json.loads(embedded({"log": "</script>"})) == {"log": "</script>"}
 
 
+@pytest.mark.slow
 def test_the_page_is_the_same_for_the_same_store(make_store, tmp_path):
     root = make_store().study(count=1, seeds=1)
     for name in ("a.html", "b.html"):

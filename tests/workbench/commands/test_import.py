@@ -76,7 +76,7 @@ def test_routes_are_costed_here_and_the_method_is_marked(cli, store, line):
         ("[[0, 1], [2]]", "3.5", "", "claimed a longest tour of 3.5 s, but its routes cost 4.0 s"),
         ("[[0, 1], [2]]", "4", "4.6", "claimed a lower bound of 4.6 s, but its routes cost 4.0 s"),
         ("[[0, 1], []]", "4", "", "the routes are not feasible: Task 2 is visited by no route."),
-        ("[[0, 1, 2, 3], []]", "", "", "Route #1 visits 3, which is not a task"),
+        ("[[0, 1, 2, 3], []]", "", "", "UAV 0 visits 3, which is not a task"),
     ],
 )
 def test_a_claim_that_its_routes_do_not_bear_out_is_an_error_with_both_numbers(
@@ -139,16 +139,20 @@ def test_a_foreign_bound_that_our_routes_refute_is_a_contradiction(cli, store):
 def test_a_solution_file_with_tasks_from_1(cli, line):
     Path("line.sol").write_text("Route #1: 1 2\nRoute #2: 3\nCost 4\n")
     given = ["--solver", "HGS", "--elapsed", 2, "--time-limit", 10, "--machine", "a laptop"]
-    assert (
-        cli("import", "line.sol", "--into", "runs", "--instance", "given/line.json", "--first-task", 1, *given)[0] == 0
-    )
-    assert cli("import", "line.sol", "--into", "runs", "--first-task", 1, *given)[1] == (
+    assert cli("import", "line.sol", "--into", "runs", "--instance", "given/line.json", *given)[0] == 0
+    assert cli("import", "line.sol", "--into", "runs", *given)[1] == (
         "1 run imported into runs, 1 in place of earlier ones\n"
     )
     run = foreign().iloc[0]
     assert (run["routes"], run["value"]) == ([[0, 1], [2]], 4.0)
     about = json.loads((Path("runs/environments") / f"{run['environment']}.json").read_text())
     assert about["machine"] == {"stated": "a laptop"}
+
+
+def test_lists_of_tasks_from_1(cli, store):
+    table('line,LKH-3,0,60,1,"[[1, 2], [3]]",4,')
+    assert cli("import", "others.csv", "--into", store, "--first-task", 1)[0] == 0
+    assert foreign().iloc[0]["routes"] == [[0, 1], [2]]
 
 
 def test_parquet_and_the_text_of_a_solution_in_a_table(cli, store):

@@ -92,7 +92,7 @@ def test_a_store_with_nothing_in_common_is_said(cli, store, tmp_path):
 
 def test_columns_are_chosen_and_their_names_checked(cli, store, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-    assert cli("report", "runs", "--columns", "gap_found,time")[1].split()[:2] == ["Gap", "to"]
+    assert cli("report", "runs", "--columns", "gap_found,time")[1].split()[:3] == ["Method", "Gap", "to"]
     code, _, err = cli("report", "runs", "--columns", "gap_fund")
     assert code == 2
     assert "did you mean 'gap_found'?" in " ".join(err.split())

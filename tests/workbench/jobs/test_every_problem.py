@@ -52,7 +52,11 @@ CASES = [
 ]
 
 
-@pytest.fixture(params=CASES, ids=lambda case: case.problem)
+LONGER = pytest.mark.slow  # placement and routing show the same of the machinery sooner
+RUN = [pytest.param(c, id=c.problem, marks=[LONGER] if c.problem == "moving-cost" else []) for c in CASES]
+
+
+@pytest.fixture(params=RUN)
 def case(request, tmp_path, instance_folder, monkeypatch) -> Case:
     """A problem, with the files its studies name in an empty folder."""
     monkeypatch.chdir(tmp_path)

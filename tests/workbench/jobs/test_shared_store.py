@@ -23,6 +23,7 @@ from workbench.jobs import claims, execute
 from workbench.jobs.backlog import Backlog
 from workbench.jobs.execute import DAMAGED, plan, run_locally, shortfall
 from workbench.jobs.job import Job, folder_of
+from workbench.jobs.problem import Published
 from workbench.jobs.store import Store
 from workbench.problems.routing import ROUTING
 from workbench.sources import FileSource
@@ -362,7 +363,7 @@ class TestDamaged:
         assert plan(jobs, store).damaged == ()
 
     def test_what_publishing_leaves_unsaid_is_said(self, instance_file, ran, cli, tmp_path, monkeypatch):
-        monkeypatch.setattr("workbench.commands.compare._publish", lambda folder: [])
+        monkeypatch.setattr("workbench.commands.compare._published", lambda folder: Published([], []))
         asked = ["compare", instance_file, "--solvers", "greedy", "--seeds", 3, "--out", "runs"]
         cli(*asked, "--no-report")
         one, other = sorted((tmp_path / "runs").glob("*/greedy*"))[1:]

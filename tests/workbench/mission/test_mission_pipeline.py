@@ -70,6 +70,7 @@ period = 6.0
 
 [map]
 length_scale = 1500.0
+refit_every = 50
 cells = 20
 frames = 4
 

@@ -25,7 +25,6 @@ from platformdirs import user_cache_path
 
 from instances import compilation
 from instances.code import KERNEL_PACKAGES, ROOT, closure_digest, code_digest
-from instances.linking import Kernel
 
 __all__ = ["njit"]
 
@@ -36,9 +35,12 @@ PREFIX, MODULE_PREFIX = "kernels-", "kernels-of-"
 
 
 def njit(**options: Any) -> Callable[[Any], Any]:
-    """Return a decorator that makes a function a kernel; options are those of `numba.njit`, `cache` is always on."""
-    chosen = {name: value for name, value in options.items() if name != "cache"}
-    return lambda function: Kernel(function, targetoptions={"boundscheck": None, **chosen, "nopython": True})
+    """Return a decorator that makes a function a kernel, kept once it is compiled; options are those of `numba.njit`.
+
+    None is wrapped for C callers too, which we have none of: that would be a tenth of the compilation.
+    """
+    made: Callable[[Any], Any] = numba.njit(**{**options, "cache": True, "no_cfunc_wrapper": True})
+    return made
 
 
 def cache_folder() -> Path:

@@ -41,9 +41,6 @@ def test_a_kernel_calls_kernels_as_python_does():
         assert told == [True, False]  # one compilation, whatever lies inside it
         assert _twice(pair) == 21.0
         assert told == [True, False]
-        assert not _total.signatures  # what is compiled into its caller is nothing that Python could call
-        assert _total(pair) == 9.0
-        assert _total.signatures
 
 
 def test_what_a_called_kernel_raises_arrives():

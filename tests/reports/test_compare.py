@@ -84,7 +84,7 @@ def test_new_contradictions_are_a_regression(pair):
     old, new = pair
     path = sorted(new.glob("*/ga-*.json"))[0]
     path.write_text(json.dumps(json.loads(path.read_text()) | {"objective": 1.0}))
-    assert any("contradictions" in line for line in compare_stores(load(new), load(old)).regressions)
+    assert any("contradiction" in line for line in compare_stores(load(new), load(old)).regressions)
 
 
 def test_only_runs_with_a_partner_are_compared(pair):

@@ -50,8 +50,11 @@ def instance_folder(tmp_path) -> Path:
 
 
 @pytest.fixture
-def cli(tmp_path, monkeypatch, capsys):
-    """Run the command line in this process, in an empty folder; returns exit code, stdout and stderr."""
+def cli(tmp_path, monkeypatch, capsys, without_figures):
+    """Run the command line in this process, in an empty folder; returns exit code, stdout and stderr.
+
+    Pages are written without their figures, which are most of the seconds a command takes.
+    """
     monkeypatch.chdir(tmp_path)
 
     def call(*args: object) -> tuple[int, str, str]:

@@ -66,6 +66,7 @@ def test_a_fleet_that_cannot_fly_all_is_proved_to_be_one(threads: int, feasible:
     assert not multiprocessing.active_children()
 
 
+@pytest.mark.slow
 def test_columns_go_on_from_cuts_that_ended_early() -> None:
     """One node of cuts proves nothing here: columns take over, and nothing false is claimed."""
     instance = random_instance(36, 2, 3)

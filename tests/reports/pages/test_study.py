@@ -64,6 +64,7 @@ def record(store_maker, given, routes, **keys):
     return store_maker.record(given, "greedy", 0, routes, **keys)
 
 
+@pytest.mark.usefixtures("without_figures")
 @pytest.mark.parametrize("scale", [0.0, 1e-6, 1.0, 1e9])
 def test_costs_of_any_size(store_maker, make_store, tmp_path, scale):
     store = make_store()

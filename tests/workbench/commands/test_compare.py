@@ -88,6 +88,7 @@ def signalled_half_way(args, folder, how: signal.Signals) -> int:
     return process.wait(30)
 
 
+@pytest.mark.slow
 def test_interrupted_and_started_again_gives_the_same_csv(cli, study, tmp_path, stored_json):
     args = ["compare", str(study), "--jobs", "1", "--no-report", "--out"]
     assert cli(*args, tmp_path / "whole")[0] == 1  # some runs end in ERROR

@@ -8,6 +8,7 @@ import pytest
 
 from instances import makespan, tour_costs
 from instances.files import write_instance
+from reports.figures import study_figures
 
 
 @pytest.fixture
@@ -50,7 +51,8 @@ def test_formulas_are_marked_unless_asked_for_raw(cli, store):
     assert pd.read_csv("a.csv")["message"][0] == "'" + pd.read_csv("b.csv")["message"][0]
 
 
-def test_figures_are_written_for_papers_without_a_page(cli, store):
+def test_figures_are_written_for_papers_without_a_page(cli, store, monkeypatch):
+    monkeypatch.setattr("reports.pages.study.study_figures", study_figures)
     assert cli("report", "runs", "--figures", "paper/figures")[0] == 0
     written = {path.name for path in Path("paper/figures").iterdir()}
     assert {"convergence.pdf", "convergence.svg", "convergence.csv", "tradeoff.pdf"} <= written

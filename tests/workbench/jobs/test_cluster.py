@@ -30,6 +30,7 @@ def cluster():
         yield local.scheduler_address, [worker.pid for worker in local.workers.values()]
 
 
+@pytest.mark.slow
 def test_a_worker_killed_half_way_loses_nothing(tmp_path, instance_folder, cluster, stored_json):
     address, (victim, _) = cluster
     (tmp_path / "study.toml").write_text(STUDY)

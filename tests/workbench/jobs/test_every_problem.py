@@ -52,8 +52,8 @@ CASES = [
 ]
 
 
-LONGER = pytest.mark.slow  # placement and routing show the same of the machinery sooner
-RUN = [pytest.param(c, id=c.problem, marks=[LONGER] if c.problem == "moving-cost" else []) for c in CASES]
+LONGER = pytest.mark.slow  # routing shows the same of the machinery sooner
+RUN = [pytest.param(c, id=c.problem, marks=[LONGER] if c.problem != "routing" else []) for c in CASES]
 
 
 @pytest.fixture(params=RUN)

@@ -319,6 +319,7 @@ def test_a_flight_that_is_refused_leaves_no_plan(mission_file: Path, copied: Pat
 
 
 @pytest.mark.usefixtures("plain_page")
+@pytest.mark.slow
 def test_a_killed_mission_continues_where_it_was(mission_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     short = SMALL.replace("[compare]", '[compare]\nbaselines = ["lawnmower"]')
@@ -369,6 +370,7 @@ def test_a_mission_that_another_process_works_on_is_left_alone(mission_file: Pat
 
 
 @pytest.mark.usefixtures("plain_page")
+@pytest.mark.slow
 def test_stages_that_other_code_made_are_made_again(mission_file: Path, copied: Path, monkeypatch) -> None:
     assert again(mission_file, copied) == []
     stamp = json.loads((copied / "4-routes" / "stamp.json").read_text())
@@ -389,6 +391,7 @@ def test_without_the_extra_geo_a_mission_says_that_it_writes_no_geotiff(
     assert not list((copied / "6-map").glob("*.tif"))
 
 
+@pytest.mark.slow
 def test_where_endurance_does_not_suffice_the_tasks_that_tell_most_are_flown(mission_file: Path, copied: Path) -> None:
     instance = read_instance(copied / "3-costs/instance.json")
     all_of_them = makespan(instance, read_routes(copied / "4-routes/routes.sol", instance))

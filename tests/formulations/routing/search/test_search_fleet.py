@@ -132,6 +132,7 @@ def test_the_reference_falls_to_routes_that_can_be_flown_and_tours_are_priced_an
 
 
 @pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.slow
 def test_memetic_finds_a_proved_optimum_under_endurance(threads):
     """Speeds 20 and 30 m/s, 12 tasks: subset-dp proves it, and that batteries of a third of it leave no routes."""
     places = np.random.default_rng(3).uniform(0, 20000, (14, 2))

@@ -3,12 +3,29 @@
 No case fails for taking long: a busy machine is no fault of the code.
 """
 
+import subprocess
+import sys
+
 import pytest
 from hypothesis import settings
 
 settings.register_profile("explore", deadline=None)
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
+
+
+KERNELS = (("memetic", "ruin-recreate", "ga"), ("exact", "branch-and-price", "branch-and-cut", "costs", "map"))
+"""What two processes compile before the whole suite begins: two workers of it would each compile all of them."""
+
+
+def pytest_configure(config):
+    whole = config.args_source is config.ArgsSource.TESTPATHS and not config.option.collectonly
+    if hasattr(config, "workerinput") or not whole:
+        return
+    program = [sys.executable, "-c", "from workbench.cli import main; main()", "warmup"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    for process in [subprocess.Popen([*program, *names], **quiet) for names in KERNELS]:
+        process.wait()
 
 
 @pytest.fixture

@@ -144,7 +144,7 @@ class GaussianProcess:
 
     def entropy(self) -> float:
         """Return H(y) = ½ log det(2πe (K_II + (σ_n² + τ²) I)) [nats] of the samples, differential in their unit."""
-        return self.information() + self._count * float(0.5 * np.log(2 * np.pi * np.e) + np.log(self._reading_sd))
+        return self.information() + self._count * float(0.5 * np.log(2 * math.pi * math.e) + np.log(self._reading_sd))
 
     @property
     def _reading_sd(self) -> float:

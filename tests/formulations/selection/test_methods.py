@@ -35,6 +35,7 @@ def checked(found):
 
 
 @pytest.mark.parametrize(("n", "m", "seed", "kind"), CASES)
+@pytest.mark.slow
 def test_brute_force(problems, brute_force, n, m, seed, kind):
     problem = problems(n, m, seed, kind)
     best = brute_force(problem)
@@ -49,6 +50,7 @@ def test_brute_force(problems, brute_force, n, m, seed, kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100))
+@pytest.mark.slow
 def test_brute_force_at_length(problems, brute_force, seed):
     """By hand: pytest tests/formulations/selection -m slow."""
     n, m = 3 + seed % 4, 1 + seed % 3
@@ -101,6 +103,7 @@ def test_parts_of_what_fits_need_not_fit():
 
 
 @pytest.mark.parametrize("name", METHODS.built_in)
+@pytest.mark.slow
 def test_nothing_fits_and_everything_fits(problems, name):
     given = problems(5, 2, 4).instance
     worth = Worth.of_prizes([1.0, 2.0, 3.0, 4.0, 5.0])
@@ -125,6 +128,7 @@ def test_a_task_no_uav_can_fly_is_left_out():
         assert (found.tasks, found.bound) == ((0, 2), 2.0)
 
 
+@pytest.mark.slow
 def test_iterations_repeat(problems):
     problem = problems(8, 2, 0, "ig")
     runs = [select(problem, RuinRecreate(), "r", seed=3, limits=Limits(60.0, iterations=50)) for _ in range(2)]

@@ -37,7 +37,7 @@ PREFIX, MODULE_PREFIX = "kernels-", "kernels-of-"
 def njit(**options: Any) -> Callable[[Any], Any]:
     """Return a decorator that makes a function a kernel, kept once it is compiled; options are those of `numba.njit`.
 
-    None is wrapped for C callers too, which we have none of: that would be a tenth of the compilation.
+    None is wrapped for callers in C, of which there are none.
     """
     made: Callable[[Any], Any] = numba.njit(**{**options, "cache": True, "no_cfunc_wrapper": True})
     return made

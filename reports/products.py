@@ -219,6 +219,8 @@ class Products:
             found += [*said["length_scales"], *said["coefficients"], said["signal_sd"], said["nugget_sd"]]
             if len(said["length_scales"]) != 2 or not all(is_number(value) for value in found):
                 raise InputError("must hold finite numbers")
+            if not all(scale > 0 for scale in said["length_scales"]):
+                raise InputError("length_scales must be positive")
             names = [said, *said["evidence"]]
             if not all(isinstance(each[key], str) for each in names for key in ("kernel", "mean")):
                 raise InputError("kernel and mean must be names")

@@ -17,10 +17,14 @@ def names(registry: str, *, listed: bool = False) -> Complete:
     def complete(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
         module, _, name = registry.partition(":")
         known: Iterable[str] = getattr(import_module(module), name).targets()
-        before, comma, last = incomplete.rpartition(",") if listed else ("", "", incomplete)
-        return [CompletionItem(f"{before}{comma}{each}") for each in known if each.startswith(last)]
+        return _offered(known, incomplete, listed=listed)
 
     return complete
+
+
+def _offered(known: Iterable[str], incomplete: str, *, listed: bool) -> list[CompletionItem]:
+    before, comma, last = incomplete.rpartition(",") if listed else ("", "", incomplete)
+    return [CompletionItem(f"{before}{comma}{each}") for each in known if each.startswith(last)]
 
 
 SOLVER = names("formulations.routing.registry:SOLVERS")
@@ -62,3 +66,15 @@ def _stages(context: click.Context, parameter: click.Parameter, incomplete: str)
 
 
 STAGE: Complete = _stages
+
+
+def columns(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Offer the columns of the table that the command prints, or of any problem's where it may print several."""
+    from workbench.commands.place_how_many import COLUMNS
+    from workbench.problems import PROBLEMS
+    from workbench.terminal import ALL
+
+    found = [problem.columns() for problem in map(PROBLEMS.load, PROBLEMS.targets())]
+    summarised = dict.fromkeys(column.key for each in found for column in each)
+    known = COLUMNS if context.info_name == "place" else summarised
+    return _offered([*known, ALL], incomplete, listed=True)

@@ -13,6 +13,7 @@ import click
 from formulations.limits import LARGEST_SEED, LONGEST, MOST_THREADS
 from instances.errors import InputError, shown
 from instances.registry import LARGEST, LARGEST_WHOLE
+from workbench.completing import columns
 
 
 class Whole(click.ParamType):  # type: ignore[type-arg] # not generic in all versions of click
@@ -83,5 +84,6 @@ COLUMNS = click.option(
     "--columns",
     metavar="NAME,...",
     callback=_listed,
+    shell_complete=columns,
     help="Columns of the printed table, or all; without it those that fit.",
 )

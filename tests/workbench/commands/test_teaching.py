@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 
+import click
 import pytest
 from click.testing import CliRunner
 
@@ -31,7 +32,7 @@ def offered(command: str, parameter: str, incomplete: str) -> list[str]:
     """Return what a parameter's completion offers, without a shell."""
     found = commands.get_command(None, command)  # type: ignore[arg-type]
     each = next(p for p in found.params if p.name == parameter)
-    return [item.value for item in each.shell_complete(None, incomplete)]  # type: ignore[arg-type]
+    return [item.value for item in each.shell_complete(click.Context(found, info_name=command), incomplete)]
 
 
 def test_the_shell_completes_commands_and_values() -> None:
@@ -49,6 +50,8 @@ def test_the_shell_completes_commands_and_values() -> None:
         ("costs", "method", "", "refined"),
         ("mission", "stage", "ro", "routes"),
         ("warmup", "names", "ref", "refined"),
+        ("report", "columns", "gap_found,ti", "gap_found,time"),
+        ("place", "columns", "mean", "mean_sd"),
     ],
 )
 def test_values_are_offered(command: str, parameter: str, incomplete: str, value: str) -> None:

@@ -24,8 +24,9 @@ python = "/opt/venv/bin/python"
 """
 SBATCH = """#!/bin/bash
 [ "$1" = --test-only ] && exit 0
-setsid bash "$1" > "{folder}/job.$$.out" 2>&1 &
+cp "$1" "{folder}/job.$$.sh" # as sbatch does: who submits removes the script at once
 echo "$(cat "$1")" >> "{folder}/submitted"
+setsid bash "{folder}/job.$$.sh" > "{folder}/job.$$.out" 2>&1 &
 echo "Submitted batch job $!"
 """
 SCANCEL = """#!/bin/bash

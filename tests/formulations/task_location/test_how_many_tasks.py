@@ -85,7 +85,11 @@ def test_the_recommended_number_is_the_first_that_covers_for_good():
 
 
 @pytest.mark.parametrize(
-    "region", [SQUARE, Region(Polygon([(0, 0), (20e3, 0), (8e3, 15e3)]))], ids=["square", "triangle"]
+    "region",
+    [
+        pytest.param(SQUARE, id="square", marks=pytest.mark.slow),
+        pytest.param(Region(Polygon([(0, 0), (20e3, 0), (8e3, 15e3)])), id="triangle"),
+    ],
 )
 def test_fewest_tasks_keep_the_limit_everywhere(region):
     found = fewest_tasks(region, LONG, 1.0, 6.0)

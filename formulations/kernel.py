@@ -5,20 +5,27 @@
 ρ is exp(−½ r²) for the squared exponential, the paper's, which planning uses throughout: its derivatives and bounds are
 those of a smooth field. Maps of real ground and of radio signals are rougher: Matérn's ρ of smoothness ν = ½, 3/2 and
 5/2 (Rasmussen & Williams 2006, eqs. 4.16–4.18). Where ν = ½ only σ_f²/l is told apart by data, not σ_f and l.
+
+Where more is known of one place than of another, the prior standard deviation is a map s(x), and
+
+    k(x_p, x_q) = s(x_p) s(x_q) ρ(r),   s(x) = σ_f m(x),   0 ≤ m ≤ 1,
+
+is a covariance too: that of a field of covariance σ_f² ρ, at each place times m. No variance is greater than σ_f².
 """
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from instances import InputError
 from instances.arrays import Floats
+from instances.environment.value_map import ValueMap
 
 SMALLEST, LARGEST = 1e-120, 1e120
 """Beyond these the square of a parameter, or of a distance over it, is 0 or infinite in float64."""
@@ -29,13 +36,15 @@ _3, _5 = math.sqrt(3.0), math.sqrt(5.0)
 class Kernel(ABC):
     """Covariance of a field over the plane.
 
-    signal_sd : σ_f > 0, in the field's unit.
+    signal_sd : σ_f > 0, in the field's unit; the greatest prior standard deviation of the field.
     length_scales : (l_x, l_y) > 0 [m].
+    relative_sd : m, the prior standard deviation over σ_f, from 0 to 1; None where it is σ_f everywhere.
     """
 
     name: ClassVar[str]
     signal_sd: float = 30.0
     length_scales: tuple[float, float] = (4000.0, 4000.0)
+    relative_sd: ValueMap | None = None
 
     def __post_init__(self) -> None:
         if not SMALLEST <= self.signal_sd <= LARGEST:
@@ -46,8 +55,20 @@ class Kernel(ABC):
                 f"length_scales must be two positive lengths [m], from {SMALLEST:g} to {LARGEST:g}, "
                 f"got {self.length_scales}"
             )
+        if self.relative_sd is not None and self.relative_sd.greatest > 1:
+            raise InputError(f"relative_sd must be from 0 to 1, got {self.relative_sd.greatest:g}")
         object.__setattr__(self, "length_scales", scales)
         object.__setattr__(self, "signal_sd", float(self.signal_sd))
+
+    @classmethod
+    def of_prior(cls, prior_sd: ValueMap, length_scales: tuple[float, float]) -> Self:
+        """Return the covariance of a field of prior standard deviation `prior_sd`, in the field's unit."""
+        return cls(prior_sd.greatest, length_scales, prior_sd.relative())
+
+    @property
+    def stationary(self) -> Self:
+        """The covariance of prior standard deviation σ_f everywhere."""
+        return replace(self, relative_sd=None)
 
     @staticmethod
     @abstractmethod
@@ -69,7 +90,34 @@ class Kernel(ABC):
         squares += np.subtract.outer(p[:, 1], q[:, 1]) ** 2
         covariance = self.correlation(squares)
         covariance *= self.signal_sd**2
+        if self.relative_sd is not None:
+            covariance *= np.multiply.outer(self.relative_sd(a), self.relative_sd(b))
         return covariance
+
+    def variance(self, points: ArrayLike) -> Floats:
+        """Return k(x_i, x_i) for `points` (k, 2) [m], shape (k,)."""
+        p = np.asarray(points, dtype=float).reshape(-1, 2)
+        variance = np.full(len(p), self.signal_sd**2)
+        if self.relative_sd is not None:
+            variance *= self.relative_sd(p) ** 2
+        return variance
+
+    def slopes(self, a: ArrayLike, b: ArrayLike) -> Floats:
+        """Return ∂k(a_i, b_j)/∂a_i along x and y [unit²/m] for points `a` (p, 2) and `b` (q, 2) [m], shape (2, p, q).
+
+        Where Matérn's ρ of ν = ½ has none, at a_i = b_j, that of ρ is 0.
+        """
+        p, q = (np.asarray(points, dtype=float).reshape(-1, 2) for points in (a, b))
+        scales = np.asarray(self.length_scales)
+        gaps = np.stack([np.subtract.outer(p[:, d], q[:, d]) / scales[d] for d in (0, 1)])
+        squares = gaps[0] ** 2 + gaps[1] ** 2
+        slopes = -(self.signal_sd**2) * self.steepness(squares) * gaps / scales[:, None, None]
+        if self.relative_sd is None:
+            return slopes
+        here, there = self.relative_sd(p), self.relative_sd(q)
+        plain = self.signal_sd**2 * self.correlation(squares)
+        along = self.relative_sd.slope(p)[0].T
+        return np.asarray((here[:, None] * slopes + along[:, :, None] * plain) * there)
 
 
 class SquaredExponential(Kernel):

@@ -3,7 +3,8 @@
     F(P) = log J(X(P)) + ρ Σ_k max(0, (C_k(P) − b_k)/b_k)² + ρ Σ_q (depth_q/l)²
 
 over the waypoints P between start and home of every UAV, X being where its path is sampled, C_k its cost, b_k its
-budget, and depth_q how far places along the legs lie beyond the room, l the kernel's shorter length scale.
+budget, l the kernel's shorter length scale, and depth_q how far a waypoint lies outside of where waypoints may be, or a
+place along a leg outside of where legs may.
 """
 
 from __future__ import annotations
@@ -22,9 +23,9 @@ from formulations.polish.legs import Costed, Legs
 from formulations.polish.sampling import Samples, count_of
 from instances.arrays import Floats, Ints
 
-WATCHED = np.arange(1, 9) / 8
-"""Where along a leg is looked whether it lies in the room, its end included; the paths that are returned are checked
-exactly."""
+WATCHED = np.arange(1, 8) / 8
+"""Where along a leg is looked whether it lies in the room; the paths that are returned are checked exactly."""
+AT_END = np.ones(1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,8 @@ class Objective:
 
     judged : J. legs : what legs cost. period : time between two samples of a UAV [s].
     paths : of each UAV the places from start to home, (w + 1, 2) [m]; the ends stay.
-    budgets : b_k [s], (m,). weight : ρ. room : where legs are to stay, or None where the bounds of waypoints see to it.
+    budgets : b_k [s], (m,). weight : ρ.
+    room, inner : where legs and where waypoints are to stay; None where bounds of the waypoints see to it.
     held : whether samples keep their shares of the legs they are on in `paths`, X = M P: smooth, and right for legs
     that hardly change; otherwise they are taken by the clock.
     """
@@ -45,6 +47,7 @@ class Objective:
     budgets: Floats
     weight: float
     room: Polygon | None = None
+    inner: Polygon | None = None
     held: bool = False
 
     @property
@@ -71,7 +74,9 @@ class Objective:
                 slopes[k][:-1] += by_cost * legs.cost_slopes[:, 0]
                 slopes[k][1:] += by_cost * legs.cost_slopes[:, 1]
             if self.room is not None:
-                value += self._beyond(path, slopes[k])
+                value += self._beyond(self.room, WATCHED, path, slopes[k])
+            if self.inner is not None:
+                value += self._beyond(self.inner, AT_END, path[:-1], slopes[k][:-1])
         gradient = np.concatenate([slope[1:-1] for slope in slopes]) * self._scales
         return value, gradient.ravel()
 
@@ -88,16 +93,16 @@ class Objective:
         parts = np.split(slopes / unknown, np.cumsum([len(first.leg) for first in self._first])[:-1])
         return math.log(unknown), [s.pulled(p, by) for s, p, by in zip(samples, parts, stretched, strict=True)]
 
-    def _beyond(self, path: Floats, slopes: Floats) -> float:
-        """Return the part of F that keeps legs in the room, and add its slopes."""
+    def _beyond(self, room: Polygon, shares: Floats, path: Floats, slopes: Floats) -> float:
+        """Return what places at `shares` of the legs of `path` that lie outside `room` add to F, and add its slopes."""
         a, b = path[:-1], path[1:]
-        places = (a[:, None] + WATCHED[:, None] * (b - a)[:, None]).reshape(-1, 2)
-        outside = np.flatnonzero(~shapely.covers(self.room, shapely.points(places)))
+        places = (a[:, None] + shares[:, None] * (b - a)[:, None]).reshape(-1, 2)
+        outside = np.flatnonzero(~shapely.covers(room, shapely.points(places)))
         if not len(outside):
             return 0.0
-        nearest = shapely.get_coordinates(shapely.shortest_line(shapely.points(places[outside]), self.room))[1::2]
+        nearest = shapely.get_coordinates(shapely.shortest_line(shapely.points(places[outside]), room))[1::2]
         beyond = (places[outside] - nearest) / self._least
-        leg, share = outside // len(WATCHED), WATCHED[outside % len(WATCHED), None]
+        leg, share = outside // len(shares), shares[outside % len(shares), None]
         pull = 2.0 * self.weight * beyond / self._least
         np.add.at(slopes, leg, (1.0 - share) * pull)
         np.add.at(slopes, leg + 1, share * pull)

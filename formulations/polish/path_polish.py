@@ -60,7 +60,7 @@ class PolishProblem:
     paths : of each UAV the places it flies over from where it is to its home, (w + 1, 2) [m]; none for one that stays
         there. Both ends stay, whatever is between them moves.
     budgets : what the flight of each UAV may still cost [s], (m,).
-    room : where legs are to stay.
+    room : where legs are to stay. inner : where waypoints are to, for turns to have room; all of `room` unless given.
     flown : UAV and waypoints (w + 1, 2) [m] to the cost [s] of the flight over them, and whether it can be flown;
         None where straight legs are flown.
 
@@ -73,6 +73,7 @@ class PolishProblem:
     paths: Sequence[Floats]
     budgets: Floats
     room: Region
+    inner: Region | None = None
     flown: Callable[[int, Floats], tuple[float, bool]] | None = None
 
     def __post_init__(self) -> None:
@@ -171,7 +172,9 @@ class _Search:
 
     def __init__(self, problem: PolishProblem, begin: list[Floats], flying: list[int]) -> None:
         self.problem, self.begin, self.flying = problem, begin, flying
-        self._straight = is_rectangle(problem.room)
+        self._inner = problem.inner or problem.room
+        self._room = None if is_rectangle(problem.room) else problem.room.polygon
+        self._within = None if is_rectangle(self._inner) else self._inner.polygon
 
     def run(self, rounds: Sequence[tuple[float, bool]]) -> dict[int, Floats]:
         """Return the polished paths by UAV."""
@@ -195,16 +198,17 @@ class _Search:
         problem = self.problem
         fixed = [path for k, path in enumerate(self.begin) if k not in self.flying]
         judged = replace(problem.judged, known=np.concatenate([problem.judged.known, problem.samples(fixed)]))
-        room = None if self._straight else problem.room.polygon
         for weight, held in rounds:
-            objective = Objective(judged, problem.legs, problem.period, paths, allowed, weight, room, held)
+            objective = Objective(
+                judged, problem.legs, problem.period, paths, allowed, weight, self._room, self._within, held
+            )
             begin = objective.begin
             done = minimize(
                 objective,
                 begin,
                 jac=True,
                 method="L-BFGS-B",
-                bounds=box(problem.room, np.asarray(judged.kernel.length_scales), len(begin) // 2),
+                bounds=box(self._inner, np.asarray(judged.kernel.length_scales), len(begin) // 2),
                 options={"maxiter": STEPS, "maxcor": 20},
             )
             paths = objective.moved(done.x)

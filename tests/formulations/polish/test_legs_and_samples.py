@@ -80,10 +80,10 @@ def test_slopes_of_the_objective(wind, held):
     judged = AverageVariance(SquaredExponential(30.0, (3000.0, 4000.0)), 1.0, SQUARE.cell_centres(8, 8))
     paths = [PATH, PATH[::-1] + np.array([8000.0, 9000.0])]
     budgets = np.array([0.8, 1.2]) * [legs(path).cost.sum() for path in paths]
-    objective = Objective(judged, legs, 11.0, paths, budgets, 50.0, FREE, held)
+    objective = Objective(judged, legs, 11.0, paths, budgets, 50.0, FREE, FREE.buffer(-2500), held)
     begin = objective.begin + 0.01
     value, gradient = objective(begin)
-    alone = Objective(judged, legs, 11.0, paths, 10 * budgets, 50.0, None, held)
+    alone = Objective(judged, legs, 11.0, paths, 10 * budgets, 50.0, held=held)
     assert value > alone(begin)[0]  # one path costs too much and runs through the hole
     found = differences(lambda places: objective(places.ravel())[0], begin.reshape(-1, 2), 1e-6).ravel()
     assert gradient == pytest.approx(found, abs=1e-5 * np.abs(gradient).max())

@@ -68,6 +68,7 @@ class GaussianProcess:
         self._z = np.empty(0)
         self._H = self.model.trend.columns(self.points)
         self._E = np.empty((0, self._H.shape[1]))
+        self._own = self.kernel.variance(self.points) + self.model.nugget_sd**2
         self._squares = np.zeros(len(self.points))  # Σ V²
         self._Vz = np.zeros(len(self.points))
         self._EV = np.zeros_like(self._H.T)
@@ -123,7 +124,7 @@ class GaussianProcess:
 
     def posterior(self) -> Posterior:
         """Return mean and standard deviation at the map points (eq. GPR1); variances are never negative."""
-        variance = self.kernel.signal_sd**2 + self.model.nugget_sd**2 - self._squares
+        variance = self._own - self._squares
         coefficients = np.zeros(self._H.shape[1])
         if self.level is not None:
             coefficients[0] = self.level

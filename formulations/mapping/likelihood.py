@@ -12,6 +12,9 @@ This is the likelihood with β integrated out, that of the level under a flat pr
 θ = (log σ_f, log l_x, log l_y, log τ) and P = C⁻¹ − C⁻¹H A⁻¹ HᵀC⁻¹ its gradient is
 
     ∂/∂θ = ½ Σ_ij (C⁻¹r rᵀC⁻¹ − P)_ij (∂C/∂θ)_ij
+
+Where the prior standard deviation is a map σ_f m(x), K_II is that of σ_f with m_i m_j at its entries: σ_f is fitted,
+m is not.
 """
 
 from __future__ import annotations
@@ -31,12 +34,14 @@ class RestrictedLikelihood:
     One object serves any kernel: what does not depend on θ is made once.
     """
 
-    def __init__(self, noise_sd: float, X: Floats, y: Floats, trend: Trend) -> None:
+    def __init__(self, noise_sd: float, X: Floats, y: Floats, trend: Trend, relative_sd: Floats | None = None) -> None:
+        """relative_sd : m at `X`, shape (N,); None for 1."""
         self.noise_sd, self.H, self.precision = noise_sd, trend.columns(X), trend.prior_precision
         self.u = y - self.H @ trend.prior_mean
         believed = np.diagonal(self.precision)[1:]
         self.constant = 0.5 * float(np.log(believed).sum()) - 0.5 * (len(y) - 1) * np.log(2 * np.pi)
         self.squares = [np.subtract.outer(x, x) ** 2 for x in X.T]
+        self.shares = None if relative_sd is None else np.multiply.outer(relative_sd, relative_sd)
 
     def value(self, kernel: type[Kernel], theta: Floats) -> float:
         """Return log p [nats]; LinAlgError where C or A is not positive in float64."""
@@ -50,8 +55,10 @@ class RestrictedLikelihood:
         weighted = np.outer(a, a) - np.tril(inverse) - np.tril(inverse, -1).T
         weighted += CH @ cho_solve((LA, True), CH.T, check_finite=False)
         near = self._near(lx, ly)
-        along = 0.5 * signal**2 * weighted * kernel.steepness(near[0] + near[1])
         quiet = np.trace(weighted) * nugget**2
+        if self.shares is not None:
+            weighted *= self.shares
+        along = 0.5 * signal**2 * weighted * kernel.steepness(near[0] + near[1])
         by_signal = np.vdot(weighted, signal**2 * kernel.correlation(near[0] + near[1]))
         return value, np.array([by_signal, *(np.vdot(along, square) for square in near), quiet])
 
@@ -64,6 +71,8 @@ class RestrictedLikelihood:
         near = self._near(lx, ly)
         C = kernel.correlation(near[0] + near[1])
         C *= signal**2
+        if self.shares is not None:
+            C *= self.shares
         C[np.diag_indices_from(C)] += self.noise_sd**2 + nugget**2
         L = cholesky(C, lower=True, check_finite=False)
         solved = cho_solve((L, True), np.column_stack([self.H, self.u]), check_finite=False)

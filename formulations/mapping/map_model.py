@@ -27,6 +27,7 @@ from formulations.kernel import KERNELS, Kernel, SquaredExponential
 from formulations.mapping.likelihood import RestrictedLikelihood
 from formulations.mapping.trend import CONSTANT, Trend
 from instances.arrays import Floats
+from instances.environment.value_map import ValueMap
 
 FEWEST = 8
 """With fewer samples nothing is fitted."""
@@ -85,7 +86,8 @@ def choose_model(given: MapModel, offered: Offered, noise_sd: float, positions: 
     """Return the model of greatest restricted likelihood of `values` (N,) at `positions` (N, 2) [m].
 
     given : where searches begin beside the grid; it is returned where there are fewer than FEWEST samples, or where
-    they lie at one place or are all alike. noise_sd : σ_n of a reading, in the field's unit.
+    they lie at one place or are all alike. Its map of the prior sd, where it has one, is kept. noise_sd : σ_n of a
+    reading, in the field's unit.
     """
     X = np.asarray(positions, dtype=float).reshape(-1, 2)
     y = np.asarray(values, dtype=float).reshape(-1)
@@ -95,7 +97,8 @@ def choose_model(given: MapModel, offered: Offered, noise_sd: float, positions: 
     if len(y) < FEWEST or not np.ptp(X, axis=0).max() > 0.0 or not y.std() > 0.0:
         return Fitted(given)
     found: dict[tuple[str, str], tuple[float, Floats]] = {}
-    searches = {trend.name: _Search(noise_sd, X, y, trend) for trend in offered.trends}
+    mapped = given.kernel.relative_sd
+    searches = {trend.name: _Search(noise_sd, X, y, trend, mapped) for trend in offered.trends}
     for name, search in searches.items():
         for kernel in offered.kernels:
             found[kernel.name, name] = search.isotropic(kernel, given)
@@ -105,14 +108,14 @@ def choose_model(given: MapModel, offered: Offered, noise_sd: float, positions: 
     best = max(evidence, key=lambda names: round(evidence[names] / TIE))
     trend = next(trend for trend in offered.trends if trend.name == best[1])
     theta = searches[best[1]].anisotropic(KERNELS[best[0]], *found[best])
-    return Fitted(_model(KERNELS[best[0]], theta, trend), evidence)
+    return Fitted(_model(KERNELS[best[0]], theta, trend, mapped), evidence)
 
 
 class _Search:
     """Searches for the peak of the likelihood of samples under one mean."""
 
-    def __init__(self, noise_sd: float, X: Floats, y: Floats, trend: Trend) -> None:
-        self.likelihood = RestrictedLikelihood(noise_sd, X, y, trend)
+    def __init__(self, noise_sd: float, X: Floats, y: Floats, trend: Trend, mapped: ValueMap | None) -> None:
+        self.likelihood = RestrictedLikelihood(noise_sd, X, y, trend, None if mapped is None else mapped(X))
         self.noise_sd, self.spread = noise_sd, float(y.std())
         self.extent = float(np.ptp(X, axis=0).max())
         self.price = 0.5 * np.log(len(y))
@@ -176,6 +179,6 @@ def _fold(gradient: Floats) -> Floats:
     return np.array([gradient[0], gradient[1] + gradient[2], gradient[3]])
 
 
-def _model(kernel: type[Kernel], theta: Sequence[float] | Floats, trend: Trend) -> MapModel:
+def _model(kernel: type[Kernel], theta: Sequence[float] | Floats, trend: Trend, mapped: ValueMap | None) -> MapModel:
     signal, lx, ly, nugget = (float(value) for value in np.exp(theta))
-    return MapModel(kernel(signal, (lx, ly)), nugget, trend)
+    return MapModel(kernel(signal, (lx, ly), mapped), nugget, trend)

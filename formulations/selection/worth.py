@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 from formulations.kernel import SquaredExponential
 from formulations.task_location.criterion import Convention, Criterion, convention
 from instances.arrays import Bools, Floats
+from instances.environment.value_map import ValueMap
 from instances.errors import InputError, shown
 
 LARGEST_PRIZE = 1e15
@@ -169,6 +170,8 @@ def _about(criterion: Criterion) -> dict[str, Any]:
         "length_scales": list(criterion.kernel.length_scales),
         "noise_sd": criterion.noise_sd,
     }
+    if (mapped := criterion.kernel.relative_sd) is not None:
+        about["relative_sd"] = {name: getattr(mapped, name).tolist() for name in ("x", "y", "values")}
     if criterion.convention is not Convention.INFORMATION_GAIN:
         assert criterion.weights is not None
         about["test_noise_sd"] = criterion.test_noise_sd
@@ -179,7 +182,9 @@ def _about(criterion: Criterion) -> dict[str, Any]:
 def _criterion(about: Mapping[str, Any], tasks: Floats) -> Criterion:
     try:
         scales = [float(scale) for scale in about["length_scales"]]
-        kernel = SquaredExponential(float(about["signal_sd"]), (scales[0], scales[-1]))
+        mapped = about.get("relative_sd")
+        relative_sd = None if mapped is None else ValueMap(mapped["x"], mapped["y"], mapped["values"])
+        kernel = SquaredExponential(float(about["signal_sd"]), (scales[0], scales[-1]), relative_sd)
         tests, weights = about.get("tests", tasks), about.get("weights")
         noise = about.get("test_noise_sd")
         chosen = convention(str(about["criterion"]))

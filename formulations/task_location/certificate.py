@@ -16,6 +16,9 @@ one index for which λ_k > r ≥ λ_{k+1}, r = Σ_{i>k} λ_i / (n − k), Θ has
 
     h(x) = φ(x)ᵀΘφ(x) = Σ_{i≤k} (v_iᵀφ(x))²/λ_i + (σ_f² − Σ_{i≤k} (v_iᵀφ(x))²)/r
 
+A kernel with a map of the prior standard deviation, D K D with 0 ⪯ D ⪯ 1, is bounded by the stationary one of its
+greatest σ_f: det(I + D K D/σ²) = det(I + K^½ D² K^½/σ²) ≤ det(I + K/σ²).
+
 w is improved by multiplicative updates w_j ← w_j (h(x_j) + σ²/r), as for D-optimal designs (Yu 2010). Any w gives a
 valid bound. For the maximum over the region see supremum.py.
 """
@@ -123,7 +126,7 @@ def trivial_bound(criterion: Criterion, n: int) -> float:
 
 def information_gain_bound(criterion: Criterion, region: Region, n: int, *, updates: int = 300) -> Certificate:
     """Return (1) for the design that `updates` multiplicative updates lead to."""
-    kernel, noise = criterion.kernel, criterion.noise
+    kernel, noise = criterion.kernel.stationary, criterion.noise
     variance = kernel.signal_sd**2
     nodes = design_nodes(region, criterion.scales)
     prior = kernel(nodes, nodes)

@@ -62,8 +62,10 @@ def fewest_tasks(
     """Return few tasks whose noisy readings leave a posterior sd ≤ `max_sd` everywhere in `region`.
 
     tries : random restarts before the search gives up on one task fewer.
-    Raises InputError for a limit that needs no task or more than `MOST_TASKS`.
+    Raises InputError for a limit that needs no task or more than `MOST_TASKS`, and for a map of the prior sd.
     """
+    if kernel.relative_sd is not None:
+        raise InputError("max-sd: cannot be proved under a map of the prior standard deviation, only under one number")
     if not 0 < max_sd < kernel.signal_sd:
         raise InputError(f"max-sd: must lie between 0 and the signal sd ({kernel.signal_sd}), got {max_sd}")
     watch = watch_points(region, kernel)

@@ -31,9 +31,8 @@ class Greedy(PlacementMethod):
 def greedy_choice(criterion: Criterion, candidates: Floats, count: int) -> list[int]:
     """Return the indices of `count` candidates, in greedy order."""
     phi = criterion.features(candidates)
-    own = criterion.kernel.signal_sd**2
-    prior_left = np.full(len(candidates), own)
-    posterior_left = posterior_variance(criterion, phi)
+    prior_left = criterion.kernel.variance(candidates)
+    posterior_left = posterior_variance(criterion, phi, prior_left)
     prior_rows = np.zeros((count, len(candidates)))  # rows of L⁻¹ K(S, candidates)
     posterior_rows = np.zeros((count, len(candidates)))
     noise = criterion.noise
@@ -54,8 +53,8 @@ def greedy_choice(criterion: Criterion, candidates: Floats, count: int) -> list[
     return chosen
 
 
-def posterior_variance(criterion: Criterion, phi: Floats) -> Floats:
-    """Return c(x_i, x_i) from the features φ(x_i), shape (N,); 0 for IG."""
+def posterior_variance(criterion: Criterion, phi: Floats, prior: Floats) -> Floats:
+    """Return c(x_i, x_i) from the features φ(x_i) and `prior`, k(x_i, x_i), shape (N,); 0 for IG."""
     if criterion.convention is Convention.INFORMATION_GAIN:
         return np.zeros(phi.shape[1])
-    return np.asarray(np.maximum(criterion.kernel.signal_sd**2 - np.einsum("ri,ri->i", phi, phi), 0.0))
+    return np.asarray(np.maximum(prior - np.einsum("ri,ri->i", phi, phi), 0.0))

@@ -51,17 +51,17 @@ class Exchange:
         self.chosen = list(chosen)
         self._criterion, self._candidates = criterion, candidates
         self._phi = criterion.features(candidates)
-        self._own = criterion.kernel.signal_sd**2
+        self._own = criterion.kernel.variance(candidates)
         self._prior = criterion.kernel(candidates[chosen], candidates)
         self._posterior = criterion.posterior(self._prior, self._phi[:, chosen], self._phi)
-        self._posterior_own = posterior_variance(criterion, self._phi)
+        self._posterior_own = posterior_variance(criterion, self._phi, self._own)
 
     def improve(self, i: int) -> bool:
         """Put the best candidate in place of ``chosen[i]``; return whether that is another one, clearly better."""
         noise = self._criterion.noise
         rest = [j for j in range(len(self.chosen)) if j != i]
         taken = [self.chosen[j] for j in rest]
-        prior = _left(np.full(len(self._candidates), self._own), self._prior[rest], taken, noise)
+        prior = _left(self._own, self._prior[rest], taken, noise)
         posterior = _left(self._posterior_own, self._posterior[rest], taken, noise)
         gain = np.log(prior + noise) - np.log(posterior + noise)
         gain[taken] = -np.inf

@@ -19,7 +19,7 @@ PIXELS = 161
 
 def posterior_sd(kernel: SquaredExponential, noise_sd: float, readings: Floats, places: Floats) -> Floats:
     """Return the posterior sd at `places` (k, 2) [m] after readings at `readings` (n, 2) [m], shape (k,)."""
-    variance = np.full(len(places), kernel.signal_sd**2)
+    variance = kernel.variance(places)
     if len(readings):
         factor = np.linalg.cholesky(kernel(readings, readings) + noise_sd**2 * np.eye(len(readings)))
         for part in np.array_split(np.arange(len(places)), max(1, len(places) // 5000)):

@@ -69,7 +69,7 @@ def read_places(said: ScenarioKeys, folder: Path) -> Places:
 def read_region(path: Path, crs: str = "", origin: TangentPlane | None = None) -> tuple[Region, Georeference]:
     """Read a region's file, whose numbers are in `crs` where it states none; InputError names it and what is wrong."""
     with naming(_file_of(path)):
-        layer = _layer(path, "region", Polygon)
+        layer = layer_of(path, "region", Polygon)
         polygon = Region(only(layer.parts)).polygon  # type: ignore[arg-type]  # valid where it is given
         degrees = crs != LOCAL and could_be_degrees(polygon)
         system = layer.crs or (WGS84 if degrees else crs or LOCAL)
@@ -96,7 +96,7 @@ def local_pair(value: Pair, label: str, places: Places) -> Pair:
         return x, y
 
 
-def _layer(path: Path, key: str, kind: type[BaseGeometry]) -> Layer:
+def layer_of(path: Path, key: str, kind: type[BaseGeometry]) -> Layer:
     """Return what a file holds of one kind of geometry: of the layer its name asks for, or the only one that has some.
 
     Where several layers have some, that with the name of `key`; InputError where there is none or it cannot be told.
@@ -110,8 +110,7 @@ def _layer(path: Path, key: str, kind: type[BaseGeometry]) -> Layer:
         known = [layer.name for layer in layers]
         raise InputError(f"there is no layer {shown(wanted)}{suggestion(wanted, known)} (layers: {', '.join(known)})")
     kept = [layer for layer in layers if not asked or layer.name == wanted]
-    found = [Layer(layer.name, tuple(p for p in layer.parts if isinstance(p, kind)), layer.crs) for layer in kept]
-    found = [layer for layer in found if layer.parts]
+    found = [layer for layer in (layer.of(kind) for layer in kept) if layer.parts]
     if not found:
         held = sorted({part.geom_type for layer in kept for part in layer.parts})
         raise InputError(f"{key}: must hold a {what}, it holds {', '.join(held) or 'nothing'}")
@@ -138,7 +137,7 @@ def _zones(file: str | None, folder: Path, region: Region, reference: Georeferen
         return ()
     path = folder / file
     with naming(_file_of(path)):
-        layer = _layer(path, "no_fly", Polygon)
+        layer = layer_of(path, "no_fly", Polygon)
         system = reference.system_of_file(shapely.get_coordinates(layer.parts), layer.crs)
         zones = [zone for zone in layer.parts if isinstance(zone, Polygon)]
         for zone in zones:
@@ -156,7 +155,7 @@ def _points_of(value: Any, key: str, folder: Path, region: Region, reference: Ge
     if isinstance(value, str):
         path = folder / value
         with naming(_file_of(path)):
-            layer = _layer(path, key, Point)
+            layer = layer_of(path, key, Point)
             points = shapely.get_coordinates(layer.parts)
             return _local_points(points, key, reference.system_of_file(points, layer.crs), region, reference)
     if not isinstance(value, list) or not all(map(_is_place, value)):

@@ -1,4 +1,4 @@
-"""ValueMap: a number of at least 0 for every place of a region: how much it counts, or how little of it is known.
+"""ValueMap: a number of at least 0 for every place of a region: how much it counts, or how unsure of it one is.
 
 Bilinear between the nodes of a grid and constant outside, so that its slope is known where planning climbs along it.
 """

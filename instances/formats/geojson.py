@@ -46,20 +46,27 @@ def write_features(features: Features, plane: TangentPlane, path: Path | str) ->
 
 def parts_of(data: Any) -> Iterator[BaseGeometry]:
     """Return every point, line and polygon in GeoJSON `data` (geometry, Feature or FeatureCollection)."""
+    return (part for part, _ in valued_parts_of(data))
+
+
+def valued_parts_of(data: Any, value: Any = None) -> Iterator[tuple[BaseGeometry, Any]]:
+    """Return `parts_of`, each with the property ``value`` of its feature; `value` where it has none."""
     kind = data.get("type") if isinstance(data, dict) else None
     if kind == "FeatureCollection":
         features = data.get("features")
         if not isinstance(features, list):
             raise InputError("GeoJSON: a FeatureCollection must hold a list of features")
         for feature in features:
-            yield from parts_of(feature)
+            yield from valued_parts_of(feature)
         return
     if kind == "Feature":
         if data.get("geometry") is not None:  # a feature may be without a place
-            yield from parts_of(data["geometry"])
+            properties = data.get("properties")
+            own = properties.get("value") if isinstance(properties, dict) else None
+            yield from valued_parts_of(data["geometry"], own)
         return
     try:
-        yield from single_parts(shape(data))
+        yield from ((part, value) for part in single_parts(shape(data)))
     except (ValueError, TypeError, LookupError, AttributeError, OverflowError, shapely.errors.ShapelyError) as error:
         raise InputError(f"GeoJSON of type {shown(kind)} cannot be read ({error})") from None
 

@@ -11,9 +11,10 @@ import warnings
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import shapely
 from shapely.geometry.base import BaseGeometry
@@ -22,7 +23,7 @@ from instances.disk import check_file, read_bytes, read_json
 from instances.documents import most_opened
 from instances.environment.raster import geo
 from instances.errors import InputError, naming
-from instances.formats.geojson import crs_of, parts_of, single_parts
+from instances.formats.geojson import crs_of, single_parts, valued_parts_of
 
 ENDINGS = (".geojson", ".json", ".kml", ".kmz", ".gpkg", ".shp", ".zip")
 """Of the files that can be read."""
@@ -38,11 +39,20 @@ MOST_PARTS = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """Points, lines and polygons in two dimensions, each one part; `crs` is "" where the file states none."""
+    """Points, lines and polygons in two dimensions, each one part; `crs` is "" where the file states none.
+
+    values : the property ``value`` of each part's feature, None where it has none.
+    """
 
     name: str
     parts: tuple[BaseGeometry, ...]
     crs: str
+    values: tuple[Any, ...] = ()
+
+    def of(self, kind: type[BaseGeometry]) -> Layer:
+        """Return the layer with its parts of one kind of geometry alone."""
+        kept = [i for i, part in enumerate(self.parts) if isinstance(part, kind)]
+        return replace(self, parts=tuple(self.parts[i] for i in kept), values=tuple(self.values[i] for i in kept))
 
 
 def read_layers(path: Path) -> list[Layer]:
@@ -59,7 +69,8 @@ def read_layers(path: Path) -> list[Layer]:
 
 def _read_geojson(path: Path) -> list[Layer]:
     data = read_json(path)
-    return [Layer(path.stem, tuple(parts_of(data)), crs_of(data))]
+    found = list(valued_parts_of(data))
+    return [Layer(path.stem, tuple(part for part, _ in found), crs_of(data), tuple(value for _, value in found))]
 
 
 def _read_kml(path: Path) -> list[Layer]:
@@ -112,7 +123,7 @@ def _read_zipped(path: Path) -> list[Layer]:
             if name.parent == inside.parent and name.stem == inside.stem and name.suffix.lower() in (".shp", *BESIDE):
                 (Path(folder) / f"zipped{name.suffix.lower()}").write_bytes(archive.read(name.as_posix()))
         layers = _read_shapefile(Path(folder) / "zipped.shp")
-        return [Layer(inside.stem, layer.parts, layer.crs) for layer in layers]
+        return [replace(layer, name=inside.stem) for layer in layers]
 
 
 @contextmanager
@@ -137,13 +148,20 @@ def _gdal_layers(source: Path | bytes, path: Path) -> list[Layer]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            for name, kind in pyogrio.list_layers(source):
+            for number, (name, kind) in enumerate(pyogrio.list_layers(source)):
                 if kind is None:  # a table
                     continue
-                about, _, geometries, _ = raw.read(source, layer=name, columns=[], force_2d=True)
-                parts = [part for each in shapely.from_wkb(geometries) for part in single_parts(each)]
+                # by number: GDAL names a KML without a name anew each time it is opened
+                about, _, geometries, columns = raw.read(source, layer=number, columns=["value"], force_2d=True)
+                values = columns[0].tolist() if columns else [None] * len(geometries)
+                found = [
+                    (part, value)
+                    for each, value in zip(shapely.from_wkb(geometries), values, strict=True)
+                    for part in single_parts(each)
+                ]
                 crs = about["crs"] or ""
-                layers.append(Layer(str(name), tuple(parts), "" if crs.startswith(NOWHERE) else crs))
+                kept = (tuple(part for part, _ in found), "" if crs.startswith(NOWHERE) else crs)
+                layers.append(Layer(str(name), *kept, tuple(value for _, value in found)))
     except Exception as error:  # damaged files meet the library anywhere, and it raises anything
         raise InputError(f"cannot be read ({str(error).splitlines()[0] if str(error) else error!r})") from None
     return layers

@@ -102,23 +102,6 @@ class Kernel(ABC):
             variance *= self.relative_sd(p) ** 2
         return variance
 
-    def slopes(self, a: ArrayLike, b: ArrayLike) -> Floats:
-        """Return ∂k(a_i, b_j)/∂a_i along x and y [unit²/m] for points `a` (p, 2) and `b` (q, 2) [m], shape (2, p, q).
-
-        Where Matérn's ρ of ν = ½ has none, at a_i = b_j, that of ρ is 0.
-        """
-        p, q = (np.asarray(points, dtype=float).reshape(-1, 2) for points in (a, b))
-        scales = np.asarray(self.length_scales)
-        gaps = np.stack([np.subtract.outer(p[:, d], q[:, d]) / scales[d] for d in (0, 1)])
-        squares = gaps[0] ** 2 + gaps[1] ** 2
-        slopes = -(self.signal_sd**2) * self.steepness(squares) * gaps / scales[:, None, None]
-        if self.relative_sd is None:
-            return slopes
-        here, there = self.relative_sd(p), self.relative_sd(q)
-        plain = self.signal_sd**2 * self.correlation(squares)
-        along = self.relative_sd.slope(p)[0].T
-        return np.asarray((here[:, None] * slopes + along[:, :, None] * plain) * there)
-
 
 class SquaredExponential(Kernel):
     """Covariance of a smooth field: ρ = exp(−½ r²) (paper, eq. cov)."""

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from formulations.average_variance import AverageVariance
 from formulations.kernel import KERNELS, SquaredExponential
 from formulations.mapping.gaussian_process import GaussianProcess
 from formulations.mapping.likelihood import RestrictedLikelihood
@@ -63,6 +64,21 @@ def test_gradient_and_hessian_agree_with_differences(name):
         slope, bend = here.gradient.ravel() * 4000, here.hessian * 4000**2
         assert slope[j] == pytest.approx((ahead.value - behind.value) / (2 * step) * 4000, abs=1e-4)
         assert bend[j] == pytest.approx((ahead.gradient - behind.gradient).ravel() / (2 * step) * 4000**2, abs=1e-2)
+
+
+@pytest.mark.parametrize("name", KERNELS)
+def test_the_average_variance_and_its_gradient_know_the_map(name):
+    rng, kernel = np.random.default_rng(8), KERNELS[name].of_prior(ROUGH, (4000.0, 3000.0))
+    targets, known, points = (SQUARE.sample(k, rng) for k in (60, 5, 4))
+    judged = AverageVariance(kernel, 1.0, targets, rng.uniform(0, 1, 60), known)
+    left = posterior_sd(kernel, 1.0, np.vstack([points, known]), targets) ** 2
+    value, gradient = judged(points)
+    assert value == pytest.approx(judged.shares @ left, rel=1e-9)
+    for j in range(8):
+        move = (0.5 * np.eye(1, 8, j)).reshape(4, 2)
+        slope = judged.value(points + move) - judged.value(points - move)
+        assert gradient.ravel()[j] == pytest.approx(slope, rel=1e-4, abs=1e-5 * np.abs(gradient).max())
+    assert judged.lower_bound(4) <= value
 
 
 def test_greedy_and_exchanges_are_the_naive_ones():

@@ -20,9 +20,9 @@ from scipy.linalg import block_diag
 from scipy.optimize import minimize
 
 from formulations.task_location.boundary import box, distance_gradient, is_rectangle
-from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import OutOfTime, PlacementMethod, PlacementProblem, PlacementStatus, Progress
 from formulations.task_location.starts import starts
+from formulations.task_location.variance_reduction import slopes_of
 from instances.arrays import Floats
 
 Settings = dict[str, Any]
@@ -43,7 +43,7 @@ def ascend(problem: PlacementProblem, begin: Floats, progress: Progress, setting
 
     def negative(z: Floats) -> tuple[float, Floats]:
         progress.check()
-        here = Expansion(criterion, z.reshape(-1, 2) * scales)
+        here = slopes_of(criterion, z.reshape(-1, 2) * scales)
         return -here.value, -(here.gradient * scales).ravel()
 
     bounds = box(problem.region, scales, problem.n_tasks)

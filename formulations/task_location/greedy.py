@@ -2,7 +2,8 @@
 
 Adding x to S gains ½ log[(k(x|S) + σ²) / (c(x|S) + σ²)], where k(·|S) and c(·|S) are the variances left by the noisy
 readings at S under the prior and the posterior kernel (criterion.py). Both are kept up to date by one Cholesky row
-a step, O(N n) in all for N candidates, so no lazy queue is needed.
+a step, O(N n) in all for N candidates, so no lazy queue is needed. Under criterion "j" the site is added that lowers
+the weighted mean variance most (variance_reduction.py).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 
 from formulations.task_location.criterion import Convention, Criterion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
+from formulations.task_location.variance_reduction import Goal, VarianceChoice
 from instances.arrays import Floats
 
 
@@ -22,10 +24,20 @@ class Greedy(PlacementMethod):
 
     def search(self, problem: PlacementProblem, progress: Progress, seed: int) -> PlacementStatus:
         """Offer the greedy choice; deterministic, so `seed` is not used."""
-        chosen = greedy_choice(problem.criterion, problem.candidates, problem.n_tasks)
+        chosen = greedy_of(problem.criterion, problem.candidates, problem.n_tasks)
         points = problem.candidates[chosen]
         progress.offer(points, problem.criterion.value(points))
         return PlacementStatus.HEURISTIC
+
+
+def greedy_of(goal: Goal, candidates: Floats, count: int) -> list[int]:
+    """Return the indices of `count` candidates, the one that raises `goal` most first."""
+    if isinstance(goal, Criterion):
+        return greedy_choice(goal, candidates, count)
+    choice = VarianceChoice(goal, candidates)
+    for _ in range(count):
+        choice.add()
+    return choice.chosen
 
 
 def greedy_choice(criterion: Criterion, candidates: Floats, count: int) -> list[int]:

@@ -12,8 +12,9 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from formulations.task_location.criterion import Criterion
-from formulations.task_location.greedy import greedy_choice, posterior_variance
+from formulations.task_location.greedy import greedy_of, posterior_variance
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
+from formulations.task_location.variance_reduction import VarianceChoice
 from instances.arrays import Floats
 
 
@@ -29,9 +30,13 @@ class GreedySwap(PlacementMethod):
     def search(self, problem: PlacementProblem, progress: Progress, seed: int) -> PlacementStatus:
         """Offer the greedy choice and each improved one; deterministic, so `seed` is not used."""
         criterion, sites = problem.criterion, problem.candidates
-        chosen = greedy_choice(criterion, sites, problem.n_tasks)
+        chosen = greedy_of(criterion, sites, problem.n_tasks)
         progress.offer(sites[chosen], criterion.value(sites[chosen]))
-        exchange = Exchange(criterion, sites, chosen)
+        exchange = (
+            Exchange(criterion, sites, chosen)
+            if isinstance(criterion, Criterion)
+            else VarianceChoice(criterion, sites, chosen)
+        )
         for _ in range(self.sweeps):
             improved = False
             for i in range(problem.n_tasks):

@@ -18,6 +18,7 @@ from scipy.optimize import minimize
 
 from formulations.task_location.criterion import Convention, Criterion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
+from formulations.task_location.variance_reduction import Goal, VarianceReduction
 from instances.arrays import Floats
 from instances.errors import InputError
 
@@ -41,7 +42,7 @@ class NelderMead(PlacementMethod):
         """Offer every new best vertex; heuristic, as a simplex that has shrunk proves nothing."""
         criterion, region = problem.criterion, problem.region
         scales = criterion.scales
-        worth = JointForm(criterion).value if self.form == "literal" else criterion.value
+        worth = _literal(criterion).value if self.form == "literal" else criterion.value
 
         def negative(z: Floats) -> float:
             points = region.snap(z.reshape(-1, 2) * scales)
@@ -53,6 +54,12 @@ class NelderMead(PlacementMethod):
         begin = region.sample(problem.n_tasks, np.random.default_rng(seed)) / scales
         minimize(negative, begin.ravel(), method="Nelder-Mead")
         return PlacementStatus.HEURISTIC
+
+
+def _literal(goal: Goal) -> JointForm:
+    if isinstance(goal, VarianceReduction):
+        raise InputError("nelder-mead: the literal form is one of mutual information; criterion j needs form=reduced")
+    return JointForm(goal)
 
 
 class JointForm:

@@ -15,6 +15,8 @@ A start from nothing seldom ends highest; the best end so far with two tasks put
 hopping, Wales & Doye 1997, by relocations). In a rectangle such hops are many and cheap: each ascends by L-BFGS-B,
 which knows the box, and IPOPT only ends the best. Elsewhere IPOPT ascends from random starts, then ends good hops.
 
+Criterion "j" has its gradient in closed form; IPOPT then approximates the Hessian (limited memory).
+
 Wächter & Biegler (2006), IPOPT; Andersson et al. (2019), CasADi.
 """
 
@@ -30,10 +32,10 @@ import numpy as np
 
 from formulations.task_location.ascent import ascend, quasi_newton
 from formulations.task_location.boundary import box, distance_gradient, is_rectangle
-from formulations.task_location.criterion import Criterion
 from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, PlacementStatus, Progress
 from formulations.task_location.starts import greedy_start, relocated
+from formulations.task_location.variance_reduction import Goal, Slopes, VarianceReduction, slopes_of
 from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
@@ -125,7 +127,7 @@ class Model:
         weight_f = ca.MX.sym("lam_f")
         # casadi does not keep Callbacks alive: they must stay referenced as long as the solver is used
         self._callbacks = objective(criterion, n)
-        value, gradient, curvature = (callback(z) for callback in self._callbacks)
+        value, gradient, *curvature = (callback(z) for callback in self._callbacks)
         self._border = [] if is_rectangle(problem.region) else inside(problem.region, self._scales, n)
         constraint = self._border[0](z) if self._border else ca.MX(0, 1)
         weight_g = ca.MX.sym("lam_g", constraint.shape[0])
@@ -142,7 +144,11 @@ class Model:
         }
         if self._border:
             options["jac_g"] = ca.Function("jac_g", [z, p], [constraint, self._border[1](z)])
-        options["hess_lag"] = ca.Function("hess_lag", [z, p, weight_f, weight_g], [ca.triu(weight_f * curvature)])
+        if curvature:
+            entries = ca.triu(weight_f * curvature[0])
+            options["hess_lag"] = ca.Function("hess_lag", [z, p, weight_f, weight_g], [entries])
+        else:
+            options["ipopt.hessian_approximation"] = "limited-memory"
         self._build = {"x": z, "p": p, "f": value, "g": constraint}
         self._options = options
         self._solver = ca.nlpsol("placement", "ipopt", self._build, options)
@@ -190,27 +196,34 @@ class _Callback(ca.Callback):
         return [self._function(np.array(arg[0]).reshape(-1, 2))]
 
 
-def objective(criterion: Criterion, n: int) -> tuple[_Callback, _Callback, _Callback]:
-    """Return −I, its gradient and its Hessian as casadi functions of z = x / l, shape (2n, 1).
+def objective(goal: Goal, n: int) -> list[_Callback]:
+    """Return the negative goal, its gradient and, of I, its Hessian as casadi functions of z = x / l, shape (2n, 1).
 
-    IPOPT asks for the three one after another at the same z, so the last expansion is kept.
+    IPOPT asks for them one after another at the same z, so what was found last is kept.
     """
-    scales = criterion.scales
+    scales = goal.scales
     both = np.tile(scales, n)
-    last: tuple[bytes, Expansion] | None = None
+    last: tuple[bytes, Slopes | Expansion] | None = None
 
-    def at(z: Floats) -> Expansion:
+    def at(z: Floats) -> Slopes | Expansion:
         nonlocal last
         key = z.tobytes()
         if last is None or last[0] != key:
-            last = key, Expansion(criterion, z * scales)
+            last = key, slopes_of(goal, z * scales)
         return last[1]
 
-    return (
+    def hessian(z: Floats) -> Floats:
+        here = at(z)
+        assert isinstance(here, Expansion)
+        return -here.hessian * both * both[:, None]
+
+    callbacks = [
         _Callback("value", lambda z: -at(z).value, n, ca.Sparsity.dense(1, 1)),
         _Callback("gradient", lambda z: -(at(z).gradient * scales).ravel(), n, ca.Sparsity.dense(2 * n, 1)),
-        _Callback("hessian", lambda z: -at(z).hessian * both * both[:, None], n, ca.Sparsity.dense(2 * n, 2 * n)),
-    )
+    ]
+    if isinstance(goal, VarianceReduction):
+        return callbacks
+    return [*callbacks, _Callback("hessian", hessian, n, ca.Sparsity.dense(2 * n, 2 * n))]
 
 
 def inside(region: Region, scales: Floats, n: int) -> list[_Callback]:

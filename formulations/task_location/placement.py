@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 from typing import Any, Protocol
@@ -19,7 +19,8 @@ import numpy as np
 
 from formulations.blas import one_thread
 from formulations.limits import Limits
-from formulations.task_location.criterion import Convention, Criterion
+from formulations.task_location.criterion import Convention
+from formulations.task_location.variance_reduction import NAME, Goal, VarianceReduction
 from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError, shown
@@ -47,7 +48,7 @@ class PlacementProblem:
     region
         A.
     criterion
-        What is maximised.
+        What is maximised: mutual information, or how far the mean variance falls (criterion "j").
     n_tasks
         n, from 1 to the number of `candidates`.
     candidates_per_axis
@@ -61,7 +62,7 @@ class PlacementProblem:
     """
 
     region: Region
-    criterion: Criterion
+    criterion: Goal
     n_tasks: int
     candidates_per_axis: int = CANDIDATES_PER_AXIS
 
@@ -179,7 +180,10 @@ class Placement:
     stopped_by
         What ended the search: "finished" or "time".
     maximised
-        The convention that was maximised.
+        The criterion that was maximised: b, a, ig or j.
+    average_variance, average_variance_bound
+        Where j was: J, the weighted mean variance that is left at the test points, in the field's unit squared, and
+        what no n readings leave less than; else None.
     """
 
     points: Floats
@@ -192,7 +196,9 @@ class Placement:
     information: Mapping[str, float] = field(default_factory=dict)
     trace: tuple[tuple[float, float], ...] = ()
     stopped_by: str = "finished"
-    maximised: Convention = Convention.BOTH_NOISY
+    maximised: str = Convention.BOTH_NOISY
+    average_variance: float | None = None
+    average_variance_bound: float | None = None
 
     @property
     def ratio(self) -> float | None:
@@ -202,14 +208,18 @@ class Placement:
     def summary(self) -> str:
         """One line for people."""
         bound = "" if self.certificate is None else f", {self.ratio:.1%} of the bound {self.certificate:.4g}"
+        left = ""
+        if self.average_variance is not None and self.average_variance_bound is not None:
+            sd, least = math.sqrt(self.average_variance), math.sqrt(self.average_variance_bound)
+            left = f", leaving a weighted rms sd of {sd:.4g} where at least {least:.4g} must stay ({least / sd:.1%})"
         return (
-            f"{self.method} ({self.status}): {len(self.points)} tasks worth {self.mutual_information:.4f} nats{bound}, "
-            f"{self.elapsed:.2f} s"
+            f"{self.method} ({self.status}): {len(self.points)} tasks worth {self.mutual_information:.4f} nats"
+            f"{bound}{left}, {self.elapsed:.2f} s"
         )
 
     def as_dict(self) -> dict[str, Any]:
         """Return the placement as JSON values."""
-        return {
+        said = {
             "method": self.method,
             "status": str(self.status),
             "points": self.points.tolist(),
@@ -223,6 +233,9 @@ class Placement:
             "stopped_by": self.stopped_by,
             "trace": [list(event) for event in self.trace],
         }
+        if self.average_variance is not None:
+            said |= {"average_variance": self.average_variance, "average_variance_bound": self.average_variance_bound}
+        return said
 
 
 @one_thread()
@@ -255,8 +268,9 @@ def place(
     if progress.best is None:
         raise RuntimeError(f"{name} offered no points")
     points = checked_points(problem, progress.best, name)
-    worth = {str(c): problem.criterion.under(c).value(points) for c in Convention}
-    return Placement(
+    goal = problem.criterion
+    worth = {str(c): goal.under(c).value(points) for c in Convention}
+    found = Placement(
         points=points,
         mutual_information=worth[Convention.BOTH_NOISY],
         method=name,
@@ -267,8 +281,12 @@ def place(
         information=worth,
         trace=tuple(progress.trace),
         stopped_by=stopped_by,
-        maximised=problem.criterion.convention,
+        maximised=NAME if isinstance(goal, VarianceReduction) else goal.convention,
     )
+    if not isinstance(goal, VarianceReduction):
+        return found
+    left, least = goal.judged.value(points), goal.judged.lower_bound(len(points))
+    return replace(found, average_variance=left, average_variance_bound=least)
 
 
 def checked_points(problem: PlacementProblem, points: Floats, name: str) -> Floats:

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from formulations.kernel import SquaredExponential
-from formulations.task_location.criterion import Criterion, log_det
+from formulations.task_location.criterion import log_det
+from formulations.task_location.variance_reduction import Goal
 from instances.arrays import Floats
 from instances.environment.region import Region
 
@@ -33,7 +34,7 @@ def information_gain(kernel: SquaredExponential, noise_sd: float, readings: Floa
     return 0.5 * log_det(np.eye(len(readings)) + kernel(readings, readings) / noise_sd**2)
 
 
-def sd_map(region: Region, criterion: Criterion, readings: Floats) -> tuple[Floats, Floats, Floats]:
+def sd_map(region: Region, criterion: Goal, readings: Floats) -> tuple[Floats, Floats, Floats]:
     """Return x (p,), y (q,) [m] and the posterior sd (q, p) over the region's bounding box, NaN outside the region."""
     x0, y0, x1, y1 = region.bounds
     pixel = max(x1 - x0, y1 - y0) / (PIXELS - 1)

@@ -32,6 +32,7 @@ from formulations.task_location.placement import (
 )
 from formulations.task_location.registry import METHODS
 from formulations.task_location.setting import criterion_of, region_of, rows_of_tests
+from formulations.task_location.variance_reduction import information_of
 from instances.disk import write_aside
 from instances.environment.region import Region, single_polygon
 from reports.damage import reading
@@ -123,7 +124,7 @@ class PlacementStudy(Problem[PlacementItem]):
         if path.exists():
             return
         began = time.perf_counter()
-        bound = certificate(item.problem.criterion, item.problem.region, item.n_tasks)
+        bound = certificate(information_of(item.problem.criterion), item.problem.region, item.n_tasks)
         stated = {"bound": bound.bound, "kind": bound.kind, "elapsed": time.perf_counter() - began}
         content = {"name": item.name, "polygon": item.polygon, "setting": item.setting, "n_tasks": item.n_tasks}
         write_aside(path, json.dumps({"schema": 1, "problem": self.name, **content, "certificate": stated}))
@@ -234,7 +235,7 @@ def _worth(item: PlacementItem, points: Any) -> dict[str, float]:
 
 
 def _false_certificate(item: PlacementItem) -> list[str]:
-    actual = certificate(item.problem.criterion, item.problem.region, item.n_tasks).bound
+    actual = certificate(information_of(item.problem.criterion), item.problem.region, item.n_tasks).bound
     if item.certificate is not None and item.certificate >= actual * (1 - LOOSER):
         return []
     return [f"states a certificate of {item.certificate!r} nats, but recomputed it is {actual!r}"]

@@ -96,8 +96,13 @@ class AverageVariance:
     def lower_bound(self, count: int) -> float:
         """Return a J that no `count` further readings pass from above, wherever they are taken, replicates included."""
         spectrum = self._spectrum
-        budget = count * self.kernel.signal_sd**2 / self.noise_sd**2  # no k(x, x) is greater
+        budget = count * self.highest_variance / self.noise_sd**2
         return _filled(spectrum[:count], budget) + float(spectrum[count:].sum())
+
+    @property
+    def highest_variance(self) -> float:
+        """An upper bound of k(x, x) anywhere."""
+        return self.kernel.signal_sd**2
 
     @cached_property
     def shares(self) -> Floats:
@@ -122,8 +127,12 @@ class AverageVariance:
         factor = cholesky(covariance, lower=True, check_finite=False)
         half = solve_triangular(factor, self.kernel(self.known, self.targets), lower=True, check_finite=False)
         alpha = solve_triangular(factor, half, lower=True, trans="T", check_finite=False)
-        left = self.kernel.variance(self.targets) - np.einsum("ig,ig->g", half, half)
-        return _Known(factor, half, alpha, left)
+        return _Known(factor, half, alpha, self._at_targets - np.einsum("ig,ig->g", half, half))
+
+    @cached_property
+    def _at_targets(self) -> Floats:
+        """k(g, g), shape (p,)."""
+        return self.kernel.variance(self.targets)
 
     def _solved(self, x: Floats) -> _Left:
         """Condition what S leaves on readings at `x` (n, 2)."""
@@ -156,22 +165,20 @@ class _Left(NamedTuple):
 
 
 def slope_sums(kernel: Kernel, a: Floats, b: Floats, factors: Floats) -> Floats:
-    """Return Σ_j factors_ij ∂_1 k(a_i, b_j) for `a` (n, 2) and `b` (q, 2) [m], shape (n, 2).
-
-    It is what `Kernel.slopes` says, summed without an array of all of them.
-    """
-    scales, relative = np.asarray(kernel.length_scales), kernel.relative_sd
+    """Return Σ_j factors_ij ∂_1 k(a_i, b_j) for `a` (n, 2) and `b` (q, 2) [m], shape (n, 2)."""
+    scales = np.asarray(kernel.length_scales)
     centre = a.mean(axis=0) if len(a) else 0.0  # places far from the origin would cancel
     p, q = (a - centre) / scales, (b - centre) / scales
     squares = np.subtract.outer(p[:, 0], q[:, 0]) ** 2
     squares += np.subtract.outer(p[:, 1], q[:, 1]) ** 2
-    factors = kernel.signal_sd**2 * (factors if relative is None else factors * relative(b))
-    steep = factors * kernel.steepness(squares)
-    sums = (steep @ q - p * steep.sum(axis=1, keepdims=True)) / scales
-    if relative is None:
-        return np.asarray(sums)
-    plain = (factors * kernel.correlation(squares)).sum(axis=1, keepdims=True)
-    return np.asarray(relative(a)[:, None] * sums + relative.slope(a)[0] * plain)
+    if (m := kernel.relative_sd) is not None:
+        factors = factors * m(b)
+    steep = kernel.signal_sd**2 * factors * kernel.steepness(squares)
+    sums = np.asarray((steep @ q - p * steep.sum(axis=1, keepdims=True)) / scales)
+    if m is None:
+        return sums
+    plain = kernel.signal_sd**2 * (factors * kernel.correlation(squares)).sum(axis=1)
+    return m(a)[:, None] * sums + m.slope(a)[0] * plain[:, None]  # the product rule
 
 
 def _filled(values: Floats, budget: float) -> float:

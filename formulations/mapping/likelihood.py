@@ -1,23 +1,28 @@
 """Hyperparameters by restricted maximum likelihood (paper, eq. GPR2), the sensor's σ_n held fixed.
 
 The samples y at X are y = Hβ + f + noise: a mean of q known columns with unknown coefficients (`trend`), a field of
-covariance k, and of each reading a nugget τ, what the field does within less than the distance of two samples. With
+covariance k, and of each reading a nugget σ₀, what the field does within less than the distance of two samples. With
 β = b + β′, β′ ~ N(0, B), where B is infinite for the level and s² for a coefficient of which something is believed,
 
-    C = K_II + (σ_n² + τ²) I,   A = Hᵀ C⁻¹ H + B⁻¹,   u = y − H b,   β̂′ = A⁻¹ Hᵀ C⁻¹ u,   r = u − H β̂′
+    C = K_II + (σ_n² + σ₀²) I,   A = Hᵀ C⁻¹ H + B⁻¹,   u = y − H b,   β̂′ = A⁻¹ Hᵀ C⁻¹ u,   r = u − H β̂′
     log p = −½ uᵀ C⁻¹ r − ½ log det C − ½ log det A − log s − ½ (N − 1) log 2π
 
 This is the likelihood with β integrated out, that of the level under a flat prior of density 1 (Rasmussen & Williams
 2006, §2.7); maximum likelihood proper takes β̂ for known and so believes fields to be too smooth and too quiet. With
-θ = (log σ_f, log l_x, log l_y, log τ) and P = C⁻¹ − C⁻¹H A⁻¹ HᵀC⁻¹ its gradient is
+θ = (log σ_f, log l_x, log l_y, log σ₀) and P = C⁻¹ − C⁻¹H A⁻¹ HᵀC⁻¹ its gradient is
 
     ∂/∂θ = ½ Σ_ij (C⁻¹r rᵀC⁻¹ − P)_ij (∂C/∂θ)_ij
 
 Where the prior standard deviation is a map σ_f m(x), K_II is that of σ_f with m_i m_j at its entries: σ_f is fitted,
 m is not.
+
+Where the field drifts, K_II is multiplied by exp(−|t − t′|/τ), entry by entry, and θ ends in log τ:
+∂C/∂log τ = K_II ∘ |t − t′|/τ.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import cho_solve, cholesky
@@ -31,10 +36,19 @@ from instances.arrays import Floats
 class RestrictedLikelihood:
     """log p(y | X) of samples `y` (N,) at `X` (N, 2) [m] with the mean `trend`, as a function of θ.
 
-    One object serves any kernel: what does not depend on θ is made once.
+    times : of the samples [s], shape (N,), where θ is asked with log τ. One object serves any kernel: what does not
+    depend on θ is made once.
     """
 
-    def __init__(self, noise_sd: float, X: Floats, y: Floats, trend: Trend, relative_sd: Floats | None = None) -> None:
+    def __init__(
+        self,
+        noise_sd: float,
+        X: Floats,
+        y: Floats,
+        trend: Trend,
+        times: Floats | None = None,
+        relative_sd: Floats | None = None,
+    ) -> None:
         """relative_sd : m at `X`, shape (N,); None for 1."""
         self.noise_sd, self.H, self.precision = noise_sd, trend.columns(X), trend.prior_precision
         self.u = y - self.H @ trend.prior_mean
@@ -42,37 +56,50 @@ class RestrictedLikelihood:
         self.constant = 0.5 * float(np.log(believed).sum()) - 0.5 * (len(y) - 1) * np.log(2 * np.pi)
         self.squares = [np.subtract.outer(x, x) ** 2 for x in X.T]
         self.shares = None if relative_sd is None else np.multiply.outer(relative_sd, relative_sd)
+        self.lags = None if times is None else np.abs(np.subtract.outer(times, times))
 
     def value(self, kernel: type[Kernel], theta: Floats) -> float:
         """Return log p [nats]; LinAlgError where C or A is not positive in float64."""
         return self._solved(kernel, theta)[0]
 
     def __call__(self, kernel: type[Kernel], theta: Floats) -> tuple[float, Floats]:
-        """Return log p [nats] and its gradient, shape (4,); LinAlgError where C or A is not positive in float64."""
-        signal, lx, ly, nugget = np.exp(theta)
+        """Return log p [nats] and its gradient, shape of θ; LinAlgError where C or A is not positive in float64."""
+        signal, lx, ly, nugget, *tau = np.exp(theta)
         value, L, CH, a, LA = self._solved(kernel, theta)
         inverse, _ = dpotri(L, lower=True)  # its lower triangle
         weighted = np.outer(a, a) - np.tril(inverse) - np.tril(inverse, -1).T
         weighted += CH @ cho_solve((LA, True), CH.T, check_finite=False)
-        near = self._near(lx, ly)
         quiet = np.trace(weighted) * nugget**2
+        weighted *= self._decay(tau)
+        near = self._near(lx, ly)
         if self.shares is not None:
             weighted *= self.shares
         along = 0.5 * signal**2 * weighted * kernel.steepness(near[0] + near[1])
-        by_signal = np.vdot(weighted, signal**2 * kernel.correlation(near[0] + near[1]))
-        return value, np.array([by_signal, *(np.vdot(along, square) for square in near), quiet])
+        K = signal**2 * kernel.correlation(near[0] + near[1])
+        by_lengths = (np.vdot(along, square) for square in near)
+        drift = [0.5 * np.vdot(weighted * K, self.lags / each) for each in tau]
+        return value, np.array([np.vdot(weighted, K), *by_lengths, quiet, *drift])
+
+    def _decay(self, tau: Sequence[float]) -> Floats | float:
+        """Return exp(−|t − t′|/τ), 1 where there is no τ."""
+        if not tau:
+            return 1.0
+        assert self.lags is not None
+        decay: Floats = np.exp(-self.lags / tau[0])
+        return decay
 
     def _near(self, lx: float, ly: float) -> list[Floats]:
         return [square / scale**2 for square, scale in zip(self.squares, (lx, ly), strict=True)]
 
     def _solved(self, kernel: type[Kernel], theta: Floats) -> tuple[float, Floats, Floats, Floats, Floats]:
         """Return log p, the factor L of C, C⁻¹H, C⁻¹r and the factor of A."""
-        signal, lx, ly, nugget = np.exp(theta)
+        signal, lx, ly, nugget, *tau = np.exp(theta)
         near = self._near(lx, ly)
         C = kernel.correlation(near[0] + near[1])
         C *= signal**2
         if self.shares is not None:
             C *= self.shares
+        C *= self._decay(tau)
         C[np.diag_indices_from(C)] += self.noise_sd**2 + nugget**2
         L = cholesky(C, lower=True, check_finite=False)
         solved = cho_solve((L, True), np.column_stack([self.H, self.u]), check_finite=False)

@@ -4,7 +4,8 @@ Every kernel and every mean offered is fitted with one length scale in all direc
 likelihood is taken. Two length scales (paper, eq. cov) are taken instead where they raise the log-likelihood by more
 than ½ log N, the price of a parameter under N samples (G. Schwarz, Estimating the Dimension of a Model, Annals of
 Statistics 6, 1978). Kernels have as many parameters as one another, and means are told apart without a price: the
-likelihood has their coefficients integrated out.
+likelihood has their coefficients integrated out. A field that drifts has one parameter more, τ, and is believed where
+the likeliest drifting model is ahead of the likeliest that stays by more than that price.
 
 The likelihood of few samples has several peaks, and a search that begins where the last one ended stays on the wrong
 one for the rest of a survey. So each search also begins at the best of a grid of length scales.
@@ -12,6 +13,7 @@ one for the rest of a survey. So each search also begins at the best of a grid o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -36,9 +38,13 @@ MOST = 300
 SHARES = (0.03, 0.08, 0.2, 0.5)
 """Length scales of the grid, in extents of the samples."""
 SIGNALS, NUGGETS = (1e-2, 1e4), (1e-3, 50.0)
-"""Bounds of σ_f and of τ, in sensor noises."""
+"""Bounds of σ_f and of the nugget σ₀, in sensor noises."""
 LENGTHS = (0.005, 10.0)
 """Bounds of the length scales, in extents of the samples."""
+TAU_SHARES = (0.1, 0.5, 2.0)
+"""τ of the grid, in durations of the record."""
+TAUS = (0.01, 100.0)
+"""Bounds of τ, in durations of the record."""
 TIE = 1e-3
 """Likelihoods [nats] that differ by less are a tie, which the order of what is offered decides."""
 QUIET = 0.3
@@ -47,27 +53,46 @@ QUIET = 0.3
 
 @dataclass(frozen=True)
 class MapModel:
-    """Covariance of the field, its nugget τ in the field's unit, and its mean."""
+    """Covariance of the field, its nugget σ₀ in the field's unit, its mean, and how it drifts.
+
+    tau : τ > 0 [s], the field's correlation over time being exp(−|t − t′|/τ); infinite where the field stays.
+    """
 
     kernel: Kernel = field(default_factory=SquaredExponential)
     nugget_sd: float = 0.0
     trend: Trend = CONSTANT
+    tau: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not self.tau > 0:
+            raise ValueError(f"tau must be positive, got {self.tau}")
+
+    def covariance(self, X: Floats, t: Floats, Z: Floats, u: Floats) -> Floats:
+        """Return k of the field at `X` (p, 2) [m], `t` (p,) [s], and at `Z` (q, 2), `u` (q,), shape (p, q)."""
+        K = self.kernel(X, Z)
+        if self.tau < math.inf:
+            K *= np.exp(-np.abs(np.subtract.outer(t, u)) / self.tau)
+        return K
 
     def __str__(self) -> str:
         kernel = self.kernel
         lx, ly = (scale / 1e3 for scale in kernel.length_scales)
         nugget = f", nugget {self.nugget_sd:.2g}" if self.nugget_sd else ""
-        return (
-            f"{kernel.name} with {self.trend.name} mean, σ_f {kernel.signal_sd:.1f}, l {lx:.1f} and {ly:.1f} km{nugget}"
-        )
+        drift = f", τ {self.tau:.0f} s" if self.tau < math.inf else ""
+        scales = f"σ_f {kernel.signal_sd:.1f}, l {lx:.1f} and {ly:.1f} km"
+        return f"{kernel.name} with {self.trend.name} mean, {scales}{nugget}{drift}"
 
 
 @dataclass(frozen=True)
 class Offered:
-    """What may be chosen: covariances and means, in the order in which a tie is decided."""
+    """What may be chosen: covariances and means, in the order in which a tie is decided.
+
+    tau : that of every model [s], infinite for fields that stay; None where it is to be told by likelihood, too.
+    """
 
     kernels: tuple[type[Kernel], ...] = tuple(KERNELS.values())
     trends: tuple[Trend, ...] = (CONSTANT,)
+    tau: float | None = math.inf
 
 
 EVERY_KERNEL = Offered()
@@ -75,15 +100,27 @@ EVERY_KERNEL = Offered()
 
 @dataclass(frozen=True)
 class Fitted:
-    """A model chosen, and log p [nats] of every kernel and mean offered, by their names, as isotropic models."""
+    """A model chosen, and log p [nats] of every kernel and mean offered, by their names, as isotropic models.
+
+    evidence : of drifting models where such a one was chosen, else of those that stay. drift : by how much the
+    likeliest drifting model was ahead of the likeliest that stays, where both were tried.
+    """
 
     model: MapModel
     evidence: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    drift: float | None = None
 
 
 @one_thread()
-def choose_model(given: MapModel, offered: Offered, noise_sd: float, positions: ArrayLike, values: ArrayLike) -> Fitted:
-    """Return the model of greatest restricted likelihood of `values` (N,) at `positions` (N, 2) [m].
+def choose_model(
+    given: MapModel,
+    offered: Offered,
+    noise_sd: float,
+    positions: ArrayLike,
+    values: ArrayLike,
+    times: ArrayLike = 0.0,
+) -> Fitted:
+    """Return the model of greatest restricted likelihood of `values` (N,) at `positions` (N, 2) [m], `times` (N,) [s].
 
     given : where searches begin beside the grid; it is returned where there are fewer than FEWEST samples, or where
     they lie at one place or are all alike. Its map of the prior sd, where it has one, is kept. noise_sd : σ_n of a
@@ -91,49 +128,111 @@ def choose_model(given: MapModel, offered: Offered, noise_sd: float, positions: 
     """
     X = np.asarray(positions, dtype=float).reshape(-1, 2)
     y = np.asarray(values, dtype=float).reshape(-1)
+    t = np.broadcast_to(np.asarray(times, dtype=float), len(y))
     if len(y) > MOST:
         chosen = np.linspace(0, len(y) - 1, MOST).round().astype(int)
-        X, y = X[chosen], y[chosen]
+        X, y, t = X[chosen], y[chosen], t[chosen]
     if len(y) < FEWEST or not np.ptp(X, axis=0).max() > 0.0 or not y.std() > 0.0:
         return Fitted(given)
+    lasted = float(np.ptp(t))
+    if offered.tau is not None or not lasted > 0.0:
+        bounds = None if offered.tau in (None, math.inf) else (offered.tau, offered.tau)
+        best = _likeliest(given, offered, noise_sd, (X, y, t), bounds)
+        return Fitted(given) if best is None else best.fitted()
+    stays = _likeliest(given, offered, noise_sd, (X, y, t), None)
+    drifts = _likeliest(given, offered, noise_sd, (X, y, t), (TAUS[0] * lasted, TAUS[1] * lasted))
+    if stays is None or drifts is None:
+        return Fitted(given)
+    ahead = drifts.value - stays.value
+    return (drifts if ahead > 0.5 * np.log(len(y)) else stays).fitted(ahead)
+
+
+@dataclass(frozen=True)
+class _Likeliest:
+    """The likeliest isotropic model of those offered: its search, kernel, log p and θ; log p of all."""
+
+    search: _Search
+    kernel: type[Kernel]
+    value: float
+    theta: Floats
+    evidence: Mapping[tuple[str, str], float]
+
+    def fitted(self, drift: float | None = None) -> Fitted:
+        """Return the model, with two length scales where they are worth it."""
+        theta = self.search.anisotropic(self.kernel, self.value, self.theta)
+        return Fitted(_model(self.kernel, theta, self.search.trend, self.search.mapped), self.evidence, drift)
+
+
+def _likeliest(
+    given: MapModel,
+    offered: Offered,
+    noise_sd: float,
+    samples: tuple[Floats, Floats, Floats],
+    taus: tuple[float, float] | None,
+) -> _Likeliest | None:
+    """Return the likeliest of the kernels and means offered, None where none can be fitted. taus : bounds of τ [s]."""
     found: dict[tuple[str, str], tuple[float, Floats]] = {}
     mapped = given.kernel.relative_sd
-    searches = {trend.name: _Search(noise_sd, X, y, trend, mapped) for trend in offered.trends}
+    searches = {trend.name: _Search(noise_sd, *samples, trend, taus, mapped) for trend in offered.trends}
     for name, search in searches.items():
         for kernel in offered.kernels:
             found[kernel.name, name] = search.isotropic(kernel, given)
     evidence = {names: value for names, (value, _) in found.items() if np.isfinite(value)}
     if not evidence:
-        return Fitted(given)
+        return None
     best = max(evidence, key=lambda names: round(evidence[names] / TIE))
-    trend = next(trend for trend in offered.trends if trend.name == best[1])
-    theta = searches[best[1]].anisotropic(KERNELS[best[0]], *found[best])
-    return Fitted(_model(KERNELS[best[0]], theta, trend, mapped), evidence)
+    return _Likeliest(searches[best[1]], KERNELS[best[0]], *found[best], evidence)
 
 
 class _Search:
-    """Searches for the peak of the likelihood of samples under one mean."""
+    """Searches for the peak of the likelihood of samples under one mean.
 
-    def __init__(self, noise_sd: float, X: Floats, y: Floats, trend: Trend, mapped: ValueMap | None) -> None:
-        self.likelihood = RestrictedLikelihood(noise_sd, X, y, trend, None if mapped is None else mapped(X))
-        self.noise_sd, self.spread = noise_sd, float(y.std())
-        self.extent = float(np.ptp(X, axis=0).max())
+    taus : bounds of τ [s], the same twice where it is known; None for fields that stay.
+    """
+
+    def __init__(
+        self,
+        noise_sd: float,
+        X: Floats,
+        y: Floats,
+        t: Floats,
+        trend: Trend,
+        taus: tuple[float, float] | None,
+        mapped: ValueMap | None,
+    ) -> None:
+        times, relative_sd = None if taus is None else t, None if mapped is None else mapped(X)
+        self.likelihood = RestrictedLikelihood(noise_sd, X, y, trend, times, relative_sd)
+        self.mapped = mapped
+        self.trend, self.noise_sd, self.spread = trend, noise_sd, float(y.std())
+        self.extent, self.lasted = float(np.ptp(X, axis=0).max()), float(np.ptp(t))
         self.price = 0.5 * np.log(len(y))
+        self.drift = [] if taus is None else [(np.log(taus[0]), np.log(taus[1]))]
 
     def isotropic(self, kernel: type[Kernel], given: MapModel) -> tuple[float, Floats]:
         """Return the greatest log p found with l_x = l_y, and its θ; −∞ where there is none."""
         signal, nugget = np.log(self.spread), np.log(QUIET * self.noise_sd)
-        grid = [np.array([signal, np.log(share * self.extent), nugget]) for share in SHARES]
+        lengths = [np.log(share * self.extent) for share in SHARES]
+        grid = [np.array([signal, length, nugget, *tau]) for length in lengths for tau in self._taus()]
         own, scale = given.kernel, float(np.mean(np.log(given.kernel.length_scales)))
-        warm = np.array([np.log(own.signal_sd), scale, np.log(max(given.nugget_sd, QUIET * self.noise_sd))])
+        known = np.array([np.log(own.signal_sd), scale, np.log(max(given.nugget_sd, QUIET * self.noise_sd))])
+        warm = np.append(known, [np.log(given.tau)] if self.drift and given.tau < math.inf else self._taus()[-1])
         value = partial(self._value, kernel)
         starts = [max(grid, key=lambda theta: value(_both(theta))), *([warm] if isinstance(own, kernel) else [])]
         return max((self._climb(kernel, start, _both, _fold) for start in starts), key=lambda found: found[0])
 
+    def _taus(self) -> list[list[float]]:
+        """Return what θ ends in on the grid: log τ of each share, nothing where the field stays."""
+        if not self.drift:
+            return [[]]
+        low, high = self.drift[0]
+        if not low < high:
+            return [[low]]
+        return [[float(np.clip(np.log(share * self.lasted), low, high))] for share in TAU_SHARES]
+
     def anisotropic(self, kernel: type[Kernel], value: float, theta: Floats) -> Floats:
         """Return θ with two length scales where they are worth their price, else the isotropic `theta`."""
         scales = np.log(np.array(SHARES) * self.extent)
-        grid = [np.array([theta[0], lx, ly, theta[3]]) for lx, ly in product(scales, scales) if lx != ly]
+        grid = [np.array([theta[0], lx, ly, *theta[3:]]) for lx, ly in product(scales, scales) if lx != ly]
         starts = (theta, max(grid, key=partial(self._value, kernel)))
         found = [self._climb(kernel, start, np.asarray, np.asarray) for start in starts]
         higher, better = max(found, key=lambda each: each[0])
@@ -157,7 +256,7 @@ class _Search:
                 return np.inf, np.zeros_like(short)
             return -value, -fold(gradient)
 
-        bounds = self._bounds(len(start) - 2)
+        bounds = self._bounds(len(start) - 2 - len(self.drift))
         begin = np.clip(start, *np.transpose(bounds))
         found = minimize(negative, begin, jac=True, method="L-BFGS-B", bounds=bounds)
         return -float(found.fun), spread(found.x)
@@ -167,18 +266,18 @@ class _Search:
         signal, nugget = (
             (np.log(low * self.noise_sd), np.log(high * self.noise_sd)) for low, high in (SIGNALS, NUGGETS)
         )
-        return [signal, *[length] * lengths, nugget]
+        return [signal, *[length] * lengths, nugget, *self.drift]
 
 
 def _both(short: Floats) -> Floats:
-    """Return θ of (log σ_f, log l, log τ)."""
-    return short[[0, 1, 1, 2]]
+    """Return θ of (log σ_f, log l, log σ₀) or of (log σ_f, log l, log σ₀, log τ)."""
+    return np.insert(short, 2, short[1])
 
 
 def _fold(gradient: Floats) -> Floats:
-    return np.array([gradient[0], gradient[1] + gradient[2], gradient[3]])
+    return np.array([gradient[0], gradient[1] + gradient[2], *gradient[3:]])
 
 
 def _model(kernel: type[Kernel], theta: Sequence[float] | Floats, trend: Trend, mapped: ValueMap | None) -> MapModel:
-    signal, lx, ly, nugget = (float(value) for value in np.exp(theta))
-    return MapModel(kernel(signal, (lx, ly), mapped), nugget, trend)
+    signal, lx, ly, nugget, *tau = (float(value) for value in np.exp(theta))
+    return MapModel(kernel(signal, (lx, ly), mapped), nugget, trend, *tau)

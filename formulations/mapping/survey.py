@@ -2,14 +2,16 @@
 
 Every `period` seconds each UAV still in the air measures the field with noise σ_n; the Gaussian process takes the
 samples in, and every `refit_every` ticks its model (kernel, hyperparameters, mean) is chosen anew by likelihood (eq.
-GPR2, `formulations.mapping.map_model`). After each tick the map is judged against the truth, which only the judge sees.
+GPR2, `formulations.mapping.map_model`). After each tick the map is judged against the truth, which only the judge sees;
+where the field drifts, it is measured as it is then, and the map of a tick is judged against the field of that time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +25,21 @@ from instances.arrays import Floats, Ints
 
 Field = Callable[[Floats], Floats]
 """Value of the field at points [m] of shape (k, 2), shape (k,)."""
+
+
+@runtime_checkable
+class Drifting(Protocol):
+    """A field that is another one at another time."""
+
+    def at(self, time: float) -> Field:
+        """Return the field at `time` [s]."""
+        ...
+
+
+def field_at(field: Field | Drifting, time: float) -> Field:
+    """Return `field` as it is at `time` [s]."""
+    return field.at(time) if isinstance(field, Drifting) else field
+
 
 Z95 = 1.959963984540054
 """97.5 % quantile of the standard normal: a 95 % interval is mean ± Z95 sd."""
@@ -96,7 +113,7 @@ class Survey:
 
 def fly_survey(
     flights: Sequence[Flight],
-    field: Field,
+    field: Field | Drifting,
     points: Floats,
     *,
     model: MapModel,
@@ -112,31 +129,31 @@ def fly_survey(
 
     model : what is believed before the first measurement; offered : the kernels and means that fits choose from;
     planning : under which information and entropy are stated, whatever is fitted (the kernel of `model` unless given),
-    so that those of several surveys compare. refit_every : ticks between fits, 0 for none (a last fit is made at the
-    end). keep(tick, last) says which ticks keep their whole posterior. Raises InputError where no flight lasts a
-    sensing period.
+    with the τ of `model`, so that those of several surveys compare. refit_every : ticks between fits, 0 for none (a
+    last fit is made at the end). keep(tick, last) says which ticks keep their whole posterior. Raises InputError where
+    no flight lasts a sensing period.
     """
-    rounds = _measured(flights, field, noise_sd, period, seed)
-    truth = field(points)
-    process, ledger = GaussianProcess(model, noise_sd, points), _ledger(planning or model.kernel, noise_sd)
-    ticks, fitted = [], Fitted(model)
-    for number, measured in enumerate(rounds):
-        process.extend(measured.positions, measured.values)
-        ledger.extend(measured.positions, measured.values)
-        last = number == len(rounds) - 1
+    schedule = _schedule(flights, period)
+    process, ledger = GaussianProcess(model, noise_sd, points), _ledger(planning or model.kernel, model.tau, noise_sd)
+    ticks, fitted, truth = [], Fitted(model), np.empty(0)
+    for number, measured in enumerate(_measured(schedule, field, noise_sd, seed)):
+        process.extend(measured.positions, measured.values, measured.time)
+        ledger.extend(measured.positions, measured.values, measured.time)
+        last = number == len(schedule) - 1
         if refit_every and ((number + 1) % refit_every == 0 or last):
-            fitted = choose_model(fitted.model, offered, noise_sd, *process.samples)
+            fitted = choose_model(fitted.model, offered, noise_sd, *process.samples, process.times)
             process = process.refitted(fitted.model)
+        if number == 0 or isinstance(field, Drifting):
+            truth = measured.field(points)
         tick = _tick(measured.time, process, ledger, truth, fitted)
-        ticks.append(tick if keep(number, len(rounds) - 1) else replace(tick, posterior=None))
-    times = [np.full(len(measured.uavs), measured.time) for measured in rounds]
-    uavs = np.concatenate([measured.uavs for measured in rounds])
-    return Survey(tuple(ticks), *process.samples, uavs, np.concatenate(times))
+        ticks.append(tick if keep(number, len(schedule) - 1) else replace(tick, posterior=None))
+    uavs = np.concatenate([each for _, each, _ in schedule])
+    return Survey(tuple(ticks), *process.samples, uavs, process.times)
 
 
 def last_map(
     flights: Sequence[Flight],
-    field: Field,
+    field: Field | Drifting,
     points: Floats,
     *,
     model: MapModel,
@@ -151,59 +168,75 @@ def last_map(
 
     It is what a survey is worth, many times sooner than tick by tick.
     """
-    rounds = _measured(flights, field, noise_sd, period, seed)
-    positions, values = (np.concatenate([getattr(m, name) for m in rounds]) for name in ("positions", "values"))
-    fitted = choose_model(model, offered, noise_sd, positions, values) if refit else Fitted(model)
-    process, ledger = GaussianProcess(fitted.model, noise_sd, points), _ledger(planning or model.kernel, noise_sd)
-    process.extend(positions, values)
-    ledger.extend(positions, values)
-    return _tick(rounds[-1].time, process, ledger, field(points), fitted)
+    schedule = _schedule(flights, period)
+    positions = np.concatenate([each for _, _, each in schedule])
+    times = np.concatenate([np.full(len(uavs), time) for time, uavs, _ in schedule])
+    values = np.concatenate([measured.values for measured in _measured(schedule, field, noise_sd, seed)])
+    fitted = choose_model(model, offered, noise_sd, positions, values, times) if refit else Fitted(model)
+    process = GaussianProcess(fitted.model, noise_sd, points)
+    ledger = _ledger(planning or model.kernel, model.tau, noise_sd)
+    process.extend(positions, values, times)
+    ledger.extend(positions, values, times)
+    now = schedule[-1][0]
+    return _tick(now, process, ledger, field_at(field, now)(points), fitted)
+
+
+_Schedule = list[tuple[float, Ints, Floats]]
+"""Of every round of measurements its time [s], the UAVs that measure and their positions [m], shape (b, 2)."""
 
 
 class _Round(NamedTuple):
-    """One round of measurements: time [s], UAVs, their positions [m], shape (b, 2), and values, shape (b,)."""
+    """One round of measurements: time [s], positions [m], shape (b, 2), values, shape (b,), and the field then."""
 
     time: float
-    uavs: Ints
     positions: Floats
     values: Floats
+    field: Field
 
 
-def _measured(flights: Sequence[Flight], field: Field, noise_sd: float, period: float, seed: int) -> list[_Round]:
-    """Return every round of measurements of `field`, noise included, in order."""
+def _measured(schedule: _Schedule, field: Field | Drifting, noise_sd: float, seed: int) -> Iterator[_Round]:
+    """Yield every round of measurements of `field`, noise included, in order."""
     rng = np.random.default_rng(seed)
-    return [
-        _Round(time, uavs, positions, field(positions) + rng.normal(0.0, noise_sd, len(uavs)))
-        for time, uavs, positions in _schedule(flights, period)
-    ]
+    for time, uavs, positions in schedule:
+        now = field_at(field, time)
+        yield _Round(time, positions, now(positions) + rng.normal(0.0, noise_sd, len(uavs)), now)
 
 
-def _ledger(kernel: Kernel, noise_sd: float) -> GaussianProcess:
+def _ledger(kernel: Kernel, tau: float, noise_sd: float) -> GaussianProcess:
     """Return a process that maps nothing and keeps account of information."""
-    return GaussianProcess(kernel, noise_sd, np.empty((0, 2)))
+    return GaussianProcess(MapModel(kernel, tau=tau), noise_sd, np.empty((0, 2)))
 
 
 def _tick(time: float, process: GaussianProcess, ledger: GaussianProcess, truth: Floats, fitted: Fitted) -> Tick:
-    posterior = process.posterior()
+    posterior = process.posterior(time)
     judged = score(posterior, truth, process.noise_sd)
     count = len(process.samples[1])
     return Tick(time, count, ledger.information(), ledger.entropy(), judged, fitted, posterior)
 
 
-def promised_sd(flights: Sequence[Flight], points: Floats, *, kernel: Kernel, noise_sd: float, period: float) -> float:
+def promised_sd(
+    flights: Sequence[Flight],
+    points: Floats,
+    *,
+    kernel: Kernel,
+    noise_sd: float,
+    period: float,
+    tau: float = math.inf,
+) -> float:
     """Return the mean posterior sd at `points` [m], shape (p, 2), that a survey by `flights` promises under `kernel`.
 
-    It is known before take-off: the posterior sd (eq. GPR1) does not depend on what is measured.
+    It is known before take-off: the posterior sd (eq. GPR1) does not depend on what is measured. tau : of a field that
+    drifts [s]; then it is the sd at the end.
     """
-    process = GaussianProcess(kernel, noise_sd, points)
+    process = GaussianProcess(MapModel(kernel, tau=tau), noise_sd, points)
     for flight in flights:
-        positions = flight.measurements(period)[1]
-        process.extend(positions, np.zeros(len(positions)))
+        times, positions = flight.measurements(period)
+        process.extend(positions, np.zeros(len(positions)), times)
     return float(process.posterior().sd.mean())
 
 
-def _schedule(flights: Sequence[Flight], period: float) -> list[tuple[float, Ints, Floats]]:
-    """Return (time [s], UAVs measuring, their positions [m]) of every tick, in order."""
+def _schedule(flights: Sequence[Flight], period: float) -> _Schedule:
+    """Return every round of measurements, in order."""
     if not period > 0:
         raise InputError(f"the sensing period must be positive, got {period} s")
     measured = [flight.measurements(period) for flight in flights]

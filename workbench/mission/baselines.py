@@ -27,6 +27,7 @@ from instances.environment.terrain import Terrain
 from instances.extent import LEAST
 from instances.scenario import Scenario
 from workbench.jobs.machine import available_cores
+from workbench.mission.belief import known_tau
 from workbench.mission.costs import moving_costs
 from workbench.mission.flight import fly, in_wind
 from workbench.mission.place import kept_off, place_tasks, scales_of, widened, zones_of
@@ -87,6 +88,7 @@ class Baselines:
             kernel=SquaredExponential(mission.map.signal_sd, scales_of(mission.map.length_scale)),
             noise_sd=mission.sensing.noise_sd,
             period=mission.sensing.period,
+            tau=known_tau(mission),
         )
 
         def flown(flights: list[Flight]) -> list[Flight]:

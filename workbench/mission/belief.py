@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -48,10 +49,16 @@ def belief_of(mission: Mission, environment: Path) -> Belief:
     scenario, ground = kept_scenario(environment), kept_terrain(environment)
     trends = tuple(_trend(name, mission, scenario, ground) for name in names)
     return Belief(
-        MapModel(first(wanted.signal_sd, scales_of(wanted.length_scale))),
-        Offered(kernels, trends),
+        MapModel(first(wanted.signal_sd, scales_of(wanted.length_scale)), tau=known_tau(mission)),
+        Offered(kernels, trends, None if wanted.tau == "auto" else known_tau(mission)),
         SquaredExponential(mission.place.signal_sd, scales_of(mission.place.length_scale)),
     )
+
+
+def known_tau(mission: Mission) -> float:
+    """Return how long the field takes to drift [s], infinite where it stays or that is to be told by likelihood."""
+    tau = mission.map.tau
+    return tau if isinstance(tau, float) else math.inf
 
 
 def _trend(name: str, mission: Mission, scenario: Scenario, ground: Terrain | None) -> Trend:

@@ -24,7 +24,6 @@ from formulations.mapping.flight_check import length_outside
 from formulations.mapping.map_grid import MapGrid
 from formulations.mapping.survey import Tick, last_map
 from instances.disk import write_aside
-from instances.environment.radio import RadioMap
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
 from reports.verdicts import named, plans, sentence, verdicts
@@ -33,7 +32,7 @@ from workbench.mission.belief import Belief, belief_of
 from workbench.mission.calm import write_calm_twin
 from workbench.mission.flight import kept_flights, track_frame
 from workbench.mission.map import survey_of, ticks_frame
-from workbench.mission.redraw import conditions, redrawn_words
+from workbench.mission.redraw import Measured, conditions, measured_field, redrawn_words
 from workbench.mission.settings import Mission
 
 Tell = Callable[[str], None]
@@ -53,7 +52,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
     ways = [[own], *made]
     tell(f"mapping {len(ways)} plans")
     belief = belief_of(mission, folders["environment"])
-    rows, ticks = _first_draw(mission, belief, scenario, field, ways)
+    rows, ticks = _first_draw(mission, belief, scenario, measured_field(mission, field), ways)
     points = MapGrid.over(scenario.region, mission.map.cells).points
     for draw, (redrawn, seed) in enumerate(conditions(mission, field)):
         for plan in (way[draw % len(way)] for way in ways if draw > 0):
@@ -76,7 +75,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
 
 
 def _first_draw(
-    mission: Mission, belief: Belief, scenario: Scenario, field: RadioMap, ways: list[list[Plan]]
+    mission: Mission, belief: Belief, scenario: Scenario, field: Measured, ways: list[list[Plan]]
 ) -> tuple[list[dict[str, Any]], list[pd.DataFrame]]:
     """Return a row and the ticks of each plan over the mission's own field."""
     rows, ticks = [], []

@@ -64,8 +64,10 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     keep_field(field, out, scenario.plane)
     write_field(field, out / "field.csv")
     low, high = float(field.values.min()), float(field.values.max())
-    facts = {"field": {"unit": field.unit, "least": low, "most": high, "sd": float(field.values.std())}}
-    write_aside(out / "environment.json", json.dumps(facts, indent=1))
+    facts: dict[str, Any] = {"unit": field.unit, "least": low, "most": high, "sd": float(field.values.std())}
+    if mission.field.tau is not None:
+        facts["tau"] = mission.field.tau
+    write_aside(out / "environment.json", json.dumps({"field": facts}, indent=1))
     said = f"field from {low:.1f} to {high:.1f} {field.unit}".rstrip()
     return "; ".join([said, *differing_heights(mission)])
 
@@ -123,7 +125,7 @@ def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
     if wanted.file is None:
         assert scenario.radio is not None
         source = RadioSource.from_table(scenario.radio)
-        more = {key: value for key, value in structs.asdict(wanted).items() if key not in ("file", "unit")}
+        more = {key: value for key, value in structs.asdict(wanted).items() if key not in ("file", "unit", "tau")}
         flown = mission.altitude
         altitude, above_ground = flown.above, flown.frame is Frame.ABOVE_GROUND
         if flown.frame is Frame.ABOVE_HOME and terrain is not None:

@@ -44,6 +44,9 @@ def check_mission(mission: Mission) -> None:
         RadioSource.from_table(scenario.radio)
     elif not os.path.isfile(mission.folder / mission.field.file):
         raise InputError(f"field.file: there is no file {mission.folder / mission.field.file}")
+    if mission.field.tau is not None and not (mission.field.file is None and mission.field.shadowing_sd > 0):
+        why = "field.shadowing_sd is 0" if mission.field.file is None else "the field is a file"
+        raise InputError(f"field.tau is of the shadowing that drifts, and {why}: leave field.tau out")
     _check_units(mission)
 
 

@@ -2,12 +2,14 @@
 
 Products: samples.csv (time [s], uav, x, y [m], value), ticks.csv, model.json (what the last map believes, and the
 likelihoods it was chosen by), maps.nc (the maps of some ticks, the last included), map.csv (the last) and, where the
-mission has an origin, estimate.tif and uncertainty.tif (the last) and field.tif (what was measured).
+mission has an origin, estimate.tif and uncertainty.tif (the last) and field.tif (what was measured). Where the field
+drifts, what was measured is that of the last tick.
 """
 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Collection
 from dataclasses import asdict
 from importlib.util import find_spec
@@ -22,6 +24,7 @@ from formulations.mapping.flight import Flight
 from formulations.mapping.map_grid import MapGrid
 from formulations.mapping.survey import Survey, Tick, fly_survey
 from instances.disk import write_aside
+from instances.environment.drift import DriftingField
 from instances.environment.radio import RadioMap
 from instances.environment.region import Region
 from instances.formats.geotiff import write_geotiff
@@ -30,6 +33,7 @@ from instances.geodesy import TangentPlane
 from instances.scenario_folder import kept_field, kept_scenario
 from workbench.mission.belief import Belief, belief_of
 from workbench.mission.flight import kept_flights
+from workbench.mission.redraw import Measured, measured_field
 from workbench.mission.settings import Mission
 
 
@@ -43,17 +47,19 @@ def settings(mission: Mission) -> dict[str, Any]:
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
     """Fly, measure and map."""
     scenario, field = kept_scenario(folders["environment"]), kept_field(folders["environment"])
+    measured = measured_field(mission, field)
     flights = kept_flights(folders["flight"])
     last = max(int(flight.duration / mission.sensing.period) for flight in flights)
     kept = frames(last, mission.map.frames)
     belief = belief_of(mission, folders["environment"])
-    survey = survey_of(mission, belief, scenario.region, field, flights, kept)
+    survey = survey_of(mission, belief, scenario.region, measured, flights, kept)
     x, y = survey.positions.T
     samples = pd.DataFrame({"time": survey.times, "uav": survey.uavs, "x": x, "y": y, "value": survey.values})
     write_aside(out / "samples.csv", samples.round(6).to_csv(index=False))
     write_aside(out / "ticks.csv", ticks_frame(survey).to_csv(index=False))
     write_aside(out / "model.json", json.dumps(_chosen(survey.ticks[-1]), indent=1))
-    grid = MapGrid.over(scenario.region, mission.map.cells)
+    grid, landed = MapGrid.over(scenario.region, mission.map.cells), survey.ticks[-1].time
+    field = measured.at(landed) if isinstance(measured, DriftingField) else measured
     _write_maps(survey, grid, field, mission.origin, out)
     if mission.origin is not None:
         _write_rasters(survey, grid, field, mission.origin, out, tell)
@@ -70,7 +76,7 @@ def frames(last: int, count: int) -> set[int]:
 
 
 def survey_of(
-    mission: Mission, belief: Belief, region: Region, field: RadioMap, flights: list[Flight], kept: Collection[int] = ()
+    mission: Mission, belief: Belief, region: Region, field: Measured, flights: list[Flight], kept: Collection[int] = ()
 ) -> Survey:
     """Fly, measure and map `field` under the mission's settings, keeping the maps of the ticks `kept`."""
     return fly_survey(
@@ -85,12 +91,20 @@ def survey_of(
 
 
 def ticks_frame(survey: Survey) -> pd.DataFrame:
-    """Return a row a tick: time [s], samples, information and entropy [nats], scores, the model and its parameters."""
-    return pd.DataFrame([_row(tick) for tick in survey.ticks])
+    """Return a row a tick: time [s], samples, information and entropy [nats], scores, the model and its parameters.
+
+    tau [s] is among these where any tick's model drifts.
+    """
+    frame = pd.DataFrame([_row(tick) for tick in survey.ticks])
+    taus = [tick.fitted.model.tau for tick in survey.ticks]
+    return frame if all(map(math.isinf, taus)) else frame.assign(tau=taus)
 
 
 def _chosen(tick: Tick) -> dict[str, Any]:
-    """Return the model of a tick, its coefficients, and the log-likelihood [nats] of every kernel and mean offered."""
+    """Return the model of a tick, its coefficients, and the log-likelihood [nats] of every kernel and mean offered.
+
+    tau [s] of one that drifts; drift [nats]: how far such models were ahead, where both kinds were tried.
+    """
     model = tick.fitted.model
     evidence = [
         {"kernel": kernel, "mean": mean, "log_likelihood": value}
@@ -105,6 +119,8 @@ def _chosen(tick: Tick) -> dict[str, Any]:
         "nugget_sd": model.nugget_sd,
         "coefficients": tick.posterior.coefficients.tolist(),
         "evidence": evidence,
+        **({"tau": model.tau} if model.tau < math.inf else {}),
+        **({"drift": tick.fitted.drift} if tick.fitted.drift is not None else {}),
     }
 
 

@@ -1,4 +1,4 @@
-"""Redrawing what chance decided: the field's shadowing, where the mission made it, and the sensor's noise."""
+"""What chance decides: shadowing and noise, drawn again, and shadowing that drifts during the flight."""
 
 from __future__ import annotations
 
@@ -7,24 +7,39 @@ from dataclasses import replace
 
 import numpy as np
 
+from instances.arrays import Floats
+from instances.environment.drift import DriftingField
 from instances.environment.propagation import shadowing
 from instances.environment.radio import RadioMap
 from reports.numbers import counted
 from workbench.mission.settings import Mission
 
+Measured = RadioMap | DriftingField
 
-def conditions(mission: Mission, field: RadioMap) -> Iterator[tuple[RadioMap, int]]:
-    """Yield a field and a noise seed for each of the comparison's seeds, first the mission's own."""
-    yield field, mission.sensing.seed
-    made, grid = mission.field, (field.values.shape, (_step(field.x), _step(field.y)))
-    redrawn = _is_redrawn(mission)
+
+def measured_field(mission: Mission, field: RadioMap) -> Measured:
+    """Return the field that is measured, of which `field` is what it was at take-off."""
+    if mission.field.tau is None:
+        return field
+    own = _shadowing(mission, field, mission.field.seed)
+    return _drifting(mission, replace(field, values=field.values - own), mission.field.seed)
+
+
+def conditions(mission: Mission, field: RadioMap) -> Iterator[tuple[Measured, int]]:
+    """Yield a field and a noise seed for each of the comparison's seeds, first the mission's own.
+
+    field : the mission's own at take-off.
+    """
+    yield measured_field(mission, field), mission.sensing.seed
+    made, redrawn = mission.field, _is_redrawn(mission)
     if redrawn:
-        own = shadowing(*grid, made.shadowing_sd, made.decorrelation, made.seed)
+        own = _shadowing(mission, field, made.seed)
     for number in range(1, mission.compare.seeds):
         seed, noise = (_seed(mission, given, number) for given in (made.seed, mission.sensing.seed))
-        if redrawn:
-            drawn = shadowing(*grid, made.shadowing_sd, made.decorrelation, seed)
-            yield replace(field, values=field.values - own + drawn), noise
+        if redrawn and made.tau is not None:
+            yield _drifting(mission, replace(field, values=field.values - own), seed), noise
+        elif redrawn:
+            yield replace(field, values=field.values - own + _shadowing(mission, field, seed)), noise
         else:
             yield field, noise
 
@@ -43,10 +58,26 @@ def _is_redrawn(mission: Mission) -> bool:
     return mission.field.file is None and mission.field.shadowing_sd > 0
 
 
-def _step(axis: np.ndarray) -> float:
-    return float(axis[1] - axis[0])
+def _drifting(mission: Mission, still: RadioMap, seed: int) -> DriftingField:
+    """Return `still` with shadowing that drifts from that of `seed` on, a frame a round of measurements."""
+
+    def drawn(number: int) -> Floats:
+        return _shadowing(mission, still, _derived(seed, number) if number else seed)
+
+    assert mission.field.tau is not None
+    return DriftingField(still, drawn, mission.field.tau, mission.sensing.period)
+
+
+def _shadowing(mission: Mission, field: RadioMap, seed: int) -> Floats:
+    """Return the shadowing of `seed` at the nodes of `field`."""
+    spacing = (float(field.x[1] - field.x[0]), float(field.y[1] - field.y[0]))
+    return shadowing(field.values.shape, spacing, mission.field.shadowing_sd, mission.field.decorrelation, seed)
 
 
 def _seed(mission: Mission, given: int, number: int) -> int:
     """Return the seed of draw `number` of what the mission drew with the seed `given`."""
-    return int(np.random.SeedSequence([mission.compare.seed, given, number]).generate_state(1)[0])
+    return _derived(mission.compare.seed, given, number)
+
+
+def _derived(*entropy: int) -> int:
+    return int(np.random.SeedSequence(list(entropy)).generate_state(1)[0])

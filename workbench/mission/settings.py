@@ -53,6 +53,14 @@ class FieldSettings(Table, frozen=True, kw_only=True):
     decorrelation: Annotated[Positive, about("distance at which the shadowing's correlation falls to 1/e", "m")] = (
         2000.0
     )
+    tau: Annotated[
+        Positive | None,
+        about(
+            "time in which the shadowing's correlation falls to 1/e: it drifts in flight; it stays unless given",
+            "s",
+            example=600.0,
+        ),
+    ] = None
     cells: Annotated[Annotated[int, Meta(ge=2, le=2000)], about("nodes of the field along the longer side")] = 200
     seed: Annotated[Seed, about("seed of the shadowing")] = 0
 
@@ -163,6 +171,15 @@ class MapSettings(Table, frozen=True, kw_only=True):
         Literal["constant", "path-loss", "propagation", "auto"],
         about("mean of the map: a constant, or beside it distance from the transmitter or diffraction, where likelier"),
     ] = "constant"
+    tau: Annotated[
+        Positive | Literal["auto"] | None,
+        about(
+            "time in which the field's correlation falls to 1/e, so that old readings count less; auto: taken to drift "
+            "where that is likelier; the field is taken to stay unless given",
+            "s",
+            example=600.0,
+        ),
+    ] = None
     refit_every: Annotated[
         Annotated[int, Meta(ge=0, le=MOST)], about("measuring rounds between fits of the map's model; 0 for none")
     ] = 10

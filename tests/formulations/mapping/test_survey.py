@@ -11,7 +11,7 @@ from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.gaussian_process import GaussianProcess, Posterior
 from formulations.mapping.map_model import MapModel
-from formulations.mapping.survey import fly_survey, last_map, promised_sd, score
+from formulations.mapping.survey import Field, fly_survey, last_map, promised_sd, score
 from instances import InputError
 
 KERNEL = SquaredExponential(10.0, (4000.0, 4000.0))
@@ -100,3 +100,30 @@ def test_the_last_map_alone_rests_on_the_same_samples() -> None:
         assert (alone.time, alone.samples) == (whole.time, whole.samples)
         assert alone.information == pytest.approx(whole.information)
         assert alone.score.rmse == pytest.approx(whole.score.rmse, rel=2e-3 if fitted else 1e-9)
+
+
+class Rising:
+    """A field that is everywhere as great as the time [s]."""
+
+    def at(self, time: float) -> Field:
+        return lambda points: np.full(len(points), time)
+
+
+def test_a_drifting_field_is_measured_and_judged_as_it_is_then() -> None:
+    flights, model = [loop(1000.0, 4000.0), loop(6000.0, 9000.0)], MapModel(KERNEL, tau=60.0)
+    survey = fly_survey(flights, Rising(), GRID, model=model, noise_sd=1e-6, refit_every=0)
+    np.testing.assert_allclose(survey.values, survey.times, atol=1e-4)
+    for tick in survey.ticks[1:]:
+        assert tick.posterior is not None
+        assert tick.score.rmse == pytest.approx(np.sqrt(np.mean((tick.posterior.mean - tick.time) ** 2)), rel=1e-12)
+    alone = last_map(flights, Rising(), GRID, model=model, noise_sd=1e-6, refit=False)
+    assert alone.score.rmse == pytest.approx(survey.ticks[-1].score.rmse)
+    assert alone.information == pytest.approx(survey.ticks[-1].information)
+
+
+def test_the_uncertainty_promised_of_a_drifting_field_is_that_at_the_end() -> None:
+    flights, model = [loop(1000.0, 4000.0), loop(6000.0, 9000.0)], MapModel(KERNEL, tau=120.0)
+    promised = promised_sd(flights, GRID, kernel=KERNEL, noise_sd=1.0, period=10.0, tau=120.0)
+    flown = fly_survey(flights, smooth_field, GRID, model=model, refit_every=0)
+    assert promised == pytest.approx(flown.ticks[-1].score.mean_sd, rel=1e-9)
+    assert promised > 1.5 * promised_sd(flights, GRID, kernel=KERNEL, noise_sd=1.0, period=10.0)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from formulations.mapping.flight import Flight, plan_flight
+from instances.environment.drift import DriftingField
 from instances.environment.propagation import radio_map
 from instances.environment.radio import RadioMap, RadioSource
 from instances.environment.terrain import Terrain
@@ -52,6 +53,20 @@ def test_shadowing_is_drawn_again_and_the_rest_of_the_field_stays() -> None:
         assert abs(np.corrcoef(shadows.ravel(), (field().values - bare).ravel())[0, 1]) < 0.5
     again = [redrawn.values for redrawn, _ in conditions(mission_with(), field())]
     np.testing.assert_array_equal(again[2], others[1][0].values)
+
+
+def test_shadowing_that_drifts_begins_as_drawn_and_every_draw_drifts_on_its_own() -> None:
+    drifting = mission_with(field={**TABLE["field"], "tau": 100.0})
+    fields = [each for each, _ in conditions(drifting, field())]
+    assert all(isinstance(each, DriftingField) for each in fields)
+    still = [each for each, _ in conditions(mission_with(), field())]
+    for moving, fixed in zip(fields, still, strict=True):
+        assert isinstance(moving, DriftingField)
+        np.testing.assert_allclose(moving.at(0.0).values, fixed.values, atol=1e-9)
+    bare = field(0.0).values
+    later = [each.at(300.0).values - bare for each in fields if isinstance(each, DriftingField)]
+    assert all(shadows.std() == pytest.approx(3.0, rel=0.3) for shadows in later)
+    assert np.abs(np.corrcoef([shadows.ravel() for shadows in later])[np.triu_indices(3, 1)]).max() < 0.5
 
 
 def test_a_field_without_chance_stays_and_the_words_say_so(tmp_path: Path) -> None:

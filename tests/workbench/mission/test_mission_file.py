@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from instances.errors import InputError
 from instances.formats.mavlink_items import Vehicle
+from workbench.mission.belief import known_tau
 from workbench.mission.file import mission_of, read_mission, shipped_missions
 
 TABLE = {
@@ -138,3 +140,28 @@ def test_files_that_are_no_toml(tmp_path: Path, text: str) -> None:
     (tmp_path / "m.toml").write_text(text)
     with pytest.raises(InputError, match=r"m\.toml"):
         read_mission(tmp_path / "m.toml")
+
+
+@pytest.mark.parametrize(
+    ("field", "words"),
+    [
+        (
+            {"tau": 600.0, "shadowing_sd": 0.0},
+            r"field\.tau is of the shadowing that drifts, and field\.shadowing_sd is 0",
+        ),
+        ({"tau": 600.0, "file": "field.csv"}, r"field\.tau is of the shadowing that drifts, and the field is a file"),
+        ({"tau": 0.0}, r"\[field\] tau must be a positive number \[s\]"),
+    ],
+)
+def test_only_shadowing_drifts(tmp_path: Path, field: dict, words: str) -> None:
+    (tmp_path / "field.csv").touch()
+    with pytest.raises(InputError, match=words):
+        mission_of(changed(field=field), tmp_path, "m")
+
+
+@pytest.mark.parametrize("tau", ["never", 0, -3.0])
+def test_the_maps_tau_is_auto_or_positive(tau: object) -> None:
+    with pytest.raises(InputError, match=r"\[map\] tau must be a positive number \[s\] or 'auto'"):
+        mission_of(changed(map={"tau": tau}), Path(), "m")
+    assert known_tau(mission_of(changed(map={"tau": 600}), Path(), "m")) == 600.0
+    assert known_tau(mission_of(changed(map={"tau": "auto"}), Path(), "m")) == math.inf

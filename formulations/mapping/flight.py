@@ -9,7 +9,7 @@ task. Sensing is discrete in time (§Problem Formulation): a measurement every `
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -108,6 +108,14 @@ class Flight:
         """
         times = period * np.arange(1, int(self.duration / period + 1e-9) + 1, dtype=np.float64)
         return times, self.poses(self.travelled(times))[:, :2]
+
+    def repeated(self, laps: int) -> Flight:
+        """Return the tour flown `laps` times, one after the other."""
+        starts, segments = (np.tile(array, (laps, 1)) for array in (self.starts, self.segments))
+        clock = self.clock
+        if clock is not None:
+            clock = np.append(0.0, (clock[1:] + clock[-1] * np.arange(laps)[:, None]).reshape(-1))
+        return replace(self, starts=starts, words=np.tile(self.words, laps), segments=segments, clock=clock)
 
     def to_json(self) -> dict[str, Any]:
         """Return the flight as JSON values."""

@@ -1,5 +1,7 @@
 """What a person would fly otherwise, with the same UAVs, under the same rules.
 
+All fly as many laps as the mission does.
+
 lawnmower: the fewest lanes whose tours are at least as long as the mission's (`formulations.mapping.lawnmower`).
 random: uniform random tasks, as many as make the tours at least as long; routed as the mission is.
 greedy: as many tasks as the mission has, placed greedily; routed as the mission is.
@@ -63,10 +65,15 @@ Coming = Callable[[], list[Flight]]
 
 
 class Baselines:
-    """Makes the baselines of a mission whose own tours are `length` [m] long, routes beside one another."""
+    """Makes the baselines of a mission whose own tours are `length` [m] long with all laps, routes beside one another.
 
-    def __init__(self, mission: Mission, scenario: Scenario, ground: Terrain | None, length: float) -> None:
-        self.mission, self.scenario, self.ground, self.length = mission, scenario, ground, length
+    laps : how often each baseline flies its tours.
+    """
+
+    def __init__(
+        self, mission: Mission, scenario: Scenario, ground: Terrain | None, length: float, laps: int = 1
+    ) -> None:
+        self.mission, self.scenario, self.ground, self.length, self.laps = mission, scenario, ground, length, laps
         self.region = widened(scenario, mission.clearance).free
         self.inner = kept_off(self.region, scenario.region, mission.clearance) or self.region
 
@@ -92,7 +99,7 @@ class Baselines:
         )
 
         def flown(flights: list[Flight]) -> list[Flight]:
-            return [in_wind(flight, scenario) for flight in flights]
+            return [in_wind(flight, scenario).repeated(self.laps) for flight in flights]
 
         def worth(flights: list[Flight]) -> tuple[bool, float]:
             return bool(unflyable(mission, scenario, self.ground, flights)), promised(flown(flights))
@@ -100,7 +107,7 @@ class Baselines:
         lanes, flights = best_lawnmower(
             scenario.free,
             scenario.depots,
-            self.length,
+            self.length / self.laps,
             worth,
             speed=mission.speed,
             radius=mission.flight.turning_radius,
@@ -161,7 +168,8 @@ class Baselines:
             routes = solving.result().own["routes"]
             assert routes is not None
             room = room_to_fly(mission, self.scenario)
-            return fly(mission, self.scenario, instance, paths, routes, room).flights
+            flown = fly(mission, self.scenario, instance, paths, routes, room).flights
+            return [flight.repeated(self.laps) for flight in flown]
 
         return flights
 

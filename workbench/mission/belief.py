@@ -44,15 +44,21 @@ def belief_of(mission: Mission, environment: Path) -> Belief:
     """Return what `mission` believes; `environment` is the folder of that stage."""
     wanted = mission.map
     kernels = tuple(KERNELS.values()) if wanted.kernel == "auto" else (KERNELS[wanted.kernel],)
-    first = SquaredExponential if wanted.kernel == "auto" else kernels[0]
     names = MEANS if wanted.mean == "auto" else dict.fromkeys(("constant", wanted.mean))
     scenario, ground = kept_scenario(environment), kept_terrain(environment)
     trends = tuple(_trend(name, mission, scenario, ground) for name in names)
     return Belief(
-        MapModel(first(wanted.signal_sd, scales_of(wanted.length_scale)), tau=known_tau(mission)),
+        map_model_of(mission),
         Offered(kernels, trends, None if wanted.tau == "auto" else known_tau(mission)),
         SquaredExponential(mission.place.signal_sd, scales_of(mission.place.length_scale)),
     )
+
+
+def map_model_of(mission: Mission) -> MapModel:
+    """Return what the map believes at take-off."""
+    wanted = mission.map
+    kernel = SquaredExponential if wanted.kernel == "auto" else KERNELS[wanted.kernel]
+    return MapModel(kernel(wanted.signal_sd, scales_of(wanted.length_scale)), tau=known_tau(mission))
 
 
 def known_tau(mission: Mission) -> float:

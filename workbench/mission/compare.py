@@ -31,6 +31,7 @@ from workbench.mission.baselines import Baselines, Plan
 from workbench.mission.belief import Belief, belief_of
 from workbench.mission.calm import write_calm_twin
 from workbench.mission.flight import kept_flights, track_frame
+from workbench.mission.laps import kept_laps
 from workbench.mission.map import survey_of, ticks_frame
 from workbench.mission.redraw import Measured, conditions, measured_field, redrawn_words
 from workbench.mission.settings import Mission
@@ -47,8 +48,9 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
     """Fly and map every baseline."""
     scenario, field = kept_scenario(folders["environment"]), kept_field(folders["environment"])
     own = Plan("mission", scenario.n_tasks, kept_flights(folders["flight"]))
+    laps = kept_laps(folders["flight"])
     tell(", ".join(mission.compare.baselines))
-    made = Baselines(mission, scenario, kept_terrain(folders["environment"]), own.length).made()
+    made = Baselines(mission, scenario, kept_terrain(folders["environment"]), own.length, laps).made()
     ways = [[own], *made]
     tell(f"mapping {len(ways)} plans")
     belief = belief_of(mission, folders["environment"])

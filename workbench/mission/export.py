@@ -28,6 +28,8 @@ from instances.formats.tour import Tour
 from instances.geodesy import TangentPlane
 from instances.scenario import Scenario
 
+SAME = 1e-3
+"""Waypoints so near to one another [m] are at one place."""
 STRAY = 2.0
 """An autopilot climbs evenly from waypoint to waypoint; waypoints keep it at most so many metres above the track."""
 
@@ -59,7 +61,9 @@ def tour_of(name: str, flight: Flight, heights: Heights, tasks: Mapping[int, Flo
     points: Floats = flight.poses(travelled)[:, :2]
     numbers: list[int | None] = [None] * len(points)
     for task, place in tasks.items():
-        numbers[int(np.argmin(np.hypot(*(points - place).T)))] = task
+        away = np.hypot(*(points - place).T)
+        for at in np.flatnonzero(away <= away.min() + SAME):  # once a lap
+            numbers[int(at)] = task
     track = heights.at(travelled)
     track[0] = max(track[0], heights.track[-1])  # it comes back to its first waypoint
     evenly = np.interp(heights.travelled, [*travelled, flight.length], [*track, track[0]])

@@ -14,7 +14,7 @@ from instances.environment.wind_terrain import TerrainWind
 from instances.errors import InputError, shown
 from instances.instance import check_size
 from instances.registry import LARGEST, MethodRegistry
-from workbench.mission.settings import SMALLEST, Mission
+from workbench.mission.settings import MOST_LAPS, SMALLEST, Mission
 
 MOST_G = 200.0
 """Load factors beyond this are no flight but a length in the wrong unit (the paper's own example flies 20 g)."""
@@ -47,6 +47,8 @@ def check_mission(mission: Mission) -> None:
     if mission.field.tau is not None and not (mission.field.file is None and mission.field.shadowing_sd > 0):
         why = "field.shadowing_sd is 0" if mission.field.file is None else "the field is a file"
         raise InputError(f"field.tau is of the shadowing that drifts, and {why}: leave field.tau out")
+    if mission.flight.laps == "endurance" and mission.flight.endurance is None and scenario.fleet.endurance is None:
+        raise InputError('flight.laps = "endurance" needs one: give flight.endurance, or [[uav]] endurance')
     _check_units(mission)
 
 
@@ -100,7 +102,8 @@ def _check_units(mission: Mission) -> None:
     if radius > size / 4:
         raise InputError(f"flight.turning_radius = {radius:g} m is more than a quarter of the region ({size:g} m)")
     tasks = mission.scenario.n_tasks
-    longest = (tasks + 1) * 2 * ((x1 - x0) + (y1 - y0)) / speed  # the flight stage knows the tours themselves
+    laps = mission.flight.laps if isinstance(mission.flight.laps, int) else MOST_LAPS
+    longest = laps * (tasks + 1) * 2 * ((x1 - x0) + (y1 - y0)) / speed  # the flight stage knows the tours themselves
     if mission.sensing.period > longest:
         raise InputError(
             f"sensing.period = {mission.sensing.period:g} s is longer than any tour of {tasks} tasks could last "

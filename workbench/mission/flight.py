@@ -1,7 +1,8 @@
 """Stage 5, flight: Dubins tours along the reference paths (sub-problem 4), checked, and exported for ground control.
 
-Products: flights.json, flown.csv (a pose every 0.2 s, z above mean sea level), reference.csv, flight-check.csv and,
-where the mission has an origin, what `workbench.mission.export` writes.
+Products: flights.json, flown.csv (a pose every 0.2 s, z above mean sea level), reference.csv, flight-check.csv,
+laps.json where tours are flown more than once or turned and, where the mission has an origin, what
+`workbench.mission.export` writes.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
 from workbench.mission.export import export, tours_of
+from workbench.mission.laps import LAPS_FILE, Laps, directed
 from workbench.mission.place import zones_of
 from workbench.mission.routes import kept_routes
 from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground, room_to_fly
@@ -54,6 +56,7 @@ def settings(mission: Mission) -> dict[str, Any]:
         "period": mission.sensing.period,
         "origin": origin,
         "vehicle": asdict(mission.vehicle),
+        "map": structs.asdict(mission.map) if mission.map.tau is not None else None,
     }
     return structs.asdict(mission.flight) | own
 
@@ -72,7 +75,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     scenario = kept_scenario(folders["environment"])
     instance, paths = kept_costs(folders["costs"])
     routes = kept_routes(folders["routes"], instance)
-    fleet = fly(mission, scenario, instance, paths, routes, room_to_fly(mission, scenario))
+    fleet, laps = _fleet(mission, scenario, instance, paths, routes)
     refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
     ground = kept_terrain(folders["environment"])
     heights = {
@@ -92,6 +95,8 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
             f"take {MOST_SAMPLES}"
         )
     write_aside(out / "flights.json", json.dumps([flight.to_json() for flight in fleet.flights]))
+    if not laps.plain or laps.sd is not None:
+        write_aside(out / LAPS_FILE, json.dumps(laps.to_json()))
     flown = track_frame(fleet.flights)
     z = [
         heights[int(str(k))].at(fleet.flights[int(str(k))].travelled(track["time"]))
@@ -110,7 +115,17 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         tours = tours_of(scenario.name, instance, routes, fleet.flights, heights, known=ground is not None)
         frame = mission.altitude.frame.value
         export(tours, flown, scenario, mission.origin, out, frame=frame, vehicle=mission.vehicle)
-    return f"{_said(fleet.checks)}; {_said_of_heights(heights, ground)}"
+    return "; ".join([_said(fleet.checks), *laps.said(), _said_of_heights(heights, ground)])
+
+
+def _fleet(
+    mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, routes: Routes
+) -> tuple[Fleet, Laps]:
+    """Return the flights on all laps, and the laps."""
+    room = room_to_fly(mission, scenario)
+    once = fly(mission, scenario, instance, paths, routes, room)
+    laps = directed(mission, scenario, instance, routes, once.flights)
+    return (once if laps.plain else fly(mission, scenario, instance, paths, routes, room, laps)), laps
 
 
 def fly(
@@ -120,13 +135,18 @@ def fly(
     paths: Paths,
     routes: Routes,
     within: Polygon | None = None,
+    laps: Laps | None = None,
 ) -> Fleet:
-    """Return the flights along the reference paths of `routes`, their turns `within` a polygon where they can be."""
+    """Return the flights along the reference paths of `routes`, their turns `within` a polygon where they can be.
+
+    laps : how often each route is flown and which way round, once and as it is unless given.
+    """
     assert instance.coordinates is not None
     flights, legs, checks = [], [], []
-    for k, route in enumerate(routes):
+    for k, tours in enumerate([[route] for route in routes] if laps is None else laps.tours(routes)):
         depot = instance.n_tasks + k
-        stops = (depot, *route, depot) if route else ()
+        flown = [tour for tour in tours if tour]
+        stops = [depot, *(stop for tour in flown for stop in (*tour, depot))] if flown else []
         reference = [paths.between(i, j) for i, j in pairwise(stops)]
         flight = plan_flight(reference, speed=mission.speed, radius=mission.flight.turning_radius, within=within)
         flight = in_wind(flight, scenario)
@@ -134,7 +154,7 @@ def fly(
             raise InputError(f"flight.speed = {mission.speed:g} m/s: a tour would last {flight.duration:.3g} s")
         flights.append(flight)
         legs.append(reference)
-        tasks = instance.coordinates[list(route)]
+        tasks = instance.coordinates[sorted({task for tour in flown for task in tour})]
         checks.append(check_flight(flight, reference, tasks, scenario.region, zones_of(scenario)))
     return Fleet(flights, legs, checks)
 

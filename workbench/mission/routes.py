@@ -1,8 +1,8 @@
 """Stage 4, routes: the min-max multi-depot multiple TSP (sub-problem 3) by a registered solver, in its own process.
 
-Where endurance does not suffice for all tasks, those that fit and tell most are selected first, and the solver routes
-these (`workbench.mission.selection`). Then a lower bound is sought, so that the routes carry a gap: no tours can be
-better by more.
+Where endurance does not suffice for all tasks on every lap, those that fit and tell most are selected first, and the
+solver routes these (`workbench.mission.selection`). Then a lower bound is sought, so that the routes carry a gap: no
+tours can be better by more.
 
 Products: routes.sol, run.json, tours.csv (what each tour takes and costs along its reference path), bound.json (the
 bounds found, the best of them and the gap to it) and, where tasks are left out, selection.json.
@@ -16,7 +16,6 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from msgspec import structs
 
@@ -33,6 +32,7 @@ from reports.tolerances import RELATIVE_ROUNDING
 from workbench.jobs.job import Job
 from workbench.jobs.runner import run
 from workbench.mission.costs import kept_costs
+from workbench.mission.laps import limits_of
 from workbench.mission.settings import Mission
 from workbench.problems.routing import ROUTING
 
@@ -42,8 +42,10 @@ SELECTION_FILE = "selection.json"
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     own = structs.asdict(mission.routes)
-    limited = mission.flight.endurance is not None
-    return own | ({"endurance": mission.flight.endurance, "place": structs.asdict(mission.place)} if limited else {})
+    flown = mission.flight
+    limited = flown.endurance is not None or flown.laps != 1
+    place = structs.asdict(mission.place)
+    return own | ({"endurance": flown.endurance, "laps": flown.laps, "place": place} if limited else {})
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
@@ -51,8 +53,11 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     instance, paths = kept_costs(folders["costs"])
     scenario = kept_scenario(folders["environment"])
     tell(f"{mission.routes.solver} for {mission.routes.time_limit:g} s")
+    laps = mission.flight.laps if isinstance(mission.flight.laps, int) else 1
+    limits = limits_of(mission, instance) / laps
+    if laps > 1 and instance.endurance is not None:
+        instance = replace(instance, endurance=limits)
     found = attempt(mission, instance, mission.routes.time_limit, mission.routes.seed)
-    limits = np.minimum(instance.limits, mission.flight.endurance or np.inf)
     left_out = ""
     if not flies_all(replace(instance, endurance=limits), found):
         from workbench.mission.selection import route_what_fits  # here: most missions need none of it

@@ -32,6 +32,7 @@ Lengths = Positive | Annotated[list[Positive], Meta(min_length=2, max_length=2)]
 """One length or two. No tuple: beside a bounded number msgspec 0.22 crashes on one of fixed length."""
 TimeLimit = Annotated[float, Meta(ge=SMALLEST, le=LONGEST)]
 Seed = Annotated[int, Meta(ge=0, le=LARGEST_SEED)]
+MOST_LAPS = 1000
 Cells = Annotated[int, Meta(ge=1, le=1000)]
 
 
@@ -134,14 +135,20 @@ class FlightSettings(Table, frozen=True, kw_only=True):
     ] = 50.0
     climb: Annotated[Positive, about("greatest rate of climb, where a track follows the ground", "m/s")] = 5.0
     descent: Annotated[Positive, about("greatest rate of descent, where a track follows the ground", "m/s")] = 3.0
+    laps: Annotated[
+        Annotated[int, Meta(ge=1, le=MOST_LAPS)] | Literal["endurance"],
+        about(
+            "how often each UAV flies its tour, all laps within its endurance; endurance: as often as that lasts",
+        ),
+    ] = 1
     border_clearance: Annotated[
         NotNegative, about("what flown tracks keep from the region's border and from no-fly zones", "m")
     ] = 0.0
     endurance: Annotated[
         Positive | None,
         about(
-            "most that the costs of a UAV's tour may add up to; where that is too little for all tasks, "
-            "those that fit and tell most are flown",
+            "most that the costs of a UAV's tour, with all its laps, may add up to; where that is too little for all "
+            "tasks, those that fit and tell most are flown",
             "s",
             example=3600.0,
         ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -83,3 +84,13 @@ def test_json_round_trip() -> None:
 def test_bad_speed_or_radius(speed: float, radius: float) -> None:
     with pytest.raises(InputError, match="positive"):
         plan_flight([], speed=speed, radius=radius)
+
+
+@pytest.mark.parametrize("clock", [None, np.array([0.0, 30.0, 100.0])])
+def test_laps_are_the_same_tour_again(clock: np.ndarray | None) -> None:
+    once = replace(plan_flight(straight_legs(np.array([[0.0, 0.0], [3000.0, 0.0], [1000.0, 2000.0]]))), clock=clock)
+    thrice, within = once.repeated(3), np.linspace(0.0, once.duration, 7)
+    assert (thrice.length, thrice.duration) == pytest.approx((3 * once.length, 3 * once.duration))
+    for lap in range(3):
+        later = thrice.poses(thrice.travelled(lap * once.duration + within))
+        np.testing.assert_allclose(later[:, :2], once.poses(once.travelled(within))[:, :2], atol=1e-6)

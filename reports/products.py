@@ -208,6 +208,31 @@ class Products:
             return said | {"left_out": [int(task) for task in said["left_out"]]}
 
     @cached_property
+    def laps(self) -> dict[str, Any] | None:
+        """Laps of each UAV, `turned` saying which way round; None where each tour is flown once, as it was routed.
+
+        sd, unturned_sd : what these promise at the end and what they would unturned, None where nothing drifts.
+        """
+        path = self.folders["flight"] / "laps.json"
+        if not path.exists():
+            return None
+        with reading(path, "laps"):
+            said: dict[str, Any] = read_json(path)
+            if not all(said[name] is None or is_number(said[name]) for name in ("sd", "unturned_sd")):
+                raise InputError("must hold finite numbers")
+            return said | {"turned": [[bool(turn) for turn in each] for each in said["turned"]]}
+
+    @cached_property
+    def field_tau(self) -> float | None:
+        """In what time the correlation of the field that is measured falls to 1/e [s]; None where it stays."""
+        path = self.folders["environment"] / "environment.json"
+        with reading(path, "an environment"):
+            tau = read_json(path)["field"].get("tau")
+            if tau is not None and not (is_number(tau) and tau > 0):
+                raise InputError("tau of the field must be a positive number")
+            return tau if tau is None else float(tau)
+
+    @cached_property
     def map_model(self) -> dict[str, Any] | None:
         """What the last map believes and the likelihoods that it was chosen by; None in missions made before these."""
         path = self.folders["map"] / "model.json"
@@ -217,10 +242,11 @@ class Products:
             said: dict[str, Any] = read_json(path)
             found = [row["log_likelihood"] for row in said["evidence"]]
             found += [*said["length_scales"], *said["coefficients"], said["signal_sd"], said["nugget_sd"]]
+            found += [said[name] for name in ("tau", "drift") if name in said]
             if len(said["length_scales"]) != 2 or not all(is_number(value) for value in found):
                 raise InputError("must hold finite numbers")
-            if not all(scale > 0 for scale in said["length_scales"]):
-                raise InputError("length_scales must be positive")
+            if not all(scale > 0 for scale in (*said["length_scales"], said.get("tau", 1.0))):
+                raise InputError("length_scales and tau must be positive")
             names = [said, *said["evidence"]]
             if not all(isinstance(each[key], str) for each in names for key in ("kernel", "mean")):
                 raise InputError("kernel and mean must be names")

@@ -7,7 +7,7 @@ end, the average-variance criterion with (x, t) for points,
     J = mean over the points g of var(f(g, t_end) | readings)
 
 is known before take-off. Laps are turned one by one, the last first, and stay turned where J falls, until none does.
-On three closed tours of the paper's square at τ = 1000 s the best and the worst directions are 2 to 4 % of √J apart.
+On three closed tours of the paper's square the best and the worst directions are 3 to 5 % of √J apart.
 """
 
 from __future__ import annotations

@@ -53,4 +53,14 @@ def _sentence(said: dict[str, Any], unit: str) -> str:
         scales = f"σ_f = {signal:.1f} {unit}, l = {lengths}"
     nugget = f", a nugget of {said['nugget_sd']:.2g} {unit}" if said["nugget_sd"] >= 0.01 else ""
     factor = f" times {said['coefficients'][1]:.2f}" if len(said["coefficients"]) > 1 else ""
-    return f"The last map is {_named(said)}{factor}: {scales}{nugget}."
+    return f"The last map is {_named(said)}{factor}: {scales}{nugget}.{_drift(said)}"
+
+
+def _drift(said: dict[str, Any]) -> str:
+    """Return how fast the field is believed to drift, and by how much that was likelier; "" where nobody asked."""
+    tau, ahead = said.get("tau"), said.get("drift")
+    why = "" if ahead is None else f"; a field that drifts was {abs(ahead):.1f} nats "
+    why += "" if ahead is None else "likelier than one that stays" if ahead > 0 else "less likely than one that stays"
+    if tau is not None:
+        return f" The field drifts: what a reading tells falls to 1/e in τ = {tau:.3g} s{why}."
+    return "" if ahead is None else f" The field is taken to stay{why}, and τ is a parameter more."

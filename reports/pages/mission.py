@@ -55,14 +55,14 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     ]
     data = film(products, flown, samples, ticks)
     growing = [player(products, data), *map_model(products.map_model, unit), Beside([stages, list(judged)])]
-    planned: list[Block] = [_placed(products), _routed(products), *_tours(products), flight, heights]
+    planned: list[Block] = [_placed(products), _routed(products), *_tours(products), *_laps(products), flight, heights]
     planned += [_checks(products), exported(folders)]
     worth, twin = calm_twin(products, scenario_tasks(products))
     plans = _plans(table, judged_plans, unit)
     blocks: list[Block] = [
         Facts(_headline(products, ticks), large=True),
         Lines([sentence(verdict, unit, products.over) for verdict in judged_plans]),
-        Section("Environment", [Beside(given)], "given"),
+        Section("Environment", [*_drifting(products), Beside(given)], "given"),
         Section("Tasks, routes and flight", planned, "plan", "Plan"),
         Section("The map as it grows", growing, "map", "Map"),
         Section("Against what a person would fly otherwise", [plans, Beside(compared)], "compared", "Compared"),
@@ -169,6 +169,34 @@ def _left_out(products: Products) -> str:
         f"({', '.join(map(str, left))}) would have told {lost:.2f} of {said['everything']:.2f} nats; no selection that "
         f"can be flown tells more than {said['bound']:.2f}, this one tells {said['worth']:.2f}."
     )
+
+
+def _drifting(products: Products) -> list[Block]:
+    """Return that the field drifts, where it does."""
+    if products.field_tau is None:
+        return []
+    return [
+        f"The shadowing drifts: its correlation over time falls to 1/e in τ = {products.field_tau:g} s. The picture is "
+        "the field at take-off; it is measured as it is at each moment, and each map is judged against the field then."
+    ]
+
+
+def _laps(products: Products) -> list[Block]:
+    """Return how often the tours are flown and which way round, where that is not once and as they were routed."""
+    said = products.laps
+    if said is None:
+        return []
+    counts = [len(turned) for turned in said["turned"]]
+    each = ", ".join(f"UAV {uav} {numbers.counted(count, 'lap')}" for uav, count in enumerate(counts))
+    words = f"Costs above are those of one lap. Flown are: {each}."
+    if said["sd"] is None:
+        return [words]
+    turned = sum(map(sum, said["turned"]))
+    return [
+        f"{words} The field drifts, and what is measured last is known best: {numbers.counted(turned, 'lap')} turned "
+        f"round, which promises a root mean square sd of {said['sd']:.3g} {products.unit} at the end, "
+        f"{said['unturned_sd']:.3g} with none turned. Directions are worth a few per cent; they are chosen where free."
+    ]
 
 
 def _tours(products: Products) -> list[Block]:

@@ -1,0 +1,28 @@
+"""What the page says of the last map's model: how fast it takes the field to drift."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from reports.pages.map_model import map_model
+
+SAID: dict[str, Any] = {
+    "kernel": "se", "mean": "constant", "signal_sd": 5.0, "length_scales": [4000.0, 4000.0], "nugget_sd": 0.0,
+    "coefficients": [-80.0], "evidence": [],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"tau": 600.0}, "The field drifts: what a reading tells falls to 1/e in τ = 600 s. It is"),
+        ({"tau": 600.0, "drift": 12.3}, "τ = 600 s; a field that drifts was 12.3 nats likelier than one that stays."),
+        ({"drift": 0.4}, "taken to stay; a field that drifts was 0.4 nats likelier than one that stays, and τ is a"),
+        ({"drift": -0.1}, "taken to stay; a field that drifts was 0.1 nats less likely than one that stays"),
+    ],
+)
+def test_drift_is_told_where_it_was_asked_for(more: dict[str, float], words: str) -> None:
+    assert words in str(map_model(SAID | more, "dBm")[0])
+    assert "drift" not in str(map_model(SAID, "dBm")[0])

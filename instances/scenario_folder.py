@@ -14,6 +14,7 @@ from instances.disk import read_toml, write_aside
 from instances.environment.radio import RadioMap
 from instances.environment.raster import node_axes
 from instances.environment.terrain import Terrain
+from instances.environment.value_map import ValueMap
 from instances.environment.wind_grid import Grid
 from instances.errors import InputError, naming
 from instances.formats.netcdf import Variable, read_grids, write_grids
@@ -86,6 +87,22 @@ def kept_field(folder: Path) -> RadioMap:
     axes, values = read_grids(folder / "field.nc", {"field": ("y", "x")})
     with naming(folder / "field.nc"):
         return RadioMap(axes["x"], axes["y"], values["field"].values, values["field"].attributes.get("units", "1"))
+
+
+def keep_value_map(given: ValueMap, name: str, folder: Path, plane: TangentPlane | None = None) -> None:
+    """Write ``<name>.nc`` into `folder`. plane : where on Earth it is, if known."""
+    values = Variable(("y", "x"), given.values, {"units": given.unit or "1"})
+    write_grids(folder / f"{name}.nc", {"x": given.x, "y": given.y}, {"value": values}, plane)
+
+
+def kept_value_map(name: str, folder: Path) -> ValueMap | None:
+    """Read what `keep_value_map` wrote; None where there is none."""
+    path = folder / f"{name}.nc"
+    if not path.exists():
+        return None
+    axes, values = read_grids(path, {"value": ("y", "x")})
+    with naming(path):
+        return ValueMap(axes["x"], axes["y"], values["value"].values)
 
 
 def _origin_spacing(axes: Mapping[str, Floats]) -> tuple[tuple[float, float], tuple[float, float]]:

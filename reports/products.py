@@ -18,12 +18,13 @@ from instances.arrays import Floats
 from instances.disk import read_text
 from instances.environment.radio import RadioMap
 from instances.environment.terrain import Terrain
+from instances.environment.value_map import ValueMap
 from instances.errors import InputError, naming
 from instances.files import read_instance
 from instances.formats.netcdf import read_grids
 from instances.instance import Instance
 from instances.scenario import Scenario
-from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
+from instances.scenario_folder import kept_field, kept_scenario, kept_terrain, kept_value_map
 from reports.damage import reading
 from reports.figures.field import Extent, extent_of
 from reports.kinds import is_number
@@ -171,9 +172,17 @@ class Products:
             said: dict[str, Any] = read_json(path)
             numbers: tuple[str, ...] = () if said["method"] == "given" else ("mutual_information",)
             numbers += ("certificate", "ratio") if said.get("certificate") else ()
+            numbers += ("average_variance", "average_variance_bound") if "average_variance" in said else ()
             if not all(is_number(said[name]) for name in numbers) or not isinstance(said["points"], list):
                 raise InputError("must hold points and finite numbers")
             return said
+
+    @cached_property
+    def value_maps(self) -> dict[str, ValueMap | None]:
+        """How much places count, ``weights``, and what was known of them, ``prior_sd``; None where nothing was told."""
+        folder = self.folders["place"]
+        with reading(folder, "maps of values"):
+            return {name: kept_value_map(name, folder) for name in ("weights", "prior_sd")}
 
     @cached_property
     def routes(self) -> Run:

@@ -28,6 +28,8 @@ def place(
     length_scale: float | tuple[float, float] = 4000.0,
     noise_sd: float = 1.0,
     criterion: str = "b",
+    weights: Path | str | None = None,
+    prior_sd: Path | str | None = None,
     seed: int = 0,
     time_limit: float = float("inf"),
     certificate: bool = True,
@@ -53,7 +55,12 @@ def place(
     noise_sd
         σ_n of a reading, in the unit of the signal.
     criterion
-        ``"b"`` both readings and tests noisy, ``"a"`` latent tests, ``"ig"`` information gain.
+        ``"b"`` both readings and tests noisy, ``"a"`` latent tests, ``"ig"`` information gain, ``"j"`` how far the
+        weighted mean variance at the tests falls.
+    weights
+        A file of how much places count: GeoTIFF, NetCDF, polygons with a property ``value``, or CSV x, y, value.
+    prior_sd
+        A file, as that of weights, of σ_f where it is not the same everywhere.
     seed
         Of the method.
     time_limit
@@ -78,12 +85,15 @@ def place(
     from formulations.task_location.placement import PlacementProblem
     from formulations.task_location.placement import place as placed
     from formulations.task_location.registry import make_method
-    from formulations.task_location.setting import criterion_of, region_of
+    from formulations.task_location.setting import goal_of, site_of
     from instances.environment.region import Region
+    from instances.environment.site import Site
+    from instances.value_maps import read_value_map
 
-    area = region if isinstance(region, Region) else region_of(None if region is None else Path(region))
+    site = Site(region) if isinstance(region, Region) else site_of(None if region is None else Path(region))
+    area = site.region
     scales = ",".join(map(str, length_scale)) if isinstance(length_scale, tuple) else str(length_scale)
-    worth = criterion_of(
+    worth = goal_of(
         area,
         tests=tests,
         signal_sd=signal_sd,
@@ -91,6 +101,8 @@ def place(
         noise_sd=noise_sd,
         test_noise_sd=None,
         criterion=criterion,
+        weights=None if weights is None else read_value_map(Path(weights), site, 1.0),
+        prior_sd=None if prior_sd is None else read_value_map(Path(prior_sd), site, signal_sd),
     )
     bound = certificates.certificate(worth.under(Convention.BOTH_NOISY), area, tasks).bound if certificate else None
     limits = Limits(time=time_limit)

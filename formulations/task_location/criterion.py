@@ -60,14 +60,17 @@ LITERAL_REFUSED = (
 )
 
 
-def convention(name: str) -> Convention:
-    """Return the convention called `name`; InputError for an unknown one and, with the reason, for ``literal``."""
+def convention(name: str, *others: str) -> Convention:
+    """Return the convention called `name`; InputError for an unknown one and, with the reason, for ``literal``.
+
+    others : names that the sentence of the error tells beside the conventions'.
+    """
     if name == "literal":
         raise InputError(LITERAL_REFUSED)
     try:
         return Convention(name)
     except ValueError:
-        known = [str(c) for c in Convention]
+        known = [*map(str, Convention), *others]
         raise InputError(f"unknown criterion '{name}'{suggestion(name, known)} (known: {', '.join(known)})") from None
 
 

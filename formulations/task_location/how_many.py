@@ -23,10 +23,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from formulations.mapping.lawnmower import lanes
-from formulations.task_location.criterion import Criterion
 from formulations.task_location.placement import PlacementMethod, PlacementProblem, lattice, place
 from formulations.task_location.tour import along, closed_tour, tour_length
 from formulations.task_location.uncertainty import information_gain, posterior_sd
+from formulations.task_location.variance_reduction import Goal
 from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.errors import InputError
@@ -79,7 +79,7 @@ class Recommendation:
 
 def trials(
     region: Region,
-    criterion: Criterion,
+    criterion: Goal,
     numbers: Iterable[int],
     method: PlacementMethod,
     name: str,
@@ -130,7 +130,7 @@ def trials(
     return done
 
 
-def lawnmower_tracks(region: Region, criterion: Criterion, step: float, most: int = 25) -> Floats:
+def lawnmower_tracks(region: Region, criterion: Goal, step: float, most: int = 25) -> Floats:
     """Return length [m] and IG [nats] of closed lawnmower tracks of 1 to `most` lanes, ascending, shape (most, 2)."""
     found = []
     for count in range(1, most + 1):
@@ -148,7 +148,7 @@ def _at(tracks: Floats, length: float) -> float | None:
     return float(np.interp(length, tracks[:, 0], tracks[:, 1]))
 
 
-def planning_noise(criterion: Criterion, points: Floats, target: float) -> float | None:
+def planning_noise(criterion: Goal, points: Floats, target: float) -> float | None:
     """Return σ_T with IG(points; σ_T) = `target` [nats], or None where none between 1e-6 and 1e3 does."""
     eigenvalues = np.maximum(np.linalg.eigvalsh(criterion.kernel(points, points)), 0.0)
 

@@ -5,16 +5,20 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from formulations.kernel import SquaredExponential
-from formulations.task_location.criterion import Criterion, convention
+from formulations.task_location.criterion import Convention, Criterion, convention
+from formulations.task_location.variance_reduction import NAME, Goal, VarianceReduction
 from instances.arrays import Floats
 from instances.disk import read_text
 from instances.environment.region import Region
 from instances.environment.site import Site
+from instances.environment.value_map import ValueMap
 from instances.errors import InputError, shown
 from instances.extent import FARTHEST, LARGEST
 from instances.places import read_region
@@ -46,12 +50,44 @@ def criterion_of(
     noise_sd: float = 1.0,
     test_noise_sd: float | None = None,
     criterion: str = "b",
+    weights: ValueMap | None = None,
+    prior_sd: ValueMap | Mapping[str, Any] | None = None,
 ) -> Criterion:
-    """Return the criterion that the settings describe; InputError names the one that cannot be used."""
+    """Return the criterion that the settings describe; InputError names the one that cannot be used.
+
+    weights : a map whose values multiply the tests' own. prior_sd : a map in place of `signal_sd`, or its x, y, values.
+    """
     chosen = convention(criterion)
-    points, weights = tests_of(tests, region)
-    kernel = SquaredExponential(signal_sd, length_scales_of(length_scale))
-    return Criterion(kernel, points, weights, noise_sd, test_noise_sd, chosen)
+    points, own = tests_of(tests, region)
+    kernel = kernel_of(signal_sd, length_scales_of(length_scale), prior_sd)
+    return Criterion(kernel, points, weights_of(chosen, points, own, weights), noise_sd, test_noise_sd, chosen)
+
+
+def goal_of(region: Region, *, criterion: str = "b", **setting: Any) -> Goal:
+    """Return what placing maximises: as `criterion_of`, and criterion "j" (variance_reduction.py)."""
+    if criterion == NAME:
+        return VarianceReduction(criterion_of(region, **setting))
+    convention(criterion, NAME)
+    return criterion_of(region, criterion=criterion, **setting)
+
+
+def kernel_of(
+    signal_sd: float, length_scales: tuple[float, float], prior_sd: ValueMap | Mapping[str, Any] | None
+) -> SquaredExponential:
+    """Return the planning kernel: σ_f is `signal_sd`, or the map `prior_sd` where there is one."""
+    if prior_sd is None:
+        return SquaredExponential(signal_sd, length_scales)
+    mapped = prior_sd if isinstance(prior_sd, ValueMap) else ValueMap(**prior_sd)
+    return SquaredExponential.of_prior(mapped, length_scales)
+
+
+def weights_of(chosen: Convention, points: Floats, own: Floats | None, weights: ValueMap | None) -> Floats | None:
+    """Return the weights of test `points` (m, 2) [m]: their own times those of a map; None for 1 each."""
+    if weights is None:
+        return own
+    if chosen is Convention.INFORMATION_GAIN:
+        raise InputError("weights: criterion ig looks at no test points, so weights say nothing; take j, b or a")
+    return weights(points) * (1.0 if own is None else own)
 
 
 def length_scales_of(text: str) -> tuple[float, float]:

@@ -18,6 +18,7 @@ from reports.figures.heights import draw_heights
 from reports.figures.map import draw_judged, draw_stages
 from reports.figures.mission import draw_comparison, draw_progress
 from reports.figures.svg import Drawn
+from reports.figures.value_maps import draw_value_maps
 from reports.figures.verdicts import draw_verdicts
 from reports.figures.wind import draw_wind
 from reports.kinds import is_number
@@ -55,7 +56,10 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     ]
     data = film(products, flown, samples, ticks)
     growing = [player(products, data), *map_model(products.map_model, unit), Beside([stages, list(judged)])]
-    planned: list[Block] = [_placed(products), _routed(products), *_tours(products), *_laps(products), flight, heights]
+    told = draw_value_maps(products.value_maps, scenario.region, scenario_tasks(products), unit)
+    maps = [] if told is None else [told]
+    planned: list[Block] = [_placed(products), *maps, _routed(products), *_tours(products), *_laps(products)]
+    planned += [flight, heights]
     planned += [_checks(products), exported(folders)]
     worth, twin = calm_twin(products, scenario_tasks(products))
     plans = _plans(table, judged_plans, unit)
@@ -71,7 +75,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     ]
     about = _about(products, ticks, table)
     write_page(Page(said["title"], about, blocks, "Lengths in metres, costs in seconds.", "film.js", data), path)
-    return [*given, flight, heights, stages, *judged, *compared, *twin]
+    return [*given, *maps, flight, heights, stages, *judged, *compared, *twin]
 
 
 WORDS = [
@@ -136,7 +140,19 @@ def _placed(products: Products) -> str:
         bound = f", {said['ratio']:.0%} of the bound that no placement passes ({said['certificate']:.1f})"
     return (
         f"Task locations by {said['method']} ({said['status']}): {len(said['points'])} tasks with "
-        f"{said['mutual_information']:.1f} nats of mutual information (criterion b){bound}."
+        f"{said['mutual_information']:.1f} nats of mutual information (criterion b){bound}.{_left_unknown(products)}"
+    )
+
+
+def _left_unknown(products: Products) -> str:
+    """Return the weighted rms sd that was minimised, and its bound; "" where information was maximised."""
+    said = products.placement
+    if "average_variance" not in said:
+        return ""
+    left, least = (max(said[name], 0.0) ** 0.5 for name in ("average_variance", "average_variance_bound"))
+    return (
+        f" They were placed for the least weighted mean variance J at the test points: readings at the tasks leave √J "
+        f"= {left:.2f} {products.unit}, and no {len(said['points'])} readings anywhere leave less than {least:.2f}."
     )
 
 

@@ -14,7 +14,7 @@ from workbench.options import COLUMNS, COUNT, JSON, POSITIVE, SECONDS, SEED
 from workbench.terminal import say, say_lines
 
 if TYPE_CHECKING:
-    from formulations.task_location.criterion import Criterion
+    from formulations.task_location.variance_reduction import Goal
     from instances.environment.region import Region
     from workbench.commands.place_how_many import Asked
 
@@ -35,7 +35,14 @@ if TYPE_CHECKING:
 @click.option("--length-scale", default="4000", show_default=True, metavar="L|LX,LY", help="[m]")
 @click.option("--noise-sd", type=POSITIVE, default=1.0, show_default=True, help="σ_n of a reading at a task.")
 @click.option("--test-noise-sd", type=POSITIVE, help="σ_o of a reading at a test point, criterion b.  [default: σ_n]")
-@click.option("--criterion", default="b", show_default=True, help="b both noisy, a latent tests, ig information gain.")
+@click.option(
+    "--criterion",
+    default="b",
+    show_default=True,
+    help="b both noisy, a latent tests, ig information gain, j weighted mean variance.",
+)
+@click.option("--weights", type=click.Path(path_type=Path), help="How much places count: GeoTIFF, polygons or CSV.")
+@click.option("--prior-sd", type=click.Path(path_type=Path), help="A map of σ_f: GeoTIFF, polygons or CSV.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--time-limit", type=SECONDS, help="Seconds of wall clock.  [default: none]")
 @click.option("--certificate/--no-certificate", default=True, help="Also compute the upper bound.  [default: yes]")
@@ -63,6 +70,8 @@ def command(
     as_json: bool,
     out: Path | None,
     plot: Path | None,
+    weights: Path | None,
+    prior_sd: Path | None,
     **setting: Any,
 ) -> None:
     """Choose task locations of most information in REGION, by default a 20 km square.
@@ -74,12 +83,14 @@ def command(
     Examples:
       workbench place --tasks 12 --plot tasks.svg
       workbench place area.geojson --tasks 40 --method nlp --out tasks.geojson
+      workbench place area.geojson --criterion j --weights roads.geojson --tasks 40
       workbench place --study n=5..40:5 --out study
     """
     from formulations.limits import Limits
     from formulations.task_location.placement_files import ENDINGS
     from formulations.task_location.registry import make_method
-    from formulations.task_location.setting import criterion_of, site_of
+    from formulations.task_location.setting import goal_of, site_of
+    from instances.value_maps import read_value_map
     from workbench.commands.place_how_many import Asked, run_fewest, run_study
     from workbench.settings import check_target, key_values
 
@@ -92,7 +103,9 @@ def command(
     chosen = make_method(method, key_values(options, "--option"))
     site = site_of(region_file)
     region = site.region
-    criterion = criterion_of(region, **setting)
+    setting["weights"] = None if weights is None else read_value_map(weights, site, 1.0)
+    setting["prior_sd"] = None if prior_sd is None else read_value_map(prior_sd, site, setting["signal_sd"])
+    criterion = goal_of(region, **setting)
     limits = Limits(time=float("inf") if time_limit is None else time_limit)
     asked = Asked(seed, as_json, out, plot, site.plane, columns)
     if study is not None:
@@ -109,7 +122,7 @@ def _refuse_unused(study: bool, fewest: bool) -> None:
     unused = {name: f"{flag}: only says something with --study" for name, flag in only.items() if not study}
     if study or fewest:
         mode = "--study" if study else "--max-sd"
-        searching = () if study else ("method", "options", "criterion")
+        searching = () if study else ("method", "options", "criterion", "weights")
         for name in ("tasks", "time_limit", "certificate", *searching):
             flag = "--option" if name == "options" else f"--{name.replace('_', '-')}"
             unused[name] = f"{flag}: cannot be given with {mode}, which does not use it"
@@ -119,7 +132,7 @@ def _refuse_unused(study: bool, fewest: bool) -> None:
 
 
 def _place(
-    region: Region, criterion: Criterion, tasks: int, name: str, method: Any, limits: Any, certified: bool, asked: Asked
+    region: Region, criterion: Goal, tasks: int, name: str, method: Any, limits: Any, certified: bool, asked: Asked
 ) -> None:
     from formulations.task_location.certificate import certificate
     from formulations.task_location.criterion import Convention

@@ -15,13 +15,14 @@ from typing import Any, NamedTuple
 import click
 import numpy as np
 
-from formulations.task_location.criterion import Convention, Criterion
+from formulations.task_location.criterion import Convention
 from formulations.task_location.fewest import fewest_tasks
 from formulations.task_location.how_many import Recommendation, Trial, recommend, trials
 from formulations.task_location.placement import Placement, PlacementMethod, PlacementProblem, PlacementStatus
 from formulations.task_location.placement_files import write_placement
 from formulations.task_location.tour import along
 from formulations.task_location.uncertainty import sd_map
+from formulations.task_location.variance_reduction import Goal
 from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.errors import InputError, shown
@@ -83,7 +84,7 @@ def numbers_from(text: str) -> list[int]:
 
 
 def run_study(
-    region: Region, criterion: Criterion, text: str, name: str, method: PlacementMethod, sd_limit: float, asked: Asked
+    region: Region, criterion: Goal, text: str, name: str, method: PlacementMethod, sd_limit: float, asked: Asked
 ) -> None:
     """Try every n, tell each on stderr, recommend one, and write what was asked for."""
     numbers = numbers_from(text)
@@ -119,7 +120,7 @@ def study_files(out: Path | None, plot: Path | None) -> tuple[list[Path], list[P
     return tables, pictures
 
 
-def run_fewest(region: Region, criterion: Criterion, max_sd: float, asked: Asked) -> None:
+def run_fewest(region: Region, criterion: Goal, max_sd: float, asked: Asked) -> None:
     """Find few tasks that keep the posterior sd under `max_sd` everywhere, and write what was asked for."""
     began = time.perf_counter()
     found = fewest_tasks(region, criterion.kernel, criterion.noise_sd, max_sd, seed=asked.seed)
@@ -199,7 +200,7 @@ def write_and_draw(problem: PlacementProblem, placement: Placement, asked: Asked
 
 
 def _draw_trials(
-    region: Region, criterion: Criterion, done: list[Trial], advice: Recommendation, spacing: float, path: Path
+    region: Region, criterion: Goal, done: list[Trial], advice: Recommendation, spacing: float, path: Path
 ) -> None:
     """Draw a study: tours of the fewest, the recommended and the most tasks, and the curves."""
     from reports.figures.placement_study import Curves, Tour, draw_study  # here: matplotlib takes its time

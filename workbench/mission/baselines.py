@@ -29,10 +29,10 @@ from instances.environment.terrain import Terrain
 from instances.extent import LEAST
 from instances.scenario import Scenario
 from workbench.jobs.machine import available_cores
-from workbench.mission.belief import known_tau
+from workbench.mission.belief import known_tau, map_kernel
 from workbench.mission.costs import moving_costs
 from workbench.mission.flight import fly, in_wind
-from workbench.mission.place import kept_off, place_tasks, scales_of, widened, zones_of
+from workbench.mission.place import kept_off, place_tasks, widened, zones_of
 from workbench.mission.routes import solve
 from workbench.mission.safety import room_to_fly
 from workbench.mission.settings import Mission
@@ -92,7 +92,7 @@ class Baselines:
         promised = partial(
             promised_sd,
             points=MapGrid.over(scenario.region, 40).points,
-            kernel=SquaredExponential(mission.map.signal_sd, scales_of(mission.map.length_scale)),
+            kernel=map_kernel(mission, SquaredExponential),
             noise_sd=mission.sensing.noise_sd,
             period=mission.sensing.period,
             tau=known_tau(mission),

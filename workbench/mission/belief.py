@@ -14,12 +14,13 @@ from formulations.kernel import KERNELS, Kernel, SquaredExponential
 from formulations.mapping.heights import Frame
 from formulations.mapping.map_model import MapModel, Offered
 from formulations.mapping.trend import CONSTANT, Trend, path_loss
+from formulations.task_location.setting import kernel_of
 from instances.environment.radio import RadioSource
 from instances.environment.terrain import Terrain
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.environment import field_of
-from workbench.mission.place import scales_of
+from workbench.mission.place import scales_of, value_map, value_maps
 from workbench.mission.settings import Mission
 
 MEANS = ("constant", "path-loss", "propagation")
@@ -50,21 +51,30 @@ def belief_of(mission: Mission, environment: Path) -> Belief:
     return Belief(
         map_model_of(mission),
         Offered(kernels, trends, None if wanted.tau == "auto" else known_tau(mission)),
-        SquaredExponential(mission.place.signal_sd, scales_of(mission.place.length_scale)),
+        kernel_of(mission.place.signal_sd, scales_of(mission.place.length_scale), value_maps(mission).get("prior_sd")),
     )
 
 
 def map_model_of(mission: Mission) -> MapModel:
     """Return what the map believes at take-off."""
-    wanted = mission.map
-    kernel = SquaredExponential if wanted.kernel == "auto" else KERNELS[wanted.kernel]
-    return MapModel(kernel(wanted.signal_sd, scales_of(wanted.length_scale)), tau=known_tau(mission))
+    kind = SquaredExponential if mission.map.kernel == "auto" else KERNELS[mission.map.kernel]
+    return MapModel(map_kernel(mission, kind), tau=known_tau(mission))
 
 
 def known_tau(mission: Mission) -> float:
     """Return how long the field takes to drift [s], infinite where it stays or that is to be told by likelihood."""
     tau = mission.map.tau
     return tau if isinstance(tau, float) else math.inf
+
+
+def map_kernel(mission: Mission, kind: type[Kernel]) -> Kernel:
+    """Return the kernel believed at take-off: of a map of the prior sd where the map, or else [place], has one."""
+    wanted, scales = mission.map, scales_of(mission.map.length_scale)
+    if wanted.prior_sd is not None:
+        return kind.of_prior(value_map(mission, "map.prior_sd", wanted.prior_sd, wanted.signal_sd), scales)
+    if (planned := value_maps(mission).get("prior_sd")) is not None:
+        return kind.of_prior(planned, scales)
+    return kind(wanted.signal_sd, scales)
 
 
 def _trend(name: str, mission: Mission, scenario: Scenario, ground: Terrain | None) -> Trend:

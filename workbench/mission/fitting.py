@@ -14,6 +14,7 @@ from instances.environment.wind_terrain import TerrainWind
 from instances.errors import InputError, shown
 from instances.instance import check_size
 from instances.registry import LARGEST, MethodRegistry
+from workbench.mission.place import value_map, value_maps
 from workbench.mission.settings import MOST_LAPS, SMALLEST, Mission
 
 MOST_G = 200.0
@@ -49,6 +50,11 @@ def check_mission(mission: Mission) -> None:
         raise InputError(f"field.tau is of the shadowing that drifts, and {why}: leave field.tau out")
     if mission.flight.laps == "endurance" and mission.flight.endurance is None and scenario.fleet.endurance is None:
         raise InputError('flight.laps = "endurance" needs one: give flight.endurance, or [[uav]] endurance')
+    if mission.place.weights is not None and mission.place.criterion == "ig":
+        raise InputError("place.weights: criterion ig looks at no test points, so weights say nothing; take j, b or a")
+    value_maps(mission)
+    if mission.map.prior_sd is not None:
+        value_map(mission, "map.prior_sd", mission.map.prior_sd, mission.map.signal_sd)
     _check_units(mission)
 
 

@@ -35,13 +35,16 @@ from workbench.mission.belief import Belief, belief_of
 from workbench.mission.flight import kept_flights
 from workbench.mission.redraw import Measured, measured_field
 from workbench.mission.settings import Mission
+from workbench.mission.stamp import referenced_files
 
 
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     origin = None if mission.origin is None else asdict(mission.origin)
-    planned = {name: structs.asdict(mission.place)[name] for name in ("signal_sd", "length_scale")}
-    return structs.asdict(mission.sensing) | structs.asdict(mission.map) | {"origin": origin, "planning": planned}
+    planned = {name: structs.asdict(mission.place)[name] for name in ("signal_sd", "length_scale", "prior_sd")}
+    files = referenced_files([mission.place.prior_sd, mission.map.prior_sd], mission.folder)
+    own = structs.asdict(mission.sensing) | structs.asdict(mission.map)
+    return own | {"origin": origin, "planning": planned, "files": files}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:

@@ -1,6 +1,7 @@
 """Stage 2, place: task locations of most information (sub-problem 1), or those the scenario gives.
 
-Products: tasks.csv (local metres), placement.json and, where the mission has an origin, tasks.geojson (WGS 84).
+Products: tasks.csv (local metres), placement.json and, where the mission has an origin, tasks.geojson (WGS 84);
+weights.nc and prior_sd.nc where the mission has such maps.
 """
 
 from __future__ import annotations
@@ -15,22 +16,25 @@ import shapely
 from msgspec import structs
 from shapely.geometry import Point, Polygon
 
-from formulations.kernel import SquaredExponential
 from formulations.task_location.certificate import certificate
-from formulations.task_location.criterion import Convention, Criterion, convention
+from formulations.task_location.criterion import Convention, Criterion
 from formulations.task_location.placement import Placement, PlacementProblem, place
 from formulations.task_location.registry import METHODS
-from formulations.task_location.setting import rows_of_tests
+from formulations.task_location.setting import kernel_of, rows_of_tests, weights_of
+from formulations.task_location.variance_reduction import NAME, Goal, VarianceReduction
 from instances.arrays import Floats
 from instances.disk import write_aside
 from instances.environment.region import Region
-from instances.errors import InputError
+from instances.environment.value_map import ValueMap
+from instances.errors import InputError, naming
 from instances.formats.geojson import write_features
 from instances.geodesy import TangentPlane
 from instances.scenario import Scenario
-from instances.scenario_folder import kept_scenario
+from instances.scenario_folder import keep_value_map, kept_scenario
+from instances.value_maps import read_value_map
 from workbench.mission.plugins import placement_by
 from workbench.mission.settings import Mission
+from workbench.mission.stamp import referenced_files
 
 INLET = 0.1
 """Share of the room for turns; inlets less deep bend no path by so much that turns leave the region."""
@@ -39,13 +43,16 @@ INLET = 0.1
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     origin = None if mission.origin is None else asdict(mission.origin)
-    return structs.asdict(mission.place) | {"clearance": mission.clearance, "origin": origin}
+    files = referenced_files([mission.place.weights, mission.place.prior_sd], mission.folder)
+    return structs.asdict(mission.place) | {"clearance": mission.clearance, "origin": origin, "files": files}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
     """Write the tasks."""
     scenario = kept_scenario(folders["environment"])
     region = widened(scenario, mission.clearance).free
+    for name, given in value_maps(mission).items():
+        keep_value_map(given, name, out, mission.origin)
     if scenario.tasks is not None:
         write_tasks(scenario.tasks, out, {"method": "given", "points": scenario.tasks.tolist()}, mission.origin)
         return f"{scenario.n_tasks} tasks were given"
@@ -113,15 +120,32 @@ def place_tasks(
     return place(problem, METHODS.make(method, options), method, seed=mission.place.seed)
 
 
-def criterion_of(mission: Mission, region: Region) -> Criterion:
-    """Return the planning criterion of a mission."""
+def value_maps(mission: Mission) -> dict[str, ValueMap]:
+    """Return the maps that [place] names, ``weights`` and ``prior_sd``; InputError names the key and the file."""
+    elsewhere = {"weights": 1.0, "prior_sd": mission.place.signal_sd}
+    files = {name: getattr(mission.place, name) for name in elsewhere}
+    return {name: value_map(mission, f"place.{name}", file, elsewhere[name]) for name, file in files.items() if file}
+
+
+def value_map(mission: Mission, key: str, file: str, elsewhere: float) -> ValueMap:
+    """Return the map in a file of the mission, `elsewhere` where no polygon lies; InputError names key and file."""
+    with naming(key):
+        return read_value_map(mission.folder / file, mission.scenario.site, elsewhere)
+
+
+def criterion_of(mission: Mission, region: Region) -> Goal:
+    """Return what a mission's placing maximises."""
     wanted = mission.place
     columns, rows = wanted.tests
     tests = region.cell_centres(columns, rows)
     if not len(tests):
         raise InputError(f"place.tests: none of the {columns} × {rows} cell centres is in the region")
-    kernel = SquaredExponential(wanted.signal_sd, scales_of(wanted.length_scale))
-    return Criterion(kernel, tests, None, wanted.noise_sd, None, convention(wanted.criterion))
+    maps = value_maps(mission)
+    kernel = kernel_of(wanted.signal_sd, scales_of(wanted.length_scale), maps.get("prior_sd"))
+    chosen = Convention.BOTH_NOISY if wanted.criterion == NAME else Convention(wanted.criterion)
+    weights = weights_of(chosen, tests, None, maps.get("weights"))
+    information = Criterion(kernel, tests, weights, wanted.noise_sd, None, chosen)
+    return VarianceReduction(information) if wanted.criterion == NAME else information
 
 
 def scales_of(value: float | list[float]) -> tuple[float, float]:

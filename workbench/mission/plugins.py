@@ -15,6 +15,7 @@ from shapely.geometry import mapping
 from formulations.moving_cost.costing import instance_with
 from formulations.moving_cost.method import MovingCosts
 from formulations.task_location.placement import Placement, PlacementStatus
+from formulations.task_location.variance_reduction import NAME
 from instances import Instance
 from instances.environment.region import Region
 from instances.errors import InputError
@@ -34,6 +35,11 @@ LONGEST = 3600.0
 
 def placement_by(wanted: PlaceSettings, region: Region, count: int, method: str, options: dict[str, Any]) -> Placement:
     """Return `count` tasks in `region` by a method that is not built in; InputError where it found none."""
+    if wanted.criterion == NAME or wanted.weights or wanted.prior_sd:
+        raise InputError(
+            f"place.method: {method} is not built in, and is given no maps and no criterion j: leave weights, prior_sd "
+            "and criterion out, or take another method"
+        )
     scales = wanted.length_scale if isinstance(wanted.length_scale, list) else [wanted.length_scale]
     setting = {
         "tests": "x".join(map(str, wanted.tests)),

@@ -15,6 +15,7 @@ from formulations.selection.part import only
 from formulations.selection.registry import make_method
 from formulations.selection.selection import Selection, SelectionProblem, select
 from formulations.selection.worth import Worth
+from formulations.task_location.variance_reduction import information_of
 from instances import InputError, Instance, check_routes
 from instances.arrays import Floats
 from reports.record import Run
@@ -41,7 +42,7 @@ def route_what_fits(
         raise InputError("flight.endurance: the costs have no coordinates, so what tasks tell is not known")
     tell(f"endurance does not suffice for all {instance.n_tasks} tasks: selecting")
     tasks = instance.coordinates[: instance.n_tasks]
-    worth = Worth.of_information(criterion_of(mission, mission.scenario.region), tasks)
+    worth = Worth.of_information(information_of(criterion_of(mission, mission.scenario.region)), tasks)
     problem = SelectionProblem(replace(instance, endurance=limits), worth)
     found = select(problem, make_method(METHOD), METHOD, limits=Limits(time=mission.routes.time_limit))
     if not found.tasks:

@@ -12,7 +12,6 @@ from msgspec import field as key
 
 from formulations.limits import LARGEST_SEED, LONGEST, MOST_THREADS
 from formulations.mapping.heights import Altitude, Frame
-from formulations.task_location.criterion import Convention
 from instances.declared.scenario import ScenarioKeys, ScenarioTable
 from instances.declared.types import FileName, Table, Text, about
 from instances.formats.mavlink_items import Vehicle
@@ -77,8 +76,22 @@ class PlaceSettings(Table, frozen=True, kw_only=True):
         default_factory=dict
     )
     criterion: Annotated[
-        Convention, about("information that is maximised: b both noisy, a latent tests, ig information gain")
-    ] = Convention.BOTH_NOISY
+        Literal["b", "a", "ig", "j"],
+        about(
+            "what is maximised: information (b both noisy, a latent tests, ig information gain), or j, how far the "
+            "weighted mean variance falls"
+        ),
+    ] = "b"
+    weights: Annotated[
+        FileName | None,
+        about(
+            "how much places count, from a file: GeoTIFF, polygons or CSV; take criterion j", example="roads.geojson"
+        ),
+    ] = None
+    prior_sd: Annotated[
+        FileName | None,
+        about("a map in place of signal_sd, which counts where no polygon lies", example="unsure.tif"),
+    ] = None
     tests: Annotated[
         tuple[Cells, Cells], about("columns and rows of the test points, at which the field is to be known")
     ] = (20, 20)
@@ -168,6 +181,12 @@ class MapSettings(Table, frozen=True, kw_only=True):
 
     signal_sd: Annotated[Positive, about("σ_f believed at take-off, in the field's unit")] = 30.0
     length_scale: Annotated[Lengths, about("length scale believed at take-off, or two along x and y", "m")] = 4000.0
+    prior_sd: Annotated[
+        FileName | None,
+        about(
+            "a map in place of signal_sd, [place] prior_sd unless given; fits change its height", example="unsure.tif"
+        ),
+    ] = None
     kernel: Annotated[
         Literal["auto", "se", "matern52", "matern32", "matern12"],
         about(

@@ -88,6 +88,51 @@ def test_weighted_test_points_from_a_file(tmp_path, capsys):
     assert np.linalg.norm(np.array(said["points"][0]) - [1500, 1250]) < 2000
 
 
+def polygons(path, *features):
+    made = [
+        {"type": "Feature", "properties": {"value": value}, "geometry": mapping(polygon)} for polygon, value in features
+    ]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": made}))
+    return str(path)
+
+
+def test_weights_and_prior_sd_from_maps(tmp_path, capsys):
+    west = polygons(tmp_path / "west.geojson", (box(0, 0, 8000, 20_000), 50))
+    words = ["place", "--tasks", "6", "--tests", "10x10", "--criterion", "j", "--method", "l-bfgs-b", "--json"]
+    said = []
+    for more in ([], ["--weights", west], ["--prior-sd", west]):
+        assert call(*words, *more) == 0
+        said.append(json.loads(capsys.readouterr().out))
+    assert all(each["maximised"] == "j" for each in said)
+    assert all(each["average_variance_bound"] <= each["average_variance"] for each in said)
+    plain, weighted, unsure = (sum(x < 9000 for x, _ in each["points"]) for each in said)
+    assert weighted > plain
+    assert unsure > plain
+    assert call(*words[:-1], "--weights", west) == 0
+    assert "weighted rms sd of" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--criterion", "j", "--weights", "none.csv"], "none.csv: cannot be read"),
+        (["--weights", "w.csv"], "w.csv: line 2: value must be a number of at least 0, got '-1'"),
+        (["--prior-sd", "w.csv"], "w.csv: line 2: value must be a number of at least 0, got '-1'"),
+        (["--criterion", "ig", "--weights", "good.csv"], "criterion ig looks at no test points"),
+        (["--criterion", "jj"], "known: b, a, ig, j"),
+        (["--max-sd", "3", "--prior-sd", "good.csv"], "cannot be proved under a map"),
+        (["--max-sd", "3", "--weights", "good.csv"], "--weights: cannot be given with --max-sd"),
+    ],
+)
+def test_maps_that_cannot_be_used(tmp_path, monkeypatch, capsys, words, sentence):
+    (tmp_path / "w.csv").write_text("x,y,value\n100,100,-1\n")
+    (tmp_path / "good.csv").write_text("x,y,value\n100,100,5\n")
+    monkeypatch.chdir(tmp_path)
+    more = [] if "--max-sd" in words else ["--tasks", "3", "--method", "greedy"]
+    assert call("place", *more, "--tests", "5x5", *words) == 2
+    assert sentence in capsys.readouterr().err
+
+
 def test_maximising_information_gain_is_reported_under_both_noisy_too(capsys):
     assert call("place", "--tasks", "4", "--tests", "6x6", "--criterion", "ig", "--json") == 0
     said = json.loads(capsys.readouterr().out)

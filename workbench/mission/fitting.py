@@ -52,6 +52,8 @@ def check_mission(mission: Mission) -> None:
         raise InputError('flight.laps = "endurance" needs one: give flight.endurance, or [[uav]] endurance')
     if mission.place.weights is not None and mission.place.criterion == "ig":
         raise InputError("place.weights: criterion ig looks at no test points, so weights say nothing; take j, b or a")
+    if mission.place.polish and mission.flight.laps != 1:
+        raise InputError("place.polish moves the waypoints of tours flown once: leave it or flight.laps out")
     value_maps(mission)
     if mission.map.prior_sd is not None:
         value_map(mission, "map.prior_sd", mission.map.prior_sd, mission.map.signal_sd)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -36,6 +36,7 @@ from workbench.mission.costs import kept_costs
 from workbench.mission.export import export, tours_of
 from workbench.mission.laps import LAPS_FILE, Laps, directed
 from workbench.mission.place import zones_of
+from workbench.mission.polish import Judge, polished_plan
 from workbench.mission.routes import kept_routes
 from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground, room_to_fly
 from workbench.mission.settings import Mission
@@ -58,7 +59,8 @@ def settings(mission: Mission) -> dict[str, Any]:
         "vehicle": asdict(mission.vehicle),
         "map": structs.asdict(mission.map) if mission.map.tau is not None else None,
     }
-    return structs.asdict(mission.flight) | own
+    polish = {"polish": structs.asdict(mission.place)} if mission.place.polish else {}
+    return structs.asdict(mission.flight) | own | polish
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +78,11 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     instance, paths = kept_costs(folders["costs"])
     routes = kept_routes(folders["routes"], instance)
     fleet, laps = _fleet(mission, scenario, instance, paths, routes)
+    ground, told = kept_terrain(folders["environment"]), list(laps.said())
+    if mission.place.polish:
+        instance, fleet, said = _polished(Judge(mission, scenario, ground), instance, routes, fleet, out, tell)
+        told.append(said)
     refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
-    ground = kept_terrain(folders["environment"])
     heights = {
         k: heights_of(f, mission.altitude_at(f.fastest), ground) for k, f in enumerate(fleet.flights) if f.length > 0
     }
@@ -115,7 +120,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         tours = tours_of(scenario.name, instance, routes, fleet.flights, heights, known=ground is not None)
         frame = mission.altitude.frame.value
         export(tours, flown, scenario, mission.origin, out, frame=frame, vehicle=mission.vehicle)
-    return "; ".join([_said(fleet.checks), *laps.said(), _said_of_heights(heights, ground)])
+    return "; ".join([_said(fleet.checks), *told, _said_of_heights(heights, ground)])
 
 
 def _fleet(
@@ -126,6 +131,19 @@ def _fleet(
     once = fly(mission, scenario, instance, paths, routes, room)
     laps = directed(mission, scenario, instance, routes, once.flights)
     return (once if laps.plain else fly(mission, scenario, instance, paths, routes, room, laps)), laps
+
+
+def _polished(
+    judge: Judge, instance: Instance, routes: Routes, fleet: Fleet, out: Path, tell: Callable[[str], None]
+) -> tuple[Instance, Fleet, str]:
+    """Return the instance with its tasks moved, the flights through them, and what they are worth, in words."""
+    plan = polished_plan(judge, instance, routes, (fleet.flights, fleet.legs), out, tell)
+    zones = zones_of(judge.scenario)
+    checks = [
+        check_flight(flight, legs, plan.places[list(route)], judge.scenario.region, zones)
+        for flight, legs, route in zip(plan.flights, plan.legs, routes, strict=True)
+    ]
+    return replace(instance, coordinates=plan.places), Fleet(plan.flights, plan.legs, checks), plan.said
 
 
 def fly(

@@ -44,7 +44,8 @@ def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     origin = None if mission.origin is None else asdict(mission.origin)
     files = referenced_files([mission.place.weights, mission.place.prior_sd], mission.folder)
-    return structs.asdict(mission.place) | {"clearance": mission.clearance, "origin": origin, "files": files}
+    own = {key: value for key, value in structs.asdict(mission.place).items() if key != "polish"}  # of the flights
+    return own | {"clearance": mission.clearance, "origin": origin, "files": files}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:

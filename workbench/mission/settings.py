@@ -102,6 +102,13 @@ class PlaceSettings(Table, frozen=True, kw_only=True):
     noise_sd: Annotated[Positive, about("σ_n of a reading at a task, for planning, in the field's unit")] = 1.0
     seed: Annotated[Seed, about("seed of the method")] = 0
     certificate: Annotated[bool, about("whether an upper bound on the information is computed, too")] = True
+    polish: Annotated[
+        bool,
+        about(
+            "whether the tours' waypoints, tasks among them, are moved for what is sensed along the paths, within "
+            "[flight] endurance; without one, no tour gets longer than the longest"
+        ),
+    ] = False
 
 
 class CostSettings(Table, frozen=True, kw_only=True):

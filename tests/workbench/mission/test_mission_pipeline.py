@@ -138,6 +138,20 @@ def test_every_stage_leaves_its_products(made: Path) -> None:
     assert not list(made.glob(".*"))
 
 
+def test_polished_tours_promise_more_and_are_no_longer_than_the_longest(copied: Path, mission_file: Path) -> None:
+    text = SMALL.replace("[place]", "[place]\npolish = true")
+    assert again(mission_file, copied, text, only="flight") == ["flight"]
+    said = json.loads((copied / "5-flight/polish.json").read_text())
+    assert said["bound"] <= said["rms_sd_after"] < said["rms_sd_before"]
+    assert max(said["costs_after"]) <= max(said["costs_before"]) == max(said["budgets"])
+    checks = pd.read_csv(copied / "5-flight/flight-check.csv")
+    assert (checks["in_no_fly"] == 0).all()
+    assert (checks["margin"] > -0.02).all()
+    assert (checks["least_radius"] > 49.9).all()
+    assert (checks["task_distance"] < 11).all()
+    again(mission_file, copied, only="place")  # tasks are placed as without polish
+
+
 def test_chosen_tours_show_time_energy_and_calm_air_beside_each_other(made: Path) -> None:
     tours = pd.read_csv(made / "4-routes/tours.csv")
     run = json.loads((made / "4-routes/run.json").read_text())

@@ -232,6 +232,25 @@ SCALING = [
 ]
 """Of the paper's scaling claim, a row a number of starts: CPU times."""
 
+SURVEYS = [
+    Column("family", "Field"),
+    Column("endurance", "Endurance", "s", SHORT, "longest flight of a UAV"),
+    Column("method", "Plan"),
+    COUNT,
+    FAILED,
+    Column("rmse", "RMSE", "", SHORT, "of the map in the field's unit, mean over fields and noise"),
+    Column("more", "RMSE less the reference's", "", str, "paired over fields and noise, with its 95 % interval"),
+    Column("verdict", "Reference", "", str, "wins or loses where the whole interval lies on one side of 0"),
+    Column("nlpd", "NLPD", "nats", numbers.fixed(3), "negative log predictive density of a new measurement"),
+    Column("coverage", "Covered", "", numbers.fixed(1, 100, numbers.PER_CENT), "by the 95 % interval"),
+    Column("promised_sd", "Promised sd", "", SHORT, "√J, root mean square sd left under what the plan believed"),
+    Column("information", "Information", "nats", numbers.fixed(1), "gained by the readings under the same"),
+    Column("length", "Flown", "km", numbers.fixed(1, 1e-3), "by all UAVs"),
+    Column("longest", "Longest", "km", numbers.fixed(1, 1e-3), "of any UAV in any run"),
+    Column("cpu_seconds", "CPU", "s", SHORT, "processor time of the planning, median over runs"),
+]
+"""Of a study of surveys, a row a field, endurance and plan; the reference is the plan that others are paired with."""
+
 EVIDENCE = [
     Column("kernel", "Kernel"),
     Column("mean", "Mean"),

@@ -87,6 +87,11 @@ def _not_square(value: list[list[float]]) -> str:
     return "" if square else "must be as many lists of finite numbers as each holds numbers"
 
 
+def _not_readings(value: list[list[float]]) -> str:
+    fours = all(len(row) == 4 and row[0] >= 0 and row[1] >= 1 for row in value)
+    return "" if fours else "must be rows of a UAV, a number from 1, x and y"
+
+
 KINDS = {
     "line": Kind(str, str, _line),
     "text": Kind(str, str),
@@ -100,6 +105,8 @@ KINDS = {
     "figures": Kind(dict[str, Finite], dict),
     "numbers": Kind(list[Finite]),
     "points": Kind(list[tuple[Finite, Finite]]),
+    "polylines": Kind(list[list[tuple[Finite, Finite]]]),
+    "readings": Kind(list[list[Finite]], list, fault=_not_readings),
     "matrix": Kind(list[list[Finite]], fault=_not_square),
     "paths": Kind(Paths, dict, rule={"dependentRequired": {"offsets": ["points"], "points": ["offsets"]}}),
     "routes": Kind(list[list[Task]]),

@@ -1,8 +1,9 @@
 """The record: one run as it is stored, each of its columns described once (name, unit, meaning).
 
 `workbench` writes runs, `reports` reads them; the CSV, the frame, the help of a page and the documentation take the
-names, units and meanings from here. A run of any problem (routing, placement, moving cost) has the columns RUN, and
-beside them its problem's own ones, OWN. Files of older versions lack some; what is missing is None, empty or "".
+names, units and meanings from here. A run of any problem (routing, placement, moving cost, survey) has the columns
+RUN, and beside them its problem's own ones, OWN. Files of older versions lack some; what is missing is None, empty or
+"".
 """
 
 # ruff: noqa: RUF009 - _kept makes dataclass fields
@@ -59,6 +60,24 @@ OWN: dict[str, tuple[Column, ...]] = {
         Column("cost", "matrix", "s", "moving cost of every ordered pair of nodes, shape (N, N)"),
         Column("paths", "paths", "m", "the path behind each cost, re-flown by the workbench"),
     ),
+    "survey": (
+        Column("tours", "polylines", "m", "where each UAV flew from its depot and back, in depot order"),
+        Column("samples", "polylines", "m", "where each UAV measured, in the order of time"),
+        Column(
+            "read", "readings", "", "what the plan looked at in flight: UAV, number of the reading from 1, x, y [m]"
+        ),
+        Column("rmse", "number", "", "root mean square error of the map in the field's unit, re-computed"),
+        Column("nlpd", "number", "nats", "mean negative log predictive density of a new measurement"),
+        Column("coverage", "number", "", "share of the map whose true value lies in the 95 % interval"),
+        Column("model", "text", "", "what the judge's map believes, chosen by likelihood"),
+        Column("promised_sd", "number", "", "√J: root mean square sd that the plan leaves under what it believed"),
+        Column("information", "number", "nats", "information gain of the readings under what was believed"),
+        Column("length", "number", "m", "flown by all UAVs"),
+        Column("longest", "number", "m", "flown by the UAV that flew most"),
+        Column("readings", "number", "", "measurements of all UAVs"),
+        Column("endurance", "number", "s", "longest flight allowed"),
+        Column("unit", "line", "", "of the field"),
+    ),
 }
 """What is stored beside RUN, by problem."""
 
@@ -94,6 +113,7 @@ ITEM_FILES = {
     "routing": ("instance.json", "instance.json.gz"),
     "placement": ("problem.json",),
     "moving-cost": ("moving-cost.json",),
+    "survey": ("survey.json",),
 }
 """Problem → the file beside its runs that keeps what was solved, by its possible names."""
 
@@ -117,7 +137,7 @@ def _kept(kind: str, unit: str, meaning: str, required: bool = False, **default:
 class Run:
     """One run, every number checked by the workbench: what is stored of all, in order, and its problem's columns."""
 
-    problem: str = _kept("line", "", "routing, placement or moving-cost")
+    problem: str = _kept("line", "", "routing, placement, moving-cost or survey")
     instance: dict[str, Any] = _kept(
         "item", "", "what was solved: name, digest, n_tasks, n_depots, and more by problem", required=True
     )
@@ -131,7 +151,10 @@ class Run:
     proves: bool = _kept("flag", "", "whether the method can end with a proof of optimality")
     status: str = _kept("line", "", "what is known at the end", required=True)
     objective: float | None = _kept(
-        "number", "s", "re-computed by the workbench: C_max [s]; of a placement −I [nats]", required=True
+        "number",
+        "s",
+        "re-computed by the workbench: C_max [s]; of a placement −I [nats]; of a survey RMSE",
+        required=True,
     )
     bound: float | None = _kept("number", "s", "lower bound on the objective, in its unit", required=True)
     elapsed: float = _kept("amount", "s", "wall clock of the solve alone")

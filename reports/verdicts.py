@@ -1,6 +1,6 @@
-"""Verdicts: whether a mission maps better than other ways to fly, from a paired comparison over fields and noise.
+"""Verdicts: whether one way to fly maps better than others, from a paired comparison over fields and noise.
 
-Every way to fly is measured and mapped over the same fields with the same noise seeds; the mission wins where the
+Every way to fly is measured and mapped over the same fields with the same noise seeds; the one wins where the
 whole 95 % interval of the difference of RMSE lies on its side, loses where it lies on the other, and else it is a draw.
 A way nobody may fly does not count.
 """
@@ -22,7 +22,7 @@ MEANS = ("count", "length", "longest", "outside", "samples", "information",
 
 @dataclass(frozen=True)
 class Verdict:
-    """The mission against one baseline: mean RMSE and length of both, RMSE and NLPD of the mission minus its.
+    """The mission, or another plan `by`, against one baseline: mean RMSE and length of both, RMSE and NLPD minus its.
 
     refused : why nobody may fly the baseline, or ""; dropped : how many of its draws are left out for that.
     """
@@ -34,6 +34,7 @@ class Verdict:
     nlpd: Paired
     refused: str
     dropped: int
+    by: str = MISSION
 
     @property
     def turned(self) -> Paired:
@@ -51,11 +52,14 @@ class Verdict:
         return {-1: "wins", 0: "draws", 1: "loses"}[self.rmse.sign]
 
 
-def verdicts(draws: pd.DataFrame) -> list[Verdict]:
-    """Return a verdict a baseline. draws : a row a plan and draw, `refused` "" where it may be flown."""
-    own = draws[draws["name"] == MISSION].set_index("draw")
+def verdicts(draws: pd.DataFrame, by: str = MISSION) -> list[Verdict]:
+    """Return a verdict a baseline, on the plan `by`.
+
+    draws : a row a plan and draw, `refused` "" where it may be flown.
+    """
+    own = draws[draws["name"] == by].set_index("draw")
     found = []
-    for name, rows in draws[draws["name"] != MISSION].groupby("name", sort=False):
+    for name, rows in draws[draws["name"] != by].groupby("name", sort=False):
         other = rows.set_index("draw")
         flyable = other["refused"] == ""
         counted = other[flyable] if flyable.any() else other
@@ -70,6 +74,7 @@ def verdicts(draws: pd.DataFrame) -> list[Verdict]:
                 paired(mine["nlpd"] - counted["nlpd"]),
                 "" if flyable.any() else str(other["refused"].iloc[0]),
                 int((~flyable).sum()) if flyable.any() else 0,
+                by,
             )
         )
     return found
@@ -90,13 +95,13 @@ def plans(draws: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-BEGINNINGS = {"wins": "The mission wins against", "loses": "The mission loses to", "draws": "A draw with"}
+BEGINNINGS = {"wins": "{} wins against", "loses": "{} loses to", "draws": "A draw of {} with"}
 
 
 def sentence(verdict: Verdict, unit: str, over: str) -> str:
     """Return what is found, in plain words. over : of what the draws are, such as "8 noise seeds"."""
     own, other, name = verdict.own, verdict.other, named(verdict.name)
-    means = f"{' against '.join(numbers.apart(own['rmse'], other['rmse']))} {unit}"
+    means = f"{' against '.join(numbers.apart(own['rmse'], other['rmse']))}{_of(unit)}"
     longer = other["length"] / own["length"] - 1
     length = f"{name} {'take' if name.endswith('s') else 'takes'} {abs(longer):.0%} "
     length += "more flying" if longer >= 0 else "less flying"
@@ -108,13 +113,23 @@ def sentence(verdict: Verdict, unit: str, over: str) -> str:
         return f"No winner is named against {name}, as nothing was drawn again: RMSE {means}; {length}."
     left_out = f", {verdict.dropped} more of which nobody may fly" if verdict.dropped else ""
     error, density = _differs(verdict.rmse, unit), _differs(verdict.nlpd, "nats")
-    said = f"{BEGINNINGS[verdict.outcome]} {name} over {over}{left_out}"
+    said = f"{_beginning(verdict)} {name} over {over}{left_out}"
     return f"{said}: its RMSE {error}, {means}; its NLPD {density}; {length}."
+
+
+def _beginning(verdict: Verdict) -> str:
+    if verdict.by == MISSION and verdict.outcome == "draws":
+        return "A draw with"
+    return BEGINNINGS[verdict.outcome].format("The mission" if verdict.by == MISSION else verdict.by)
 
 
 def named(plan: str) -> str:
     """Return a plan's name as it stands in a sentence."""
     return {"lawnmower": "the lawnmower", "random": "random tours", "greedy": "greedy placement"}.get(plan, plan)
+
+
+def _of(unit: str) -> str:
+    return f" {unit}" if unit else ""
 
 
 def difference(found: Paired) -> tuple[str, str, str]:
@@ -128,8 +143,8 @@ def difference(found: Paired) -> tuple[str, str, str]:
 def _differs(found: Paired, unit: str) -> str:
     mean, low, high = difference(found)
     if found.sign == 0:
-        return f"differs by {mean} {unit}, which may be chance (95 % interval {low} to {high})"
+        return f"differs by {mean}{_of(unit)}, which may be chance (95 % interval {low} to {high})"
     ends = sorted((low.lstrip("−+"), high.lstrip("−+")), key=float)
     side = "higher" if found.sign > 0 else "lower"
     same = f"{found.negative if found.sign < 0 else found.pairs - found.negative} of {found.pairs}"
-    return f"is {mean.lstrip('−+')} {unit} {side} (95 % interval {ends[0]} to {ends[1]}; {side} in {same})"
+    return f"is {mean.lstrip('−+')}{_of(unit)} {side} (95 % interval {ends[0]} to {ends[1]}; {side} in {same})"

@@ -18,6 +18,7 @@ import workbench as wb
 from formulations.moving_cost.registry import METHODS as COSTS
 from formulations.routing.registry import SOLVERS
 from formulations.selection.registry import METHODS as SELECTION
+from formulations.surveying.registry import PLANNERS
 from formulations.task_location.registry import METHODS as PLACEMENT
 from tests import gallery
 from workbench import facade, informing
@@ -173,6 +174,7 @@ def test_the_docstring_of_a_function_says_what_it_takes_returns_and_raises(name:
 
 def _methods() -> list[tuple[str, Any, str]]:
     homes = [(SOLVERS, "routing-*"), (PLACEMENT, "task-location"), (COSTS, "moving-cost"), (SELECTION, "selection")]
+    homes += [(PLANNERS, "surveys")]
     return [(name, registry, pages) for registry, pages in homes for name in registry.built_in]
 
 

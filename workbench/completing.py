@@ -33,10 +33,11 @@ FAMILY = names("instances.families:FAMILIES")
 PLACEMENT_METHOD = names("formulations.task_location.registry:METHODS")
 SELECTION_METHOD = names("formulations.selection.registry:METHODS")
 COST_METHOD = names("formulations.moving_cost.registry:METHODS")
+SURVEY_PLANNER = names("formulations.surveying.registry:PLANNERS")
 
 
 def _methods(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    kinds = (PLACEMENT_METHOD, COST_METHOD, SELECTION_METHOD)
+    kinds = (PLACEMENT_METHOD, COST_METHOD, SELECTION_METHOD, SURVEY_PLANNER)
     return [item for complete in kinds for item in complete(context, parameter, incomplete)]
 
 

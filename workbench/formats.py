@@ -42,6 +42,7 @@ FORMATS = {
             "routing": "workbench.problems.tables:RoutingTable",
             "placement": "workbench.problems.tables:PlacementTable",
             "moving-cost": "workbench.problems.tables:MovingCostTable",
+            "survey": "workbench.problems.tables:SurveyTable",
         },
         by="problem",
     ),
@@ -57,7 +58,7 @@ FORMATS = {
     "scenario": FileFormat("A scenario of the MMMDMTSP workbench", {"": "instances.declared.scenario:ScenarioTable"}),
     "run": FileFormat(
         "A stored run of the MMMDMTSP workbench",
-        dict.fromkeys(("routing", "placement", "moving-cost"), "reports.record:run_type"),
+        dict.fromkeys(("routing", "placement", "moving-cost", "survey"), "reports.record:run_type"),
         by="problem",
         toml=False,
     ),

@@ -92,6 +92,7 @@ KINDS = (
     _study("routing", FAMILY, "solvers", "Routes"),
     _study("placement", 'tasks = [2]\ntests = "4x4"', "methods", "Points"),
     _study("moving-cost", 'scenarios = ["a.toml"]', "methods", "Costs"),
+    _study("survey", 'endurance = 80\n[[fields]]\nkind = "gp"', "methods", "Tours"),
     Kind("mission", {"m.toml": MISSION}, ("mission", "m.toml", "--out", "runs"), "*/stamp.json", 8),
 )
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, silent
 from formulations.routing.solver import Solver
+from formulations.surveying.problem import SurveyPlanner
 from formulations.task_location.placement import PlacementMethod, PlacementStatus
 from instances.paths import Paths
 from tests.faults.hostile import honest
@@ -66,3 +67,13 @@ class Costs(MovingCostMethod):
             time.sleep(WORK)
         legs = [p[[i, j]] if i != j else np.empty((0, 2)) for i in range(n) for j in range(n)]
         return MovingCosts(np.hypot(*(p[:, None] - p[None]).transpose(2, 0, 1)) / query.v0, Paths.of(n, legs))
+
+
+@dataclass(frozen=True)
+class Tours(SurveyPlanner):
+    """Flies to the middle of the region and back."""
+
+    def plan(self, problem, sensor, *, limits, seed):
+        log(seed)
+        time.sleep(WORK)
+        return [np.stack([depot, depot + 0.3 * (problem.targets.mean(0) - depot), depot]) for depot in problem.depots]

@@ -127,6 +127,8 @@ STUDIES = {  # the first item and the first method of each are stored as well
     'time_limit = 2\n[[methods]]\nname = "greedy"\n',
     "moving-cost": 'problem = "moving-cost"\nscenarios = ["sum.toml"]\nstarts = [4]\ntime_limit = 2\n'
     '[[methods]]\nname = "dijkstra"\noptions = {samples = 60}\n',
+    "survey": 'problem = "survey"\nendurance = 80\ncells = 8\ntime_limit = 2\n'
+    '[[fields]]\nkind = "gp"\nseeds = [1]\n[[methods]]\nname = "myopic"\noptions = {within = 1.0}\n',
 }  # fmt: skip
 
 

@@ -110,6 +110,7 @@ RUN = {
     "routing": "routing/*/greedy*s1*.json",
     "placement": "placement/*/greedy*.json",
     "moving-cost": "moving-cost/*/d*.json",
+    "survey": "survey/*/m*.json",
 }
 
 

@@ -67,11 +67,12 @@ FILES = (
     _reads("study routing", "compare routing.toml --dry-run", "routing.toml", beside="small.json"),
     _reads("study placement", "compare placement.toml --dry-run", "placement.toml", beside="region.geojson tests.csv"),
     _reads("study moving-cost", "compare moving-cost.toml --dry-run", "moving-cost.toml", beside=f"sum.toml {GROUND}"),
+    _reads("study survey", "compare survey.toml --dry-run", "survey.toml", beside="field.csv"),
     *(_reads(f"{command} {problem}", f"{command} {problem}{more}", f"{problem}/**/*.*", outputs="new.")
-      for problem in ("routing", "placement", "moving-cost")
+      for problem in ("routing", "placement", "moving-cost", "survey")
       for command, more in (("status", ""), ("check", ""), ("report", " --csv new.csv"))),
     *(_reads(f"page {problem}", f"report {problem} --out new.html", f"{problem}/**/*.*", outputs="new.html")
-      for problem in ("routing", "placement", "moving-cost")),
+      for problem in ("routing", "placement", "moving-cost", "survey")),
     _reads("resume", "compare routing.toml --out routing --no-report --dry-run",
            "routing/**/*.json*", beside="routing.toml small.json"),
     *(_reads(f"import {e}", f"import others.{e} --into new", f"others.{e}", beside="small.json small.sol",

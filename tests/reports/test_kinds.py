@@ -13,6 +13,7 @@ BASE = {
 }  # fmt: skip
 PLACEMENT = BASE | {"problem": "placement", "certificate": 2.0}
 MOVING = BASE | {"problem": "moving-cost"}
+SURVEY = BASE | {"problem": "survey"}
 DEEP = json.loads("[" * 80 + "]" * 80)
 
 BAD = [
@@ -33,6 +34,9 @@ BAD = [
     (PLACEMENT, "points", [[1], [1, 2]]), (PLACEMENT, "points", [[]]), (PLACEMENT, "information", {"b": "x"}),
     (MOVING, "cost", [[1, 2]]), (MOVING, "cost", [[1, float("nan")], [1, 2]]), (MOVING, "cost", [["1"]]),
     (MOVING, "paths", {"offsets": [0.5], "points": []}), (MOVING, "paths", {"points": []}), (MOVING, "cost", DEEP),
+    (SURVEY, "tours", [[1, 2]]), (SURVEY, "tours", [[[1, float("nan")]]]), (SURVEY, "samples", [[[1, 2, 3]]]),
+    (SURVEY, "read", [[0, 1, 2.0]]), (SURVEY, "read", [[-1, 1, 2.0, 3.0]]), (SURVEY, "rmse", "x"),
+    (SURVEY, "tours", DEEP),
 ]  # fmt: skip
 
 

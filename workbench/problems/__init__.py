@@ -16,6 +16,7 @@ PROBLEMS: Registry[Problem[Any]] = Registry(
             "workbench.problems.moving_cost:MOVING_COST",
             "paths and costs between all nodes of a scenario",
         ),
+        "survey": ("workbench.problems.survey:SURVEY", "plans that are flown, measured and mapped within endurance"),
     },
 )
 """Name, as in a study's ``problem = …`` and in every stored run → the problem."""

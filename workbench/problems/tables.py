@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from msgspec import field
+from msgspec import Meta, field
 
-from instances.declared.types import FileName, NotNegative, Text, Whole, about
+from instances.declared.types import (
+    FileName,
+    NotNegative,
+    Pair,
+    Positive,
+    Table,
+    Text,
+    Whole,
+    about,
+)
 from workbench.jobs.study_table import (
     Counts,
     FamilyTable,
     Iterations,
     MethodTable,
+    Seeds,
     SolverTable,
     StudyTable,
     Texts,
@@ -22,6 +32,8 @@ Amount = Whole | NotNegative
 """A whole number stays one: it enters the digest of a problem as it is written."""
 AMOUNT = "a number of at least 0"
 FILES = "a file, folder or pattern, or a list of them"
+Amounts = Positive | list[Positive]
+Cells = Annotated[int, Meta(ge=4, le=1000)]
 
 
 class RoutingTable(StudyTable, frozen=True, kw_only=True):
@@ -88,4 +100,64 @@ class MovingCostTable(StudyTable, frozen=True, kw_only=True):
     )
     methods: Annotated[list[MethodTable], about("who plans them, at least one", example=[{"name": "refined"}])] = field(
         default_factory=list
+    )
+
+
+class FieldTable(Table, frozen=True, kw_only=True):
+    """A field that is measured: drawn, computed from a transmitter, or read; each seed is a field and its noise."""
+
+    kind: Annotated[
+        Literal["gp", "radio", "file"],
+        about("gp: a draw of a Gaussian process; radio: as in missions; file: a raster", example="gp"),
+    ]
+    name: Annotated[Text | None, about("of the field, what makes it unless given", example="hills")] = None
+    seeds: Annotated[
+        Seeds,
+        about("of field and noise: so many, or those listed", example=8, words="how many, or a list of whole numbers"),
+    ] = 1
+    kernel: Annotated[
+        Literal["se", "matern52", "matern32", "matern12"], about("covariance of a draw, from smooth to rough")
+    ] = "se"
+    signal_sd: Annotated[Positive, about("σ_f of a draw, in the field's unit")] = 30.0
+    length_scale: Annotated[Positive, about("of a draw", "m")] = 4000.0
+    model: Annotated[
+        Literal["diffraction", "free-space", "itm"], about("propagation of radio: diffraction, free-space or itm")
+    ] = "diffraction"
+    shadowing_sd: Annotated[NotNegative, about("of radio: shadowing, drawn at random", "dB")] = 4.0
+    decorrelation: Annotated[Positive, about("of radio: where the shadowing's correlation has fallen to 1/e", "m")] = (
+        4000.0
+    )
+    relief: Annotated[NotNegative, about("of radio: height of the synthetic mountains below", "m")] = 2000.0
+    altitude: Annotated[Positive, about("of radio: flying altitude above mean sea level", "m")] = 3000.0
+    file: Annotated[
+        FileName | None, about("raster relative to the study: GeoTIFF, NetCDF or CSV", example="dem.tif")
+    ] = None
+    unit: Annotated[Text | None, about("unit of a file's values, what the file says unless given", example="m")] = None
+
+
+class SurveyTable(StudyTable, frozen=True, kw_only=True):
+    """A study of surveys: fields, endurances and what is believed before take-off, and plans."""
+
+    problem: Annotated[Literal["survey"], about("what is studied", example="survey")] = "survey"
+    fields: Annotated[
+        list[FieldTable], about("what is measured, at least one", example=[{"kind": "gp", "seeds": 8}])
+    ] = field(default_factory=list)
+    region: Annotated[
+        Text,
+        about("a convex region's file relative to the study, or square, the paper's of 20 km", example="a.geojson"),
+    ] = "square"
+    depots: Annotated[
+        list[Pair], about("where a UAV starts and ends, in the region", "m", words="a list of points [x, y]")
+    ] = field(default_factory=lambda: [(10000.0, 19000.0), (1000.0, 1000.0), (19000.0, 1000.0)])
+    endurance: Annotated[Amounts, about("longest flight of a UAV, or several to try", "s", example=[300.0, 492.0])] = (
+        492.0
+    )
+    speed: Annotated[Positive, about("flying speed", "m/s")] = 100.0
+    period: Annotated[Positive, about("time between two measurements of a UAV", "s")] = 10.0
+    noise_sd: Annotated[Positive, about("σ_n of a measurement, in the field's unit")] = 1.0
+    signal_sd: Annotated[Positive, about("σ_f that plans believe, in the field's unit")] = 30.0
+    length_scale: Annotated[Positive, about("length scale that plans believe", "m")] = 4000.0
+    cells: Annotated[Cells, about("cells of the judged map along the region's longer side")] = 50
+    methods: Annotated[list[MethodTable], about("who plans them, at least one", example=[{"name": "workbench"}])] = (
+        field(default_factory=list)
     )

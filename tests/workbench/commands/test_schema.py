@@ -106,6 +106,13 @@ PLACEMENT = {
     "methods": [{"name": "greedy", "time_limit": 3.0}],
 }
 MOVING = {"problem": "moving-cost", "scenarios": ["a.toml"], "starts": 2, "methods": [{"name": "dijkstra"}]}
+SURVEY = {
+    "problem": "survey",
+    "endurance": [300, 492.0],
+    "depots": [[500.0, 500.0]],
+    "fields": [{"kind": "gp", "seeds": [1, 2], "length_scale": 900.0}, {"kind": "file", "file": "a.nc", "unit": "K"}],
+    "methods": [{"name": "myopic", "options": {"within": 2.0}}],
+}
 MISSION = {
     "airspeed": 100.0,
     "size": [4000, 4000],
@@ -141,12 +148,13 @@ RUN = {
 }  # fmt: skip
 PLACED = {**RUN, "problem": "placement", "certificate": 2.0, "points": [[1, 2]], "information": {"b": 1.0}}
 MOVED = {**RUN, "problem": "moving-cost", "cost": [[0, 1], [1, 0]], "paths": {"offsets": [0, 0, 2], "points": [[0, 1]]}}
+SURVEYED = {**RUN, "problem": "survey", "tours": [[[1, 2], [3, 4]], []], "read": [[0, 1, 2.0, 3.0]], "rmse": 0.5}
 BASES = {
     "scenario": [SCENARIO],
-    "study": [STUDY, PLACEMENT, MOVING],
+    "study": [STUDY, PLACEMENT, MOVING, SURVEY],
     "mission": [MISSION],
     "instance": [INSTANCE, METRIC],
-    "run": [RUN, PLACED, MOVED],
+    "run": [RUN, PLACED, MOVED, SURVEYED],
 }
 VALUES = ["x", "", -1, 1.5, True, None, [], {}, [[1, 2]], [{"a": 1}], 10**25]
 FLOATS = [1e300, -1e300]

@@ -1,4 +1,4 @@
-"""What the machinery promises holds for every problem: routing, placement and moving costs."""
+"""What the machinery promises holds for every problem: routing, placement, moving costs and surveys."""
 
 from __future__ import annotations
 
@@ -49,6 +49,14 @@ CASES = [
     Case("routing", "misbehaving", "solvers", 'files = ["given/r4-2-[01].json"]', "LiesAboutCost", "claimed a longest"),
     Case("placement", "misplacing", "methods", 'tasks = [2, 3]\ntests = "4x4"', "Liar", "claimed 99.0 nats"),
     Case("moving-cost", "misplanning", "methods", 'scenarios = ["calm.toml", "warm.toml"]', "Liar", "s claimed"),
+    Case(
+        "survey",
+        "misflying",
+        "methods",
+        'endurance = [80, 90]\n[[fields]]\nkind = "gp"',
+        "Liar",
+        "more than the 8000 m",
+    ),
 ]
 
 

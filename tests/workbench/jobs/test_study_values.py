@@ -23,8 +23,23 @@ STUDIES: dict[str, dict[str, Any]] = {
     "routing": {"families": [{"family": "uniform", "tasks": 3, "depots": 2}]},
     "placement": {"tests": "3x3", "tasks": 2},
     "moving-cost": {"families": [{"family": "uniform", "tasks": 3, "depots": 2}]},
+    "survey": {"fields": [{"kind": "gp"}]},
 }
-ENTRY = {"routing": {"name": "greedy"}, "placement": {"name": "greedy"}, "moving-cost": {"name": "dijkstra"}}
+ENTRY = {
+    "routing": {"name": "greedy"},
+    "placement": {"name": "greedy"},
+    "moving-cost": {"name": "dijkstra"},
+    "survey": {"name": "myopic"},
+}
+NO_FIELD = [
+    {"kind": "gp", "file": "a.nc"},
+    {"kind": "file"},
+    {"kind": "gp", "unit": "K"},
+    {"kind": "file", "file": "missing"},
+    {"kind": "gp", "seeds": 10**9},
+    {"kind": "gp", "length_scale": 0.0},
+    {"kind": "radio", "altitude": 1.0},
+]
 KEYS: dict[str, dict[str, list[Any]]] = {
     "routing": {
         "name": [*NO_TEXT, "", "../../x", "/tmp/x", "a/b", "..", ".x", "a\nb", "x" * 200],
@@ -48,6 +63,15 @@ KEYS: dict[str, dict[str, list[Any]]] = {
         "threads": [1],
     },
     "moving-cost": {"scenarios": NO_FILE, "starts": NO_NUMBER, "time_limit": NO_NUMBER},
+    "survey": {
+        "fields": [*NO_TEXT, [], *([field] for field in NO_FIELD)],
+        "region": NO_FILE,
+        "depots": [*NO_TEXT, [], [[0.0]], [[-1.0, 0.0]], [[math.nan, 0.0]]],
+        "endurance": [*NO_NUMBER, 1.0, 1e9, [300.0, 0.0]],
+        "period": [*NO_NUMBER, 1e-6, 1e6],
+        "speed": NO_NUMBER,
+        "cells": [*NO_NUMBER, 3, 1001],
+    },
 }
 INSIDE: dict[str, dict[str, list[Any]]] = {
     "families": {

@@ -1,0 +1,343 @@
+"""The survey problem: where UAVs fly and measure within endurance so that the map of a field is best.
+
+The objective of a run is the RMSE of the map, in the field's unit. The parent flies every tour again, draws the noise
+itself, by seed, UAV and number of the reading, and fits the map as it does for everyone; a plan that changes in flight
+gets its readings in the child, with the same noise.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from shapely.geometry import mapping
+
+from formulations.kernel import SquaredExponential
+from formulations.limits import Limits
+from formulations.mapping.map_grid import MapGrid
+from formulations.surveying.problem import Sensor, SurveyPlanner, SurveyProblem, readings
+from formulations.surveying.registry import PLANNERS
+from formulations.surveying.verification import Worth, reading_faults, tour_faults, worth_of
+from formulations.task_location.setting import site_of
+from instances.arrays import Floats
+from instances.disk import write_aside
+from instances.environment.radio import RadioMap
+from instances.environment.region import Region, single_polygon
+from instances.errors import InputError
+from reports.damage import reading
+from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
+from workbench.jobs.check import check_runs
+from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
+from workbench.jobs.study_table import listed
+from workbench.problems.survey_fields import fields_of
+from workbench.problems.tables import SurveyTable
+from workbench.summary import Summary
+
+if TYPE_CHECKING:
+    from reports.columns import Column
+    from reports.pages.survey import SurveyCase
+
+TOLERANCE = 1e-3
+"""Relative: what is stored of a map further from the re-computed figure is refuted; fits differ so much by machine."""
+MOST_READINGS = 2000
+"""Of all UAVs: a map's cost grows with their cube."""
+FIGURES = ("rmse", "nlpd", "coverage", "promised_sd", "information", "length", "longest", "readings")
+"""What is re-computed of every plan."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a study says of all its items: SI units.
+
+    cells : of the judged map along the region's longer side. The others are a study's keys of the same names.
+    """
+
+    depots: list[list[float]]
+    endurance: float
+    speed: float
+    period: float
+    noise_sd: float
+    signal_sd: float
+    length_scale: float
+    cells: int
+
+
+@dataclass(frozen=True, eq=False)
+class SurveyItem:
+    """A field with the seed of its noise, over a region (GeoJSON polygon [m]), and what is known before take-off.
+
+    family : name of the field without its seed.
+    """
+
+    family: str
+    seed: int
+    polygon: dict[str, Any]
+    field: RadioMap
+    setting: Setting
+
+    def __post_init__(self) -> None:
+        said, region = self.setting, self.problem.region
+        most = said.endurance / said.period * len(said.depots)
+        if not said.endurance / said.period >= 1.0 or not most <= MOST_READINGS:
+            raise InputError(
+                f"endurance {said.endurance:g} s and period {said.period:g} s make {most:.4g} readings of all UAVs; "
+                f"each must take one, and all at most {MOST_READINGS}"
+            )
+        if not len(said.depots) or not region.contains(self.problem.depots).all():
+            raise InputError("depots: there must be one, and all must lie in the region")
+
+    def __reduce__(self) -> tuple[type[SurveyItem], tuple[Any, ...]]:
+        """Pickle without what is cached."""
+        return SurveyItem, (self.family, self.seed, self.polygon, self.field, self.setting)
+
+    @property
+    def name(self) -> str:
+        """Field, its seed and the endurance."""
+        return f"{self.family}-s{self.seed}-{self.setting.endurance:g}s"
+
+    @cached_property
+    def digest(self) -> str:
+        """First 12 hexadecimal digits of the SHA-256 of everything but the names."""
+        h = hashlib.sha256(json.dumps([self.seed, self.polygon, asdict(self.setting)], sort_keys=True).encode())
+        for array in (self.field.x, self.field.y, self.field.values):
+            h.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
+        return h.hexdigest()[:12]
+
+    @cached_property
+    def problem(self) -> SurveyProblem:
+        """What a planner is given."""
+        said = self.setting
+        return SurveyProblem(
+            Region(single_polygon(self.polygon)),
+            np.array(said.depots, dtype=float).reshape(-1, 2),
+            said.endurance * said.speed,
+            said.period * said.speed,
+            SquaredExponential(said.signal_sd, (said.length_scale, said.length_scale)),
+            said.noise_sd,
+        )
+
+    def load(self) -> SurveyItem:
+        """Return itself: nothing is left to make."""
+        return self
+
+
+class SurveyStudy(Problem[SurveyItem]):
+    """Fields, and plans that are flown over them."""
+
+    name = "survey"
+    methods = PLANNERS
+    item = "survey"
+    entries = "methods"
+    study = SurveyTable
+    default_limit = 60.0
+    product = dict[str, list[Any]]
+    found = "tours"
+    statuses = ("FEASIBLE",)
+    outputs = ("figures",)
+
+    def sources(self, study: SurveyTable, base: Path) -> Iterable[Source[SurveyItem]]:
+        """Return every field with every seed and endurance."""
+        site = site_of(None if study.region == "square" else base / study.region)
+        polygon = json.loads(json.dumps(mapping(site.region.polygon)))
+        said = {each.name: getattr(study, each.name) for each in fields(Setting)}
+        said["depots"] = [list(depot) for depot in study.depots]
+        for table in study.fields:
+            for family, seed, field in fields_of(table, base, site):
+                for endurance in listed(study.endurance):
+                    yield SurveyItem(family, seed, polygon, field, Setting(**said | {"endurance": endurance}))
+
+    def size(self, item: SurveyItem) -> int:
+        """Return the most readings that all UAVs can take."""
+        return int(item.setting.endurance / item.setting.period + 1e-9) * len(item.setting.depots)
+
+    def write(self, item: SurveyItem, folder: Path) -> None:
+        """Keep field, region and setting."""
+        path = folder / ITEM_FILES[self.name][0]
+        if path.exists():
+            return
+        field = {"x": item.field.x.tolist(), "y": item.field.y.tolist(), "values": item.field.values.tolist()}
+        content = {"family": item.family, "seed": item.seed, "polygon": item.polygon, "setting": asdict(item.setting)}
+        kept = {"schema": 1, "problem": self.name, **content, "field": {**field, "unit": item.field.unit}}
+        write_aside(path, json.dumps(kept))
+
+    def read(self, folder: Path) -> SurveyItem:
+        """Return the survey kept in `folder`."""
+        path = folder / ITEM_FILES[self.name][0]
+        with reading(path, "a survey"):
+            data = read_json(path)
+            return SurveyItem(
+                str(data["family"]),
+                int(data["seed"]),
+                data["polygon"],
+                RadioMap(**data["field"]),
+                Setting(**data["setting"]),
+            )
+
+    def describe(self, item: SurveyItem) -> dict[str, Any]:
+        """Return name, digest, size and the field's name."""
+        sizes = {"n_tasks": self.size(item), "n_depots": len(item.setting.depots)}
+        return {"name": item.name, "digest": item.digest, **sizes, "family": item.family}
+
+    def accepts(self, method: SurveyPlanner, item: SurveyItem) -> str | None:
+        """Ask the planner."""
+        return method.accepts(item.problem)
+
+    def prepare(self, method: SurveyPlanner, item: SurveyItem) -> None:
+        """Let the planner import and compile."""
+        method.prepare(item.problem)
+
+    def solve(
+        self, method: SurveyPlanner, item: SurveyItem, limits: Limits, seed: int, tell: Listener, start: Any
+    ) -> Claim:
+        """Plan, and fly as far as the plan asks for readings."""
+        sensor = Sensor(item.field, item.setting.noise_sd, item.seed)
+        tours = [np.asarray(tour, float) for tour in method.plan(item.problem, sensor, limits=limits, seed=seed)]
+        samples = [readings(tour, item.problem.spacing).tolist() for tour in tours]
+        product = {"tours": [tour.tolist() for tour in tours], "samples": samples, "read": sensor.log}
+        return Claim(product, None, status="FEASIBLE", stopped_by="finished")
+
+    def judge(self, item: SurveyItem, product: Any, claimed: float | None) -> tuple[float | None, str]:
+        """Return the RMSE of the map of tours that can be flown, and what is wrong with them."""
+        try:
+            tours, samples, read = flown(product)
+        except (KeyError, TypeError, ValueError) as error:
+            return None, f"sent tours that cannot be read ({type(error).__name__}: {error})"
+        faults = tour_faults(item.problem, tours, samples) or reading_faults(item.problem, tours, read)
+        if faults:
+            return None, "; ".join(faults)
+        if not any(map(len, samples)):
+            return None, "measured nothing"
+        return _worth(item, json.dumps(product["tours"])).score.rmse, ""
+
+    def refute_ending(self, item: SurveyItem, claim: Claim, objective: float | None) -> str:
+        """Return that there are no tours where there are none."""
+        return "" if claim.product is not None else "ended without tours"
+
+    def own_columns(self, item: SurveyItem, product: Any) -> dict[str, Any]:
+        """Return the tours and what the judge found."""
+        about = {"endurance": item.setting.endurance, "unit": item.field.unit}
+        if product is None:
+            return {"tours": None, "samples": None, "read": [], **dict.fromkeys((*FIGURES, "model")), **about}
+        worth = _worth(item, json.dumps(product["tours"]))
+        return {**product, **_figures(worth), "model": worth.model, **about}
+
+    def spell(self, run: Run) -> str:
+        """Return the RMSE with its unit."""
+        return "no tours" if run.objective is None else f"RMSE {run.objective:.4g} {run.own['unit']}".rstrip()
+
+    def check(self, folder: Path) -> tuple[str, list[str]]:
+        """Fly, measure and map every stored plan again."""
+        runs, items, problems = check_runs(self, folder, lambda item: [], _false_claims)
+        return f"{runs} survey runs on {items} surveys", problems
+
+    def columns(self) -> Sequence[Column]:
+        """Return the columns of the summary."""
+        from reports.columns import SURVEYS
+
+        return SURVEYS
+
+    def publish(self, folders: list[Path], outputs: Outputs) -> Published:
+        """Put the plans side by side over the fields of each name and endurance."""
+        from reports.csv_text import csv_text
+        from reports.pages.survey import write_survey_page
+        from reports.stores import read_runs
+        from reports.surveys import survey_frame, survey_summary, survey_verdicts
+
+        runs, damaged = read_runs(*folders, problem=self.name)
+        frame = survey_frame(runs)
+        if outputs.table is not None:
+            write_aside(outputs.table, csv_text(frame, outputs.raw_table))
+        verdicts, figures = survey_verdicts(frame), outputs.extra.get("figures")
+        if outputs.page is not None or figures is not None:
+            title = f"Surveys: {study_title(folders)}"
+            write_survey_page(_cases(runs, damaged), frame, verdicts, runs, outputs.page, title, figures)
+        summaries = [Summary(self.name, self.columns(), survey_summary(frame, verdicts), 3)] if len(frame) else []
+        note = code_note(run.code for run in runs.values())
+        failed = int((frame["rmse"].isna() & (frame["stopped_by"] != "declined")).sum())
+        problems = [*damaged, *([f"{failed} runs ended without tours"] if failed else [])]
+        written = [path for path in (outputs.table, outputs.page) if path]
+        return Published(written, problems, len(damaged), summaries=summaries, notes=[note] if note else [])
+
+
+SURVEY = SurveyStudy()
+
+
+def flown(product: Any) -> tuple[list[Floats], list[Floats], list[tuple[int, int, float, float]]]:
+    """Return tours, samples (k, 2) [m] and readings in flight of a product; ValueError or the like where it is none."""
+    tours, samples = (
+        [np.array(each, dtype=float).reshape(-1, 2) for each in product[name]] for name in ("tours", "samples")
+    )
+    return tours, samples, [(int(uav), int(tick), float(x), float(y)) for uav, tick, x, y in product["read"]]
+
+
+@lru_cache(maxsize=8)
+def _worth(item: SurveyItem, tours: str) -> Worth:
+    """Return what `tours` (JSON) are worth: asked for by `judge` and again by `own_columns`."""
+    polylines = [np.array(tour, dtype=float).reshape(-1, 2) for tour in json.loads(tours)]
+    points = MapGrid.over(item.problem.region, item.setting.cells).points
+    return worth_of(item.problem, polylines, item.field, points, item.seed)
+
+
+def _figures(worth: Worth) -> dict[str, float]:
+    told = {**asdict(worth), **asdict(worth.score), "readings": worth.samples}
+    return {name: told[name] for name in FIGURES}
+
+
+def _false_claims(item: SurveyItem, run: Run) -> list[str]:
+    own = run.own
+    if own["tours"] is None:
+        return [] if run.objective is None else ["states an RMSE, but has no tours"]
+    objective, fault = SURVEY.judge(item, own, run.objective)
+    if objective is None:
+        return [fault]
+    actual = _figures(_worth(item, json.dumps(own["tours"])))
+    stated = {**{name: own[name] for name in FIGURES}, "objective": run.objective}
+    return [
+        f"states {name} = {claim!r}, but recomputed it is {actual.get(name, objective)!r}"
+        for name, claim in stated.items()
+        if not _close(claim, actual.get(name, objective))
+    ]
+
+
+def _close(claim: Any, actual: float) -> bool:
+    if not isinstance(claim, (int, float)) or isinstance(claim, bool):
+        return False
+    return bool(abs(claim - actual) <= TOLERANCE * max(abs(actual), 1e-9))
+
+
+def _cases(runs: Mapping[Path, Run], damaged: list[str]) -> list[SurveyCase]:
+    """Return for each name of fields and endurance the plans over its first survey; what is unreadable is `damaged`."""
+    from reports.figures.survey import FlownPlan
+    from reports.pages.survey import SurveyCase
+
+    folders: dict[tuple[str, float], Path] = {}
+    for path, run in sorted(runs.items(), key=lambda each: (each[1].instance["name"], each[0])):
+        folders.setdefault((str(run.instance.get("family")), run.own["endurance"]), path.parent)
+    cases = []
+    for folder in folders.values():
+        try:
+            item = SURVEY.read(folder)
+        except InputError as error:
+            damaged.append(f"{error}; left alone.")
+            continue
+        best: dict[str, Run] = {}
+        for path, run in runs.items():
+            if path.parent == folder and run.objective is not None and not tours_wrong(item, run):
+                best.setdefault(run.label, run)
+        ranked = sorted(best.values(), key=lambda run: run.objective or 0.0)
+        plans = [FlownPlan(run.label, run.objective or 0.0, *flown(run.own)[:2]) for run in ranked]
+        if plans:
+            cases.append(SurveyCase(item.name, item.field, item.problem.region, item.problem.depots, plans))
+    return cases
+
+
+def tours_wrong(item: SurveyItem, run: Run) -> list[str]:
+    """Return what is wrong with the tours of a stored run that has some."""
+    tours, samples, _ = flown(run.own)
+    return tour_faults(item.problem, tours, samples)

@@ -7,6 +7,7 @@ from instances.registry import MethodRegistry
 
 BUILT_IN = {
     "workbench": ("formulations.surveying.placed:Workbench", "tasks of most information, as many as fit, routed"),
+    "polished": ("formulations.surveying.polished:Polished", "the same, waypoints moved for what is sensed on the way"),
     "greedy": ("formulations.surveying.placed:Greedy", "tasks placed one after the other, as many as fit, routed"),
     "random": ("formulations.surveying.placed:RandomTasks", "uniform random tasks, as many as fit, routed"),
     "lawnmower": ("formulations.surveying.lanes:Lawnmower", "parallel lanes, the most that fit"),
@@ -15,6 +16,7 @@ BUILT_IN = {
 
 SOURCES = {
     "workbench": ("workbench",),
+    "polished": ("workbench",),
     "greedy": ("krause2008near",),
 }
 """What to cite for each, keys of reports/data/references.bib."""

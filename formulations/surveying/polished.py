@@ -1,0 +1,36 @@
+"""polished: tasks as the workbench places and routes them, then path polish (`formulations.polish`).
+
+Whole tasks leave endurance unused; here the tasks become waypoints, which move for what is sensed along the path: the
+mean posterior variance at the problem's targets, under what is believed before take-off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.average_variance import AverageVariance
+from formulations.limits import Limits
+from formulations.polish.legs import Legs
+from formulations.polish.path_polish import PolishProblem, polish
+from formulations.surveying.placed import Workbench
+from formulations.surveying.problem import Sensor, SurveyProblem, Tours
+from instances.arrays import Floats
+
+
+@dataclass(frozen=True)
+class Polished(Workbench):
+    """The workbench's tours with their waypoints moved for what is sensed on the way."""
+
+    def plan(self, problem: SurveyProblem, sensor: Sensor, *, limits: Limits, seed: int) -> Tours:
+        """Place, route, polish."""
+        return polished(problem, super().plan(problem, sensor, limits=limits, seed=seed))
+
+
+def polished(problem: SurveyProblem, tours: Sequence[Floats]) -> Tours:
+    """Return `tours` polished; speed is 1 m/s, so that costs are lengths [m]."""
+    judged = AverageVariance(problem.kernel, problem.noise_sd, problem.targets)
+    budgets = np.full(len(tours), problem.length)
+    return polish(PolishProblem(judged, Legs(1.0, 1.0), problem.spacing, tours, budgets, problem.region)).paths

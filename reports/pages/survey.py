@@ -1,4 +1,4 @@
-"""The page about a study of surveys: who wins, the plans side by side, error against endurance, where they fly."""
+"""The page about a study of surveys: who wins, error against endurance, where they fly."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from reports.columns import SURVEYS
 from reports.figures.files import write_figures
 from reports.figures.survey import FlownPlan, draw_endurance, draw_tours
 from reports.numbers import counted
-from reports.pages.blocks import Block, Facts, Lines, Section, figures_in, table_of
+from reports.pages.blocks import Block, Facts, Folded, Lines, Section, figures_in, table_of
 from reports.pages.made import code_notes, environments_of, limits_and_machines
 from reports.pages.page import Page, write_page
 from reports.surveys import Verdicts, survey_summary
@@ -78,8 +78,7 @@ def _blocks(cases: Sequence[SurveyCase], frame: pd.DataFrame, judged: Verdicts, 
     seen = frame["rmse"].notna().any()
     return [
         *code_notes(frame["code"]),
-        *([Section("Who wins", [Lines(told)], "verdicts")] if told else []),
-        Section("Plans", [plans], "plans"),
+        Section("Who wins", [plans, *([Folded("The same in sentences", [Lines(told)])] if told else [])], "plans"),
         *([Section("Error against endurance", [draw_endurance(frame)], "endurance")] if seen else []),
         *([Section("Where they fly", list(drawn), "tours")] if drawn else []),
         Section("What the words mean", [Facts(WORDS)], "words"),

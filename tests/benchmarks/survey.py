@@ -42,6 +42,7 @@ from reports.statistics.paired import Paired, paired
 from workbench.mission.belief import belief_of
 from workbench.mission.file import read_mission, shipped_missions
 from workbench.mission.flight import kept_flights
+from workbench.mission.pipeline import NAMES
 from workbench.mission.redraw import conditions
 
 SQUARE = Region.rectangle(20_000.0, 20_000.0)
@@ -122,12 +123,13 @@ def se_draws(seeds: int) -> None:
         "within 1 %", abs(found.mean) <= 0.01)  # fmt: skip
 
 
-def flown(text: str, folder: Path, stage: str = "") -> Path:
-    """Run a mission to `stage`, or to its end; return its products."""
+def flown(text: str, folder: Path, last: str) -> Path:
+    """Run a mission to its stage `last`; return its products."""
     (folder / "mission.toml").write_text(text)
-    command = [sys.executable, "-P", "-c", "from workbench.cli import main; main()", "mission"]
-    more = ["--stage", stage] if stage else []
-    subprocess.run([*command, "mission.toml", "--out", "out", *more], cwd=folder, check=True, capture_output=True)
+    program = [sys.executable, "-P", "-c", "from workbench.cli import main; main()"]
+    for stage in NAMES[: NAMES.index(last) + 1]:
+        words = ["mission", "mission.toml", "--out", "out", "--stage", stage]
+        subprocess.run([*program, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return folder / "out"
 
 
@@ -185,7 +187,7 @@ def jacksboro(seeds: int) -> None:
 def mission(seeds: int) -> None:
     """The paper's mission, default settings, against a lawnmower that is at least as long."""
     with tempfile.TemporaryDirectory() as folder:
-        out = flown(paper(seeds), Path(folder))
+        out = flown(paper(seeds), Path(folder), "compare")
         rows = list(csv.DictReader((out / "7-compare" / "compare-draws.csv").open()))
     by = {name: [row for row in rows if row["name"] == name] for name in ("mission", "lawnmower")}
     own, other = (np.array([float(row["rmse"]) for row in each]) for each in by.values())

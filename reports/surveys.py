@@ -60,11 +60,12 @@ def survey_verdicts(frame: pd.DataFrame) -> Verdicts:
 
 def survey_summary(frame: pd.DataFrame, judged: Verdicts) -> pd.DataFrame:
     """Return a row a name of fields, endurance and plan, best first: means over runs, and the reference's verdict."""
-    groups = frame.groupby(["family", "endurance", "method"], sort=False)
+    failed = frame["rmse"].isna() & (frame["stopped_by"] != "declined")
+    groups = frame.assign(failed=failed).groupby(["family", "endurance", "method"], sort=False)
     means = {name: (name, "mean") for name in ("rmse", "nlpd", "coverage", "promised_sd", "information", "length")}
     table = groups.agg(
         runs=("seed", "size"),
-        failed=("rmse", lambda column: int(column.isna().sum())),
+        failed=("failed", "sum"),
         **means,
         longest=("longest", "max"),
         cpu_seconds=("cpu_seconds", "median"),

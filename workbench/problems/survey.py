@@ -47,6 +47,8 @@ TOLERANCE = 1e-3
 """Relative: what is stored of a map further from the re-computed figure is refuted; fits differ so much by machine."""
 MOST_READINGS = 2000
 """Of all UAVs: a map's cost grows with their cube."""
+MOST_CELLS = 1000
+"""Along the longer side of the judged map."""
 FIGURES = ("rmse", "nlpd", "coverage", "promised_sd", "information", "length", "longest", "readings")
 """What is re-computed of every plan."""
 
@@ -83,6 +85,8 @@ class SurveyItem:
 
     def __post_init__(self) -> None:
         said, region = self.setting, self.problem.region
+        if not (isinstance(said.cells, int) and 4 <= said.cells <= MOST_CELLS and said.noise_sd > 0):
+            raise InputError(f"cells must be from 4 to {MOST_CELLS} and noise_sd positive, got {said}")
         most = said.endurance / said.period * len(said.depots)
         if not said.endurance / said.period >= 1.0 or not most <= MOST_READINGS:
             raise InputError(
@@ -291,7 +295,7 @@ def _figures(worth: Worth) -> dict[str, float]:
 
 def _false_claims(item: SurveyItem, run: Run) -> list[str]:
     own = run.own
-    if own["tours"] is None:
+    if own["tours"] is None or own["samples"] is None:
         return [] if run.objective is None else ["states an RMSE, but has no tours"]
     objective, fault = SURVEY.judge(item, own, run.objective)
     if objective is None:
@@ -328,16 +332,10 @@ def _cases(runs: Mapping[Path, Run], damaged: list[str]) -> list[SurveyCase]:
             continue
         best: dict[str, Run] = {}
         for path, run in runs.items():
-            if path.parent == folder and run.objective is not None and not tours_wrong(item, run):
+            if path.parent == folder and run.objective is not None and not _false_claims(item, run):
                 best.setdefault(run.label, run)
         ranked = sorted(best.values(), key=lambda run: run.objective or 0.0)
         plans = [FlownPlan(run.label, run.objective or 0.0, *flown(run.own)[:2]) for run in ranked]
         if plans:
             cases.append(SurveyCase(item.name, item.field, item.problem.region, item.problem.depots, plans))
     return cases
-
-
-def tours_wrong(item: SurveyItem, run: Run) -> list[str]:
-    """Return what is wrong with the tours of a stored run that has some."""
-    tours, samples, _ = flown(run.own)
-    return tour_faults(item.problem, tours, samples)

@@ -94,6 +94,11 @@ LIES = {
     "its status": (MYOPIC, lambda run: run.update(status="OPTIMAL"), "no survey planner can say"),
     "another field": ("gp-se-s0-80s-*/survey.json", lambda told: told.update(seed=9), "not the survey of its folder"),
     "no field": ("gp-se-s0-80s-*/survey.json", lambda told: told.pop("field"), "does not describe a survey"),
+    "cells without end": (
+        "gp-se-s0-80s-*/survey.json",
+        lambda told: told["setting"].update(cells=10**9),
+        "cells must be from 4 to 1000",
+    ),
     "no period": ("gp-se-s0-80s-*/survey.json", lambda told: told["setting"].update(period=0.0), "does not describe"),
 }
 
@@ -109,6 +114,13 @@ def test_a_planted_lie_is_found(name, store, capsys):
 
 
 @pytest.mark.usefixtures("without_figures")
+def test_a_page_leaves_out_what_is_false(store, tmp_path):
+    for edit in (LIES["too far"], LIES["no tours"]):
+        change(store, edit[0], edit[1])
+        assert call("report", store, "--out", tmp_path / "x.html") == 0
+
+
+@pytest.mark.usefixtures("without_figures")
 def test_page_and_table_say_who_wins(store, tmp_path, capsys):
     page, table = tmp_path / "x.html", tmp_path / "y.csv"
     assert call("report", store, "--out", page, "--csv", table, "--json") == 0
@@ -119,6 +131,7 @@ def test_page_and_table_say_who_wins(store, tmp_path, capsys):
     mean = np.mean([float(row["rmse"]) for row in rows if row["method"] == "myopic"])
     (mine,) = (row for row in told if row["method"] == "myopic")
     assert mine["rmse"] == pytest.approx(mean)
+    assert [row["failed"] for row in told] == [0, 0, 0]  # declined is not failed
     text = page.read_text()
     assert "myopic (within=3.0) over 2 fields of gp-se at 80 s" in text
     assert "lawnmower does not take this survey: no lane" in text

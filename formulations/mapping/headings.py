@@ -17,18 +17,24 @@ PIECES = 200
 """Pieces a segment of a leg is drawn with: the arc between two points of a full turn bulges by 1.2e-4 radii."""
 
 
-def choose_headings(waypoints: Floats, headings: Floats, radius: float, within: Polygon | None = None) -> Ints:
+def choose_headings(
+    waypoints: Floats, headings: Floats, radius: float, within: Polygon | None = None, *, closed: bool = True
+) -> Ints:
     """Return which of the candidate `headings` (w, H) [rad] each waypoint (w, 2) [m] is flown with, shape (w,).
 
     within : where the tour is to stay; where no choice stays inside, the shortest tour whatever it leaves.
+    closed : whether the tour returns to its first waypoint; else that is left by its first candidate heading.
     """
     cost = dubins.heading_costs(waypoints, headings, radius)
+    if not closed:
+        cost[0, 1:], cost[-1] = np.inf, 0.0
     length, shortest = dubins.closed_programme(cost)
     if within is None:
         return np.asarray(shortest)
     choice, legs = shortest, np.arange(len(waypoints))
     pairs = np.indices(cost.shape[1:]).reshape(2, -1)
     judged = np.zeros(len(waypoints), dtype=bool)
+    judged[-1] = not closed
     while np.isfinite(length):
         leaves = ~_inside(*_ends(waypoints, headings, legs, choice, np.roll(choice, -1)), radius, within) & ~judged
         if not leaves.any():

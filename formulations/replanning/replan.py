@@ -1,0 +1,261 @@
+"""One re-plan: fit, place what remains given what is known, route from where the UAVs are, accept what is better.
+
+1. The planning model, a squared exponential, is fitted to all samples S by restricted likelihood, as the map's is.
+2. r tasks are placed by I(y_T; y_o | y_S) (conditional.py), for up to TRIES values of r about the most whose
+   routes endurance allows.
+3. They are routed by min-max from the present positions to the homes (open_routes.py) and flown from the present poses.
+4. Accepted is the plan that promises the least mean posterior variance after the whole rest of the flight, if every UAV
+   keeps its endurance, no rule is broken, and it promises less than the plan in the air.
+
+With hyperparameters known the posterior variance does not depend on what is measured, and the best plan in flight is
+the rest of the best plan at take-off (A. Krause, C. Guestrin, Nonmyopic Active Learning of Gaussian Processes, 2007).
+All that re-planning gains, it gains through the hyperparameters, and through what has happened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from formulations.average_variance import AverageVariance
+from formulations.kernel import SquaredExponential
+from formulations.mapping.flight import Flight
+from formulations.mapping.gaussian_process import GaussianProcess
+from formulations.mapping.map_model import MapModel, Offered, choose_model
+from formulations.mapping.trend import CONSTANT, Trend
+from formulations.polish.legs import Legs as StraightLegs
+from formulations.polish.path_polish import PolishProblem, polish
+from formulations.replanning.aloft import Aloft, World
+from formulations.replanning.conditional import ConditionalInformation, place_remaining
+from formulations.replanning.onward import fly_on
+from formulations.replanning.open_routes import OpenRoutes, empty_routes, open_routes
+from formulations.replanning.spending import track_cost
+from formulations.replanning.ways import Legs
+from formulations.task_location.placement import lattice
+from instances.arrays import Floats
+from instances.errors import InputError
+
+TRIES = 3
+"""Numbers of tasks that are tried, at most."""
+SITES = 21
+"""Points a side of the lattice from which tasks are chosen greedily."""
+LEAST = 10
+"""So many tasks are thought of, at least, however few are ahead."""
+QUICK = 1000
+"""Steps of the search of routes while the number of tasks is sought."""
+TURNS = 0.995
+"""Share of what endurance leaves that routes of straight legs are to need: turns cost 0.3 %."""
+LESS = 1.0 - 1e-9
+"""A promise is less where it is below this share."""
+
+
+@dataclass(frozen=True, eq=False)
+class Planner:
+    """How re-plans are made.
+
+    model : believed before the first sample; trends : means that fits choose from; noise_sd : σ_n of a sample; period
+    [s] : between two samples of a UAV; tests : points (m, 2) [m] at which the field is to be known.
+    polish : whether waypoints are moved for what is sensed along the path (`formulations.polish`), too.
+    """
+
+    model: MapModel
+    noise_sd: float
+    period: float
+    tests: Floats
+    trends: tuple[Trend, ...] = (CONSTANT,)
+    polish: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """One way to go on: flights as a whole and from now on, tasks of each UAV, least left of endurance [s], promise.
+
+    lines : the polyline (k, 2) [m] that each UAV in the air is to follow.
+    """
+
+    flights: list[Flight]
+    rests: list[Flight]
+    tasks: list[Floats]
+    lines: list[Floats]
+    left: float
+    promised: float
+
+
+@dataclass(frozen=True, eq=False)
+class Replan:
+    """What was decided at `time` [s], why, and what it changed.
+
+    reason : what it was made for. samples : so many were known. model : as fitted to them. before, after : mean
+    posterior variance promised by the plan in the air and by the best that was tried, NaN where none may be flown.
+    tried : number of tasks of each plan and what became of it. accepted, why : whether it is flown now. old, new : the
+    rests of the flights.
+    """
+
+    time: float
+    reason: str
+    samples: int
+    model: MapModel
+    before: float
+    after: float
+    tried: list[tuple[int, str]]
+    accepted: bool
+    why: str
+    old: list[Flight] = field(default_factory=list)
+    new: list[Flight] = field(default_factory=list)
+
+
+class Replanner:
+    """Makes one re-plan for the fleet `aloft` in `world`, from the samples (positions (N, 2) [m], values (N,))."""
+
+    def __init__(self, planner: Planner, aloft: Aloft, world: World, samples: tuple[Floats, Floats], model: MapModel):
+        self.planner, self.aloft, self.world = planner, aloft, world
+        self.known, self.values = samples
+        offered = Offered((SquaredExponential,), planner.trends)
+        self.model = choose_model(model, offered, planner.noise_sd, self.known, self.values).model
+        self.uavs = aloft.active
+        self.here = np.array([aloft.flown(k).poses(aloft.flown(k).length)[0, :2] for k in self.uavs]).reshape(-1, 2)
+        self.spent = np.array([aloft.spent(k, world.measure) for k in self.uavs])
+        self.limits = aloft.limits[self.uavs]
+        self.tried: list[tuple[int, str]] = []
+
+    def promised(self, flights: Sequence[Flight]) -> float:
+        """Return the mean posterior variance at the test points after all that `flights` are to measure yet."""
+        process = GaussianProcess(self.model, self.planner.noise_sd, self.planner.tests)
+        process.extend(self.known, self.values)
+        for flight in flights:
+            times, positions = flight.measurements(self.planner.period)
+            coming = positions[times > self.aloft.time + 1e-9]
+            process.extend(coming, np.zeros(len(coming)))
+        return float((process.posterior().sd ** 2).mean())
+
+    def best(self, again: Floats | None = None) -> list[Plan]:
+        """Return the plans within endurance, the one that promises least variance first.
+
+        again : tasks of the plan in the air to route anew, before others are placed.
+        """
+        found = []
+        if again is not None and len(again):
+            found.append(self._plan(again)[0])
+        sites, worth, seen = lattice(self.world.sites, SITES), self._worth(), set[int]()
+        order = worth.greedy(sites, min(len(sites), max(LEAST, 2 * len(self.aloft.ahead()))))
+        count = self._fitting(order)
+        while len(seen) < TRIES and 0 < count <= len(order) and count not in seen:
+            seen.add(count)
+            plan, share = self._plan(place_remaining(worth, self.world.sites, order[:count]))
+            found.append(plan)
+            expected = int(count * share)
+            count = min(expected, count - 1) if plan is None else max(expected, count + 1)
+        plans = [plan for plan in found if plan is not None]
+        if self.planner.polish:
+            plans += self._polished(min([self._aloft(), *plans], key=lambda plan: plan.promised))
+        return sorted(plans, key=lambda plan: plan.promised)
+
+    def home(self) -> Plan:
+        """Return the plan by which all fly straight home, whatever endurance says; InputError where there is no way."""
+        legs = self._legs(np.empty((0, 2)))
+        found = empty_routes(legs, 0, self.spent, self.limits)
+        if not np.isfinite(found.left).all():
+            k = self.uavs[int(np.argmin(found.left))]
+            raise InputError(f"at {self.aloft.time:g} s there is no way home for UAV {k}")
+        return self._flown(legs, np.empty((0, 2)), found)
+
+    def _worth(self) -> ConditionalInformation:
+        kernel = self.model.kernel
+        assert isinstance(kernel, SquaredExponential)
+        return ConditionalInformation(kernel, self.planner.tests, self.known, self._reading_sd)
+
+    @property
+    def _reading_sd(self) -> float:
+        return float(np.hypot(self.planner.noise_sd, self.model.nugget_sd))
+
+    def _legs(self, tasks: Floats) -> Legs:
+        return self.world.ways.between(np.concatenate([tasks, self.here, self.aloft.homes[self.uavs]]))
+
+    def _fitting(self, order: Floats) -> int:
+        """Return how many tasks of `order`, from its first, routes within endurance can hold, by bisection."""
+        low, high = 0, len(order) + 1
+        while high - low > 1:
+            count = (low + high) // 2
+            routes = open_routes(self._legs(order[:count]), count, self.spent, self.limits, QUICK)
+            low, high = (count, high) if self._fits(routes) else (low, count)
+        return low
+
+    def _fits(self, found: OpenRoutes) -> bool:
+        """Say whether routes of straight legs leave room for turns within endurance."""
+        there = self.limits - self.spent
+        return bool((there - found.left <= TURNS * there).all())
+
+    def _plan(self, tasks: Floats) -> tuple[Plan | None, float]:
+        """Return the plan by `tasks`, None where endurance is too short; and how many times as many would just fit."""
+        legs = self._legs(tasks)
+        found = open_routes(legs, len(tasks), self.spent, self.limits)
+        plan = self._flown(legs, tasks, found) if found.left.min() >= 0 else None
+        left = found.left.min() if plan is None else plan.left
+        home = empty_routes(legs, len(tasks), self.spent, self.limits).left  # beyond it tours grow with the root of r
+        share = float((home / np.maximum(home - found.left, 1e-9)).min().clip(0.0, 2.0) ** 2)
+        if plan is None or left < 0:
+            self.tried.append((len(tasks), f"needs {-left:.1f} s more than the endurance"))
+            return None, share
+        self.tried.append((len(tasks), f"promises an sd of {np.sqrt(plan.promised):.4g}"))
+        return plan, share
+
+    def _aloft(self) -> Plan:
+        """Return the plan in the air as a plan."""
+        aloft, rests = self.aloft, [self.aloft.rest(k) for k in range(len(self.aloft.flights))]
+        lines = [
+            np.concatenate([self.here[i : i + 1], rests[k].starts[1:, :2], aloft.homes[k : k + 1]])
+            for i, k in enumerate(self.uavs)
+        ]
+        return Plan(aloft.flights, rests, aloft.tasks, lines, 0.0, self.promised(aloft.flights))
+
+    def _polished(self, plan: Plan) -> list[Plan]:
+        """Return `plan` polished, where that makes it another within endurance."""
+        kernel, world = self.model.kernel, self.world
+        judged = AverageVariance(kernel, self._reading_sd, self.planner.tests, known=self.known)
+        room, speed = world.ways.region, self.aloft.flights[0].speed
+        legs = StraightLegs.of(world.measure, room, world.measure.speed, speed)
+        budgets = np.maximum(self.limits - self.spent, 0.0)
+        problem = PolishProblem(judged, legs, self.planner.period, plan.lines, budgets, room, self._costs)
+        done = polish(problem, warm=True)
+        if not done.moved.any():
+            return []
+        found = self._along([_legs_of(path) for path in done.paths], [path[1:-1] for path in done.paths])
+        if found.left < 0:
+            return []
+        count = sum(len(path) - 2 for path in done.paths)
+        self.tried.append((count, f"polished, promises an sd of {np.sqrt(found.promised):.4g}"))
+        return [found]
+
+    def _costs(self, uav: int, path: Floats) -> tuple[float, bool]:
+        """Return what flying on along `path` costs [s]; whether it may be flown is asked of the whole plan."""
+        k, world = self.uavs[uav], self.world
+        return track_cost(fly_on(self.aloft.flown(k), _legs_of(path), world.within)[1], world.measure), True
+
+    def _flown(self, legs: Legs, tasks: Floats, found: OpenRoutes) -> Plan:
+        """Return the flights along `found`."""
+        n, m = len(tasks), len(self.uavs)
+        lines = []
+        for i, route in enumerate(found.routes):
+            stops = (n + i, *route, n + m + i)
+            lines.append([legs.path(a, b) for a, b in pairwise(stops)])
+        return self._along(lines, [tasks[list(route)] for route in found.routes])
+
+    def _along(self, lines: Sequence[list[Floats]], tasks: Sequence[Floats]) -> Plan:
+        """Return the flights along the legs `lines` of each UAV in the air, which pass `tasks`."""
+        aloft, world = self.aloft, self.world
+        flights, rests = list(aloft.flights), [aloft.rest(k) for k in range(len(aloft.flights))]
+        own, left = [np.empty((0, 2)) for _ in flights], []
+        for i, k in enumerate(self.uavs):
+            flights[k], rests[k] = fly_on(aloft.flown(k), lines[i], world.within, world.clock_wind)
+            own[k] = tasks[i]
+            left.append(self.limits[i] - self.spent[i] - track_cost(rests[k], world.measure))
+        over = [np.concatenate([line[0][:1], *(leg[1:] for leg in line)]) for line in lines]
+        return Plan(flights, rests, own, over, min(left), self.promised(flights))
+
+
+def _legs_of(path: Floats) -> list[Floats]:
+    """Return the straight legs of `path` (w + 1, 2) [m]."""
+    return [path[i : i + 2] for i in range(len(path) - 1)]

@@ -149,7 +149,8 @@ class Instance:
         h = hashlib.sha256(f"{self.n_tasks} {self.n_depots} ".encode())
         arrays = [("", self.cost), ("", self.coordinates), ("endurance", self.endurance)]
         if self.travel is not None:
-            arrays += [(each.name, getattr(self.travel, each.name)) for each in fields(self.travel)]
+            arrays += [(name, getattr(self.travel, name)) for name in ("cost", "classes", "departures", "nodes")]
+            arrays += [("closed", np.ones(1))] if self.travel.closed else []
         for label, array in arrays:
             if array is not None:
                 h.update(label.encode())

@@ -56,6 +56,8 @@ class Travel:
         Shape (Q,) [s]: knots of time, from 0, increasing.
     nodes
         Shape (S,): the node of each state, each from 0 to N-1 once or more; one state a node if left out.
+    closed
+        Whether a tour ends in the state of its depot that it began in; else it may end in another.
 
     Raises
     ------
@@ -67,6 +69,7 @@ class Travel:
     classes: Ints
     departures: Floats = field(default_factory=_nothing)
     nodes: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    closed: bool = False
 
     def __post_init__(self) -> None:
         cost = _checked_cost(self.cost)
@@ -95,7 +98,7 @@ class Travel:
 
     def __reduce__(self) -> tuple[type[Travel], tuple[Any, ...]]:
         """Pickle through the constructor: arrays are read-only again on the other side, which kernels mind."""
-        return Travel, (self.cost, self.classes, self.departures, self.nodes)
+        return Travel, (self.cost, self.classes, self.departures, self.nodes, self.closed)
 
     @classmethod
     def of_uavs(cls, costs: Sequence[Floats]) -> Travel:
@@ -138,11 +141,16 @@ class Travel:
         if not self.axes & {"time", "states"}:
             return float(cost[0, stops[:-1], stops[1:]].sum())
         first, after = (np.searchsorted(self.nodes, stops, side=side) for side in ("left", "right"))
-        arrival = np.zeros(after[0] - first[0])
-        for here in range(len(stops) - 1):
-            legs = cost[:, first[here] : after[here], first[here + 1] : after[here + 1]]
-            arrival = (arrival[:, None] + self._at(legs, arrival)).min(axis=0)
-        return float(arrival.min())
+        starts = np.zeros((1, after[0] - first[0]))
+        if self.closed:
+            starts = np.where(np.eye(starts.size, dtype=bool), 0.0, np.inf)
+        ends = np.empty_like(starts)
+        for k, arrival in enumerate(starts):
+            for here in range(len(stops) - 1):
+                legs = cost[:, first[here] : after[here], first[here + 1] : after[here + 1]]
+                arrival = (arrival[:, None] + self._at(legs, arrival)).min(axis=0)
+            ends[k] = arrival
+        return float(np.diagonal(ends).min() if self.closed else ends.min())
 
     def _at(self, legs: Floats, times: Floats) -> Floats:
         """Return the costs (from, to) [s] of `legs` (Q, from, to) begun at `times` (from,)."""

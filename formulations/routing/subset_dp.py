@@ -30,7 +30,9 @@ import numpy as np
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.solver import Result
-from instances import Instance, Routes
+from formulations.routing.state_dp import LARGEST_TABLE, cheapest_chain, state_tour_table
+from formulations.routing.stateless import stateless
+from instances import Instance, Routes, Travel
 from instances.arrays import Floats
 from instances.kernels import njit
 from instances.routes import ENDURANCE_ROUNDING
@@ -49,27 +51,40 @@ class SubsetDp(RecordedSolver):
     """Dynamic programming over all subsets: exact, n ≤ 22, time and memory known beforehand."""
 
     proves: ClassVar[bool] = True
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "states"})
 
     def accepts(self, instance: Instance) -> str | None:
         """Refuse instances whose tables do not fit."""
         n = instance.n_tasks
         if n <= LARGEST:
-            return None
+            return self._states_fit(instance)
         need = 8 * Decimal(2) ** n * (n + 2 * instance.n_depots) / 10**9  # no float reaches 2 ** 1024
         return (
             f"subset-dp has a table of all 2^n subsets: at most {LARGEST} tasks, not {n} (that would be {need:.3g} GB)"
         )
 
+    def _states_fit(self, instance: Instance) -> str | None:
+        """Refuse states together with time, and more of them than fit."""
+        if instance.travel is None or "states" not in instance.axes:
+            return None
+        if "time" in instance.axes:
+            return "subset-dp takes states or costs that change with time, not both"
+        entries = (1 << instance.n_tasks) * int((instance.travel.nodes < instance.n_tasks).sum())
+        if entries <= LARGEST_TABLE:
+            return None
+        return f"subset-dp has a table of all subsets and states: {8e-9 * entries:.3g} GB here; it takes 1.2 GB"
+
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels."""
+        if "states" in instance.axes:
+            self.solve(_tiny_states(), limits=Limits(time=3600.0))
         tiny = Instance("warm-up", np.ones((5, 5)) - np.eye(5), 2, 3)
         self.solve(tiny, limits=Limits(time=3600.0))
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve exactly; known routes only let blocks be skipped. Deterministic, so `seed` is not used."""
         instance = recorder.instance
-        recorder.incumbent(_nearest_task_to_the_shortest_tour(instance))
+        recorder.incumbent(_nearest_task_to_the_shortest_tour(stateless(instance)))
         tours = []
         for k in range(instance.n_depots):
             table = tour_table(instance, k, recorder)
@@ -89,11 +104,25 @@ class SubsetDp(RecordedSolver):
         return recorder.result("proof", proved=True, tolerance=tolerance, subsets=1 << instance.n_tasks)
 
 
+def _tiny_states() -> Instance:
+    """Return an instance of two tasks with two states each, which compiles the kernels of states."""
+    nodes = np.array([0, 0, 1, 1, 2, 3, 4])
+    return Instance.of_travel("warm-up", Travel(np.ones((1, 1, 7, 7)), np.zeros(3, dtype=np.int64), nodes=nodes), 2)
+
+
 def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> Floats | None:
     """Return t_k(S) [s] for every set S of tasks (bit i is task i), shape (2ⁿ,); None when the clock runs out.
 
     Sets that UAV k cannot fly, or not on one battery, have t_k(S) = +inf.
     """
+    tour = (state_tour_table if "states" in instance.axes else _stateless_table)(instance, k, clock)
+    if tour is not None and instance.endurance is not None:
+        tour[tour > instance.endurance[k] * (1 + ENDURANCE_ROUNDING)] = np.inf
+    return tour
+
+
+def _stateless_table(instance: Instance, k: int, clock: Recorder | None) -> Floats | None:
+    """Return t_k(S) [s] whatever the endurance, by one state a task."""
     n, c = instance.n_tasks, instance.uav_cost(k)
     to_task, home = c[n + k, :n].copy(), c[:n, n + k].copy()
     between = np.ascontiguousarray(c[:n, :n].T)
@@ -103,8 +132,6 @@ def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> Flo
         if clock is not None and clock.remaining <= 0:
             return None
         _extend_paths(low, min(low + _PATH_CHUNK, 1 << n), to_task, between, home, path, tour)
-    if instance.endurance is not None:
-        tour[tour > instance.endurance[k] * (1 + ENDURANCE_ROUNDING)] = np.inf
     return tour
 
 
@@ -223,6 +250,8 @@ def cheapest_order(instance: Instance, k: int, tasks: list[int]) -> tuple[int, .
     """Return `tasks` (at most 22 or so) in the order of UAV k's cheapest tour, by Held–Karp on these alone."""
     if not tasks:
         return ()
+    if "states" in instance.axes:
+        return cheapest_chain(instance, k, tasks)
     depot = instance.n_tasks + k
     cost = instance.uav_cost(k)
     to_task, home = cost[depot, tasks], cost[tasks, depot]

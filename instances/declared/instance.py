@@ -80,6 +80,9 @@ class TravelTable(Table, frozen=True, kw_only=True):
     nodes: Annotated[list[int], about("node of each state; one state a node unless given", example=[0, 0, 1])] = field(
         default_factory=list
     )
+    closed: Annotated[bool, about("whether a tour ends in the state of its depot that it began in", example=False)] = (
+        False
+    )
 
 
 class InstanceTable(Table, frozen=True, kw_only=True):

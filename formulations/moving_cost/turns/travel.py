@@ -1,0 +1,89 @@
+"""Instances whose legs lead from heading to heading: Dubins lengths over the speed, or of sectors what is below them.
+
+    c[(i, a), (j, b)] = L((P_i, h_a) → (P_j, h_b)) / v
+
+With headings the instance is the discretised problem: its routes can be flown in the time that they cost. With sectors
+that cover all headings the same legs at interval lengths are a relaxation: its optimum is below that of every choice
+of headings (Manyam & Rathinam, arXiv 1506.08752), and reaches it like 1/H in the number H of sectors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from formulations.moving_cost.turns.headings import HeadingStates, sectors
+from formulations.moving_cost.turns.interval import interval_lengths
+from instances import Instance, Travel
+from instances.arrays import Floats
+from instances.errors import InputError
+from instances.extent import positive
+
+KEY = "turns"
+"""Of what an instance's provenance says of its headings."""
+
+
+@dataclass(frozen=True)
+class Turns:
+    """How a UAV turns: its least turning radius [m] and its speed [m/s]."""
+
+    radius: float
+    speed: float
+
+    def __post_init__(self) -> None:
+        positive(self.radius, "radius [m]")
+        positive(self.speed, "speed [m/s]")
+
+
+def turning_instance(
+    name: str,
+    points: Floats,
+    n_tasks: int,
+    turns: Turns,
+    states: HeadingStates,
+    *,
+    closed: bool = False,
+    provenance: Mapping[str, Any] | None = None,
+) -> Instance:
+    """Return the instance of tasks, then depots at `points` [m], (N, 2), flown over with `states`.
+
+    closed : whether a UAV must land with the heading it took off with.
+    """
+    length = interval_lengths(np.asarray(points, dtype=float), states.nodes, states.lows, states.widths, turns.radius)
+    m = len(points) - n_tasks
+    travel = Travel((length / turns.speed)[None, None], np.zeros(m, dtype=np.int64), nodes=states.nodes, closed=closed)
+    free = states.widths > 0
+    said = {
+        "radius": turns.radius,
+        "speed": turns.speed,
+        "headings": [None if any_ else heading for heading, any_ in zip(states.lows.tolist(), free, strict=True)],
+    }
+    return Instance.of_travel(name, travel, n_tasks, coordinates=points, provenance={**(provenance or {}), KEY: said})
+
+
+def turns_of(instance: Instance) -> tuple[Turns, HeadingStates] | None:
+    """Return how the UAVs of an instance turn and the headings of its states; None where it does not say so."""
+    said = instance.provenance.get(KEY)
+    if not isinstance(said, Mapping) or instance.travel is None or instance.coordinates is None:
+        return None
+    try:
+        turns = Turns(said["radius"], said["speed"])
+        free = np.array([heading is None for heading in said["headings"]])
+        lows = np.array([0.0 if heading is None else float(heading) for heading in said["headings"]])
+    except (KeyError, TypeError, ValueError, InputError):
+        return None
+    if lows.shape != instance.travel.nodes.shape or not np.isfinite(lows).all():
+        return None
+    return turns, HeadingStates(instance.travel.nodes, lows, np.where(free, 2 * np.pi, 0.0))
+
+
+def relaxed(instance: Instance, count: int) -> Instance | None:
+    """Return the relaxation of an instance over `count` sectors of headings a task, depots free; None as `turns_of`."""
+    known = turns_of(instance)
+    if known is None or instance.coordinates is None:
+        return None
+    states = sectors(instance.n_tasks, instance.n_depots, count)
+    return turning_instance(instance.name, instance.coordinates, instance.n_tasks, known[0], states)

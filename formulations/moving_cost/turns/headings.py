@@ -76,7 +76,7 @@ def headings(
 
 def sectors(n_tasks: int, n_depots: int, count: int) -> HeadingStates:
     """Return `count` sectors of headings a task, centred on 2πa / count, and free depots: all headings there are."""
-    lows: Floats = (np.arange(count) - 0.5) * (2 * np.pi / count)
+    lows = np.linspace(0.0, 2 * np.pi, count, endpoint=False, dtype=np.float64) - np.pi / count
     each = [lows] * n_tasks + [np.zeros(1)] * n_depots
     widths = [np.full(count, 2 * np.pi / count)] * n_tasks + [np.full(1, 2 * np.pi)] * n_depots
     return _states(each, widths)

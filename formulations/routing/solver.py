@@ -166,7 +166,7 @@ ABLE = {
     "fleet": "memetic and exact can",
     "endurance": "memetic and exact can",
     "time": "no built-in solver can",
-    "states": "subset-dp can",
+    "states": "memetic and subset-dp can",
 }
 """Who to turn to, for each axis of an instance."""
 

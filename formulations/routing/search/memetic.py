@@ -27,6 +27,7 @@ from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import ProblemData, problem_data
 from formulations.routing.search.randomness import seeded, uniform
 from formulations.routing.search.recreate import GUIDES
+from formulations.routing.search.states import searching as states
 from formulations.routing.search.tours import from_routes, to_routes
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes
@@ -63,7 +64,7 @@ class Memetic(RecordedSolver):
     depth: float = _DEFAULT.population.depth
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "states"})
     parameters: ClassVar[SearchParameters] = _DEFAULT
 
     def __post_init__(self) -> None:
@@ -75,8 +76,16 @@ class Memetic(RecordedSolver):
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
                 raise InputError(f"memetic: {name} must lie in {low}..{high}, got {value!r}")
 
+    def accepts(self, instance: Instance) -> str | None:
+        """Refuse states together with time or limited endurance."""
+        others = instance.axes & {"time", "endurance"} if "states" in instance.axes else frozenset()
+        return f"memetic takes states without {' or '.join(sorted(others))}" if others else None
+
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (or load them from numba's cache)."""
+        if "states" in instance.axes:
+            self.solve(states.warm_up(instance), limits=Limits(time=3600.0, iterations=100))
+            instance = states.straight_legs(instance)
         small = warm_up(instance, 6, 3)
         Memetic(depth=0.01).solve(small, limits=Limits(time=3600.0, iterations=200))
         population = self._populations(small, 1, 0)[0]
@@ -92,6 +101,8 @@ class Memetic(RecordedSolver):
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Search until a limit; one annealing step is one iteration, counted in each of the `threads` populations."""
+        if "states" in recorder.instance.axes:
+            return states.search_states(recorder, seed, self._routes, states.StateSearch())
         threads = recorder.limits.threads
         populations = self._populations(recorder.instance, threads, seed, recorder.routes, recorder.objective)
         budget = Budget(recorder, self.parameters.budget)
@@ -119,6 +130,10 @@ class Memetic(RecordedSolver):
                     list(pool.map(Population.advance, populations, repeat(now), repeat(steps)))
                 budget.took(steps)
         return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=populations[0].stages)
+
+    def _routes(self, instance: Instance, limits: Limits, seed: int) -> Routes | None:
+        """Return the routes found of an instance without states."""
+        return self.solve(instance, limits=limits, seed=seed).routes
 
     def _populations(
         self, instance: Instance, count: int, seed: int, start: Routes | None = None, objective: float = math.inf

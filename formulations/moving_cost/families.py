@@ -23,6 +23,8 @@ def costed(scenario: Scenario, legs: Legs) -> tuple[Instance, Paths | None]:
     Costs are those of the closed form where it is exact, else of the method refined. InputError for a wind as strong as
     the ground speed and a node that cannot be reached.
     """
+    if legs is Legs.TURNS:
+        return _between_headings(scenario), None
     if legs is not Legs.INSIDE:
         formula = open_country if legs is Legs.OPEN else straight_legs
         made = [formula(at_speed(scenario, speed)) for speed in classes_of(scenario)[0]]
@@ -32,3 +34,14 @@ def costed(scenario: Scenario, legs: Legs) -> tuple[Instance, Paths | None]:
     from formulations.moving_cost.costing import instance_of  # here: numba takes its time
 
     return instance_of(scenario)
+
+
+def _between_headings(scenario: Scenario) -> Instance:
+    """Return the instance of a dense survey: turning radius and headings are among the family's parameters."""
+    from formulations.moving_cost.turns.headings import headings  # here: numba takes its time
+    from formulations.moving_cost.turns.travel import Turns, turning_instance
+
+    said, points, n = scenario.provenance["parameters"], scenario.points, scenario.n_tasks
+    states = headings(points, n, uniform=said["headings"], sights=said["sights"])
+    turns = Turns(said["radius"], scenario.speed)
+    return turning_instance(scenario.name, points, n, turns, states, provenance=scenario.provenance)

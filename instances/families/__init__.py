@@ -33,6 +33,10 @@ BUILT_IN = {
         "instances.families.mixed_fleet:MIXED_FLEET",
         "square-wind with UAVs of different speeds, if asked for with limited endurance",
     ),
+    "dense-survey": (
+        "instances.families.dense_survey:DENSE_SURVEY",
+        "tasks a few turning radii apart in a square, Dubins paths between headings in calm air",
+    ),
     "wind-uniform": (
         "instances.families.wind_missions:WIND_UNIFORM",
         "a steady wind with turbulence (stream function), no-fly zones; "

@@ -171,3 +171,14 @@ def test_five_thousand_tasks_fit(tmp_path):
     write_instance(instance, tmp_path / "a.json")
     assert (tmp_path / "a.json").stat().st_size < 400_000
     assert hashlib.sha256(read_instance(tmp_path / "a.json").cost).digest() == hashlib.sha256(instance.cost).digest()
+
+
+def test_a_dense_survey_has_the_spacing_asked_for_and_headings_for_states():
+    instance = generate("dense-survey", 8, 2, 1, spacing=2.0, radius=100.0, headings=6, sights=1)
+    assert instance.axes == {"states"}
+    assert instance.provenance["turns"]["radius"] == 100.0
+    assert 0.5 < np.ptp(instance.coordinates[:8], axis=0).max() / (2.0 * 100.0 * np.sqrt(8)) <= 1.0
+    straight = np.hypot(*(instance.coordinates[0] - instance.coordinates[1])) / instance.provenance["turns"]["speed"]
+    assert instance.cost[0, 1] >= straight * (1 - 1e-12)
+    with pytest.raises(InputError, match="a task needs a heading"):
+        generate("dense-survey", 8, 2, 1, headings=0)

@@ -7,6 +7,8 @@ branch-and-cut, branch-and-price
                the bounds of these solvers at the root of their trees (see there)
 capped-tours   the relaxation over whole tours that cost no more than the best routes known
 destructive    the largest cap found at which that relaxation is impossible (``columns/destructive.py``)
+straight, headings
+               in place of the last four where nodes have several states (``state_bounds.py``)
 """
 
 from __future__ import annotations
@@ -25,7 +27,9 @@ from formulations.routing.registry import make_solver
 from formulations.routing.relaxation import relax
 from formulations.routing.simple_bounds import SIMPLE, worst_makespan
 from formulations.routing.solver import Status, refusal
-from instances import Instance
+from formulations.routing.state_bounds import MOST_TASKS, heading_bounds, straight_bound
+from formulations.routing.stateless import stateless
+from instances import Instance, objective
 
 MOST_THETA = 60_000
 """Beyond this a round of the relaxation takes minutes."""
@@ -51,14 +55,17 @@ class Bound:
 
 def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0) -> Iterator[Bound]:
     """Yield every bound of `instance` as it is ready; `time_limit` [s] is that of each."""
-    upper = _upper(instance)
+    upper, plain = _upper(instance), stateless(instance)
     for name, bound in SIMPLE.items():
         began = time.perf_counter()
-        value = bound(instance, upper)
+        value = bound(plain, upper)
         yield Bound(name, value, time.perf_counter() - began)
     if upper == 0:
         return
-    yield _relaxation(instance, upper, time_limit)
+    yield _relaxation(plain, upper, time_limit)
+    if "states" in instance.axes:
+        yield from _of_states(instance, upper, time_limit, seed)
+        return
     for solver in ROOTS:
         root, upper = _root(solver, instance, upper, time_limit, seed)
         yield root
@@ -68,8 +75,21 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
 
 def _upper(instance: Instance) -> float:
     """Return the cost of greedy routes [s], or one that no routes pass where UAVs cannot fly these."""
-    found = Greedy().solve(instance, limits=Limits(time=float("inf"))).objective
-    return worst_makespan(instance) if found is None else found
+    found = Greedy().solve(stateless(instance), limits=Limits(time=float("inf"))).routes
+    upper = np.inf if found is None else objective(instance, found)
+    return worst_makespan(instance) if np.isinf(upper) else upper
+
+
+def _of_states(instance: Instance, upper: float, time_limit: float, seed: int) -> Iterator[Bound]:
+    """Yield the bounds of an instance between headings."""
+    began = time.perf_counter()
+    value = straight_bound(instance, upper, time_limit, seed)
+    message = "" if value else "not found in time, or the instance does not say how its UAVs turn"
+    yield Bound("straight", value, time.perf_counter() - began, message)
+    began = time.perf_counter()
+    *_, (count, value) = (0, 0.0), *heading_bounds(instance, upper, time_limit)
+    words = f"{count} sectors a task" if count else f"for instances between headings of up to {MOST_TASKS} tasks"
+    yield Bound("headings", value, time.perf_counter() - began, words)
 
 
 def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:

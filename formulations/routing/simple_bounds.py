@@ -110,10 +110,20 @@ def worst_makespan(instance: Instance) -> float:
     longest = 0.0
     for k, (depot, limit) in enumerate(zip(instance.depots, instance.limits, strict=True)):
         nodes = [*instance.tasks, depot]
-        cost = instance.uav_cost(k)[np.ix_(nodes, nodes)]
+        cost = dearest_legs(instance, k)[np.ix_(nodes, nodes)]
         dearest = np.where(np.isfinite(cost), cost, 0.0).max(axis=0)
         longest = max(longest, min(float(dearest.sum()), float(limit)))
     return longest * (1 + 1e-8) or 1.0
+
+
+def dearest_legs(instance: Instance, k: int) -> Floats:
+    """Return the most that legs between nodes cost UAV k [s], over all states, (N, N)."""
+    if instance.travel is None or "states" not in instance.axes:
+        return instance.uav_cost(k)
+    cost = instance.travel.cost[instance.travel.classes[k], 0]
+    first = np.searchsorted(instance.travel.nodes, np.arange(instance.n_nodes))
+    cost = np.where(np.isfinite(cost), cost, 0.0)
+    return np.maximum.reduceat(np.maximum.reduceat(cost, first, axis=0), first, axis=1)
 
 
 SIMPLE = {"farthest": farthest, "assignment": assignment, "arborescence": arborescence}

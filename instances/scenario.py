@@ -40,6 +40,7 @@ from instances.disk import read_toml, write_aside
 from instances.environment.region import Region
 from instances.environment.site import Site
 from instances.environment.wind import WindField
+from instances.environment.wind_changing import ChangingWind
 from instances.environment.wind_table import wind_of
 from instances.errors import LONGEST_SENTENCE, InputError, naming, one_line, shown
 from instances.extent import positive
@@ -112,6 +113,11 @@ class Scenario:
         check_name(self.name)
         object.__setattr__(self, "cost", CostKind(self.cost))
         object.__setattr__(self, "speed", positive(self.speed, f"{self.cost.speed_key} [m/s]"))
+        if isinstance(self.wind, ChangingWind) and self.cost is not CostKind.TIME:
+            raise InputError(
+                "the wind changes with time, and the paper's energy is no clock (it says nothing of when the UAV "
+                "arrives): give cost = 'time' and an airspeed"
+            )
         object.__setattr__(self, "no_fly", tuple(self.no_fly))
         object.__setattr__(self, "depots", _points(self.depots, "depots", self.region, self.plane))
         free = self.free

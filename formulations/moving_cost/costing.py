@@ -18,6 +18,7 @@ from instances.arrays import Floats
 from instances.environment.raster import same_projection
 from instances.environment.terrain import read_terrain
 from instances.environment.wind import Uniform, WindField
+from instances.environment.wind_changing import ChangingWind
 from instances.errors import InputError
 from instances.fleet import Return
 from instances.moving_cost import CostKind
@@ -30,6 +31,11 @@ CALM = Uniform((0.0, 0.0))
 def query_of(scenario: Scenario) -> Query:
     """Return what a moving-cost method needs of `scenario`; InputError where its wind does not cover the region."""
     region = scenario.free
+    if isinstance(scenario.wind, ChangingWind):
+        raise InputError(
+            f"scenario {scenario.name}: its wind changes with time; legs in it are straight or quickest ones over open "
+            "country (formulations.moving_cost.clocked), and no method plans paths around walls in it yet"
+        )
     wind: WindField = CALM if scenario.wind is None else scenario.wind
     covered = getattr(wind, "bounds", None)
     if covered is not None:

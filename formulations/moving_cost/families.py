@@ -7,6 +7,7 @@ from typing import Any
 from formulations.moving_cost.closed_form import open_country, straight_legs
 from formulations.moving_cost.fleet import at_speed, classes_of, fleet_instance, leg_costs
 from instances import Instance
+from instances.environment.wind_changing import ChangingWind
 from instances.families import FAMILIES, Legs, make_scenario
 from instances.paths import Paths
 from instances.scenario import Scenario
@@ -20,11 +21,16 @@ def generate(name: str, n_tasks: int, n_depots: int, seed: int, **parameters: An
 def costed(scenario: Scenario, legs: Legs) -> tuple[Instance, Paths | None]:
     """Return the instance `scenario` becomes with such legs, and the paths behind its costs where they were planned.
 
-    Costs are those of the closed form where it is exact, else of the method refined. InputError for a wind as strong as
+    Costs are those of the closed form where it is exact, else of the method refined; in a wind that changes with time
+    they are those of `clocked`. InputError for a wind as strong as
     the ground speed and a node that cannot be reached.
     """
     if legs is Legs.TURNS:
         return _between_headings(scenario), None
+    if isinstance(scenario.wind, ChangingWind):
+        from formulations.moving_cost.clocked import clocked_instance  # here: numba takes its time
+
+        return clocked_instance(scenario), None
     if legs is not Legs.INSIDE:
         formula = open_country if legs is Legs.OPEN else straight_legs
         made = [formula(at_speed(scenario, speed)) for speed in classes_of(scenario)[0]]

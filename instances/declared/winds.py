@@ -113,6 +113,40 @@ class TerrainTable(WindTable, frozen=True, kw_only=True, tag="terrain"):
             raise ValueError("kind 'terrain' needs either 'dem', a file, or 'mountains', a table")
 
 
+class TurningTable(WindTable, frozen=True, kw_only=True, tag="turning"):
+    """The same everywhere, turning with time; with cost = "time"."""
+
+    velocity: Annotated[Vector, about("at take-off, (u, v)", "m/s", example=[-5.0, 0.0])]
+    turning: Annotated[Number, about("angular velocity, anticlockwise", "rad/s", example=4.4e-4)]
+
+
+class ValleyTable(WindTable, frozen=True, kw_only=True, tag="valley"):
+    """Up and down a valley in turn, the same everywhere; with cost = "time"."""
+
+    velocity: Annotated[Vector, about("mean", "m/s", example=[1.0, 0.0])]
+    amplitude: Annotated[Vector, about("of the swing", "m/s", example=[6.0, 3.0])]
+    period: Annotated[Positive, about("of the swing", "s", example=86400.0)] = 86400.0
+    phase: Annotated[Number, about("share of a period passed at take-off", example=0.25)] = 0.0
+
+
+class FrontTable(WindTable, frozen=True, kw_only=True, tag="front"):
+    """A front that passes; with cost = "time"."""
+
+    before: Annotated[Vector, about("wind ahead of the front", "m/s", example=[-5.0, -5.0])]
+    after: Annotated[Vector, about("wind behind it", "m/s", example=[8.0, 0.0])]
+    speed: Annotated[Number, about("of the front", "m/s", example=8.0)]
+    direction: Annotated[Number, about("it moves to, anticlockwise from east", "degree", example=0.0)] = 0.0
+    position: Annotated[Number, about("of the front at take-off, along its direction", "m", example=-5000.0)] = 0.0
+    width: Annotated[Positive, about("half of that of the transition", "m", example=2000.0)] = 2000.0
+
+
+class DriftingTable(VorticesTable, frozen=True, kw_only=True, tag="drifting"):
+    """Vortices that drift through a mean wind; with cost = "time"."""
+
+    velocity: Annotated[Vector, about("mean wind", "m/s", example=[-5.0, 0.0])]
+    drift: Annotated[Vector, about("of the vortices", "m/s", example=[-4.0, 0.0])]
+
+
 class SumTable(WindTable, frozen=True, kw_only=True, tag="sum"):
     """Several winds together."""
 
@@ -129,4 +163,17 @@ class SumTable(WindTable, frozen=True, kw_only=True, tag="sum"):
     ]
 
 
-Wind = UniformTable | ShearTable | RotationTable | VorticesTable | TurbulenceTable | GridTable | TerrainTable | SumTable
+Wind = (
+    UniformTable
+    | ShearTable
+    | RotationTable
+    | VorticesTable
+    | TurbulenceTable
+    | GridTable
+    | TerrainTable
+    | SumTable
+    | TurningTable
+    | ValleyTable
+    | FrontTable
+    | DriftingTable
+)

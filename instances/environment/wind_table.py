@@ -19,6 +19,7 @@ from instances.declared.reading import given, read_declared
 from instances.declared.winds import SumTable, Wind, WindTable
 from instances.environment.site import Site
 from instances.environment.wind import WindField, points_of
+from instances.environment.wind_changing import ChangingWind
 from instances.errors import InputError
 
 KINDS = {
@@ -30,6 +31,10 @@ KINDS = {
     "turbulence": "instances.environment.wind_turbulence:Turbulence",
     "grid": "instances.environment.wind_grid:Grid",
     "terrain": "instances.environment.wind_terrain:TerrainWind",
+    "turning": "instances.environment.wind_changing:Turning",
+    "valley": "instances.environment.wind_changing:Valley",
+    "front": "instances.environment.wind_changing:Front",
+    "drifting": "instances.environment.wind_changing:Drifting",
 }
 """``kind`` in a scenario's ``[wind]`` table → ``"module:Class"``, imported when met: numba takes its time."""
 
@@ -69,6 +74,8 @@ class Sum:
         object.__setattr__(self, "parts", tuple(self.parts))
         if not self.parts:
             raise InputError("wind: a sum needs at least one part")
+        if any(isinstance(part, ChangingWind) for part in self.parts):
+            raise InputError("wind: a sum cannot hold a wind that changes with time")
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m]."""

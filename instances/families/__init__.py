@@ -50,6 +50,19 @@ BUILT_IN = {
         "instances.families.wind_missions:WIND_MOUNTAINS",
         "mass-consistent flow over synthetic mountains at an altitude, with turbulence in their lee, no-fly zones",
     ),
+    "wind-turning": (
+        "instances.families.wind_changing:WIND_TURNING",
+        "flight times in a wind that turns with time, the same everywhere: instances with published optima",
+    ),
+    "wind-valley": (
+        "instances.families.wind_changing:WIND_VALLEY",
+        "flight times in a wind that blows up a valley and down again in turn",
+    ),
+    "wind-front": ("instances.families.wind_changing:WIND_FRONT", "flight times while a front passes"),
+    "wind-drifting": (
+        "instances.families.wind_changing:WIND_DRIFTING",
+        "flight times among vortices that drift with a mean wind",
+    ),
 }
 
 FAMILIES: Registry[Family] = Registry(

@@ -52,18 +52,18 @@ class WindFamily(Family):
         region = self.region(values)
         streams = map(np.random.default_rng, np.random.SeedSequence(seed).spawn(4))
         for_zones, for_wind, for_tasks, for_depots = streams
+        assert self.wind is not None
         try:
-            zones = no_fly_zones(region, for_zones, values)
+            zones, wind = no_fly_zones(region, for_zones, values), self.wind(region, for_wind, values)
         except InputError as error:
             raise InputError(f"family {self.name}: {error}") from None
         free = region.minus(zones)
-        assert self.wind is not None
         return Scenario(
             name=f"{self.name}-n{n_tasks}-m{n_depots}-s{seed}",
             region=region,
             depots=depots.place_depots(free, n_depots, for_depots, values),
             speed=values["ground_speed"],
-            wind=self.wind(region, for_wind, values),
+            wind=wind,
             tasks=self.tasks(free, n_tasks, for_tasks, values),
             no_fly=zones,
             provenance={"family": self.name, "parameters": values, "seed": seed},
@@ -84,6 +84,11 @@ def _with_turbulence(wind: WindField, rng: np.random.Generator, values: Values) 
 
 
 def _vortices(region: Region, rng: np.random.Generator, values: Values) -> WindField:
+    return Sum((_steady(values), draw_vortices(region, rng, values)))
+
+
+def draw_vortices(region: Region, rng: np.random.Generator, values: Values) -> Vortices:
+    """Return vortices in the region, well apart; InputError where they do not fit into it."""
     count, core = values["vortices"], values["core"]
     candidates = region.sample(64 * count, rng)
     centres = candidates[:1]
@@ -91,11 +96,10 @@ def _vortices(region: Region, rng: np.random.Generator, values: Values) -> WindF
         if len(centres) < count and np.hypot(*(centres - p).T).min() > 2.5 * core:
             centres = np.vstack([centres, p])
     if len(centres) < count:
-        raise InputError(f"family wind-vortices: {count} vortices with cores of {core:g} m do not fit into the region")
+        raise InputError(f"{count} vortices with cores of {core:g} m do not fit into the region")
     # A Scully vortex is fastest at the edge of its core, with Γ/(4π c).
     gamma = 4 * math.pi * core * values["vortex_speed"] * rng.choice([-1.0, 1.0], count)
-    whirls = Vortices(tuple((float(x), float(y)) for x, y in centres), tuple(map(float, gamma)), (core,) * count)
-    return Sum((_steady(values), whirls))
+    return Vortices(tuple((float(x), float(y)) for x, y in centres), tuple(map(float, gamma)), (core,) * count)
 
 
 def _mountains(region: Region, rng: np.random.Generator, values: Values) -> WindField:

@@ -11,8 +11,9 @@ WINDY = ["uniform", "clustered", "ring", "corridor"]
 
 def test_the_families_we_promise_are_there_and_say_what_they_take():
     plain = {"uniform", "clustered", "ring", "corridor", "square-wind"}
-    windy = {"wind-uniform", "wind-vortices", "wind-mountains"}
-    assert set(FAMILIES.built_in) == plain | windy | {"mixed-fleet", "dense-survey"}
+    changing = {"wind-turning", "wind-valley", "wind-front", "wind-drifting"}
+    missions = {"wind-uniform", "wind-vortices", "wind-mountains"}
+    assert set(FAMILIES.built_in) == plain | {"mixed-fleet", "dense-survey"} | missions | changing
     for name, (_, about) in FAMILIES.targets().items():
         assert about
         for parameter in FAMILIES.load(name).parameters:

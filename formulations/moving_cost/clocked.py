@@ -1,0 +1,111 @@
+"""Costs that change with time: c_ij(t) [s] of legs over open country in a wind that changes, at constant airspeed.
+
+Legs are those of `instances.wind_arrivals`: the quickest ways where the wind is the same everywhere, else straight
+tracks. `Travel` is linear in the departure between knots, which are set as close as needed:
+
+    ω·Δt ≤ 0.08 rad        where the wind changes at an angular rate ω: whole tours are then off by about 2·10⁻⁴
+    halved                 in any wind, until legs halfway between knots are off by at most 2·10⁻³ of their time, or
+                           of the mean leg's where that is longer
+
+What it is off by at most, halfway between all knots, is stated in ``provenance["clock"]``. The knots reach half as far
+again as the longest of greedy tours in the wind of take-off; after the last one costs stay what they are.
+
+Service s_i is spent half on the way in, half on the way out: c'_ij(t) = s_i/2 + c_ij(t + s_i/2) + s_j/2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.moving_cost.fleet import classes_of, leg_costs
+from formulations.routing.greedy import greedy_routes
+from instances import Instance, Travel, makespan
+from instances.arrays import Floats
+from instances.environment.wind_changing import ChangingWind
+from instances.errors import InputError
+from instances.scenario import Scenario
+from instances.wind_arrivals import leg_times
+
+ANGLE = 0.08
+"""Greatest angle ω·Δt [rad] between knots."""
+FIRST = 9
+"""Knots to begin with where a wind has no rate."""
+MOST = 257
+"""Knots beyond which they are not halved any more."""
+ERROR = 2e-3
+"""Share of a leg's time, or of the mean leg's, that it may be off by."""
+REACH = 1.5
+"""How far knots reach, in longest tours of greedy."""
+
+
+@dataclass(frozen=True, eq=False)
+class LegClock:
+    """What legs between all nodes of a scenario take, c(g, t, i, j) [s], at any departures."""
+
+    scenario: Scenario
+
+    def at(self, times: Floats) -> Floats:
+        """Return the costs (G, len(times), N, N) [s] of legs begun at `times` (k,) [s]; InputError as `leg_times`."""
+        scenario, p = self.scenario, self.scenario.points
+        assert isinstance(scenario.wind, ChangingWind)
+        n = len(p)
+        i, j = np.nonzero(~np.eye(n, dtype=bool))
+        service = np.zeros(n)
+        service[: scenario.n_tasks] = scenario.fleet.service
+        departures = (times[:, None] + 0.5 * service[i]).ravel()
+        a, b = np.tile(p[i], (len(times), 1)), np.tile(p[j], (len(times), 1))
+        found = np.zeros((len(classes_of(scenario)[0]), len(times), n, n))
+        for g, speed in enumerate(classes_of(scenario)[0]):
+            raw = np.zeros((len(times), n, n))
+            raw[:, i, j] = leg_times(a, b, departures, scenario.wind, speed).reshape(len(times), -1)
+            found[g] = [leg_costs(scenario, cost) for cost in raw]
+        return found
+
+
+def clocked_instance(scenario: Scenario) -> Instance:
+    """Return the instance whose legs cost what they take in the changing wind of `scenario`, `cost` = "time".
+
+    Raises InputError for a wind as strong as an airspeed and for no-fly zones, which these legs do not go around.
+    """
+    if scenario.no_fly:
+        raise InputError(f"scenario {scenario.name}: no legs around no-fly zones are known in a wind that changes")
+    legs = LegClock(scenario)
+    horizon = REACH * _longest_at_take_off(legs)
+    departures, costs, error = _knots(legs, horizon)
+    clock = {"knots": len(departures), "step": float(departures[1]), "error": error}
+    return Instance.of_travel(
+        scenario.name,
+        Travel(costs, classes_of(scenario)[1], departures),
+        scenario.n_tasks,
+        coordinates=scenario.points,
+        provenance={**scenario.provenance, "clock": clock},
+        endurance=scenario.fleet.endurance,
+    )
+
+
+def _longest_at_take_off(legs: LegClock) -> float:
+    """Return the longest of greedy tours [s] in the wind of take-off, or a positive time where all are in one place."""
+    scenario = legs.scenario
+    travel = Travel(legs.at(np.zeros(1)), classes_of(scenario)[1])
+    instance = Instance.of_travel("take-off", travel, scenario.n_tasks)
+    return makespan(instance, greedy_routes(instance)) or 1.0
+
+
+def _knots(legs: LegClock, horizon: float) -> tuple[Floats, Floats, float]:
+    """Return knots (Q,) [s] up to `horizon`, costs (G, Q, N, N) [s] at them and the error [s] halfway between them."""
+    rate = getattr(legs.scenario.wind, "rate", None)
+    count = FIRST if rate is None else 1 + max(1, math.ceil(rate * horizon / ANGLE))
+    times = np.linspace(0.0, horizon, count)
+    costs = legs.at(times)
+    while True:
+        between = legs.at(0.5 * (times[:-1] + times[1:]))
+        off = np.abs(0.5 * (costs[:, :-1] + costs[:, 1:]) - between)
+        if 2 * len(times) > MOST or (off <= ERROR * np.maximum(between, between.mean())).all():
+            return times, costs, float(off.max())
+        times = np.linspace(0.0, horizon, 2 * len(times) - 1)
+        both = np.empty((len(costs), len(times), *costs.shape[2:]))
+        both[:, ::2], both[:, 1::2] = costs, between
+        costs = both

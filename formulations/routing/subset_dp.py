@@ -7,7 +7,8 @@ Three recursions over sets of tasks, none of which needs the triangle inequality
     g_1 = t_1,   g_k(S) = min_{R ⊆ S} max(g_{k−1}(S∖R), t_k(R))            best longest tour of UAVs 1..k
 
 and the optimum is g_m(T) (paper, eqs. c_max and const1–const6). Where UAVs differ, c is that of UAV k, +∞ where it
-cannot fly; where endurance is limited, t_k(S) = +∞ beyond L_k; g_m(T) = +∞ then proves that there are no routes.
+cannot fly; where endurance is limited, t_k(S) = +∞ beyond L_k; g_m(T) = +∞ then proves that there are no routes. Where
+costs change with time, f and t are earliest arrivals (``subset_dp_clocks.py``).
 
 The first two are Held & Karp, "A dynamic programming approach to sequencing problems", J. SIAM 10 (1962), in 2ⁿn²
 steps a depot; the third is a subset convolution in the semiring (min, max), 3ⁿ steps for each UAV but the first and the
@@ -32,6 +33,7 @@ from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.solver import Result
 from formulations.routing.state_dp import LARGEST_TABLE, cheapest_chain, state_tour_table
 from formulations.routing.stateless import stateless
+from formulations.routing.subset_dp_clocks import Extend, arrivals, earliest_order
 from instances import Instance, Routes, Travel
 from instances.arrays import Floats
 from instances.kernels import njit
@@ -51,7 +53,7 @@ class SubsetDp(RecordedSolver):
     """Dynamic programming over all subsets: exact, n ≤ 22, time and memory known beforehand."""
 
     proves: ClassVar[bool] = True
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "states"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states"})
 
     def accepts(self, instance: Instance) -> str | None:
         """Refuse instances whose tables do not fit."""
@@ -78,7 +80,11 @@ class SubsetDp(RecordedSolver):
         """Compile the kernels."""
         if "states" in instance.axes:
             self.solve(_tiny_states(), limits=Limits(time=3600.0))
-        tiny = Instance("warm-up", np.ones((5, 5)) - np.eye(5), 2, 3)
+        cost = np.ones((5, 5)) - np.eye(5)
+        tiny = Instance("warm-up", cost, 2, 3)
+        if "time" in instance.axes:
+            twice = Travel(np.stack([cost, cost])[None], np.zeros(3, dtype=np.int64), np.array([0.0, 1.0]))
+            tiny = Instance.of_travel("warm-up", twice, 2)
         self.solve(tiny, limits=Limits(time=3600.0))
 
     def search(self, recorder: Recorder, seed: int) -> Result:
@@ -99,8 +105,9 @@ class SubsetDp(RecordedSolver):
             return recorder.infeasible(subsets=1 << instance.n_tasks)
         if value < recorder.objective:
             recorder.incumbent(_recover(instance, tours, best))
-        tolerance = 2 * _RELATIVE_ROUNDING * recorder.objective
-        recorder.raise_bound(min(value, recorder.objective) * (1 - _RELATIVE_ROUNDING))
+        bound = min(value, recorder.objective) * (1 - _RELATIVE_ROUNDING)
+        recorder.raise_bound(bound)
+        tolerance = max(2 * _RELATIVE_ROUNDING * recorder.objective, recorder.objective - bound)
         return recorder.result("proof", proved=True, tolerance=tolerance, subsets=1 << instance.n_tasks)
 
 
@@ -123,16 +130,22 @@ def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> Flo
 
 def _stateless_table(instance: Instance, k: int, clock: Recorder | None) -> Floats | None:
     """Return t_k(S) [s] whatever the endurance, by one state a task."""
-    n, c = instance.n_tasks, instance.uav_cost(k)
-    to_task, home = c[n + k, :n].copy(), c[:n, n + k].copy()
-    between = np.ascontiguousarray(c[:n, :n].T)
+    n, extend = instance.n_tasks, arrivals(instance, k) if "time" in instance.axes else _least_costs(instance, k)
     path = np.empty((1 << n, n))
     tour = np.zeros(1 << n)
     for low in range(1, 1 << n, _PATH_CHUNK):
         if clock is not None and clock.remaining <= 0:
             return None
-        _extend_paths(low, min(low + _PATH_CHUNK, 1 << n), to_task, between, home, path, tour)
+        extend(low, min(low + _PATH_CHUNK, 1 << n), path, tour)
     return tour
+
+
+def _least_costs(instance: Instance, k: int) -> Extend:
+    """Return what fills f (2ⁿ, n) and t (2ⁿ,) [s] of UAV k for the sets low..high−1, those before being filled."""
+    n, c = instance.n_tasks, instance.uav_cost(k)
+    to_task, home = c[n + k, :n].copy(), c[:n, n + k].copy()
+    between = np.ascontiguousarray(c[:n, :n].T)
+    return lambda low, high, path, tour: _extend_paths(low, high, to_task, between, home, path, tour)
 
 
 @njit(cache=True)
@@ -252,6 +265,8 @@ def cheapest_order(instance: Instance, k: int, tasks: list[int]) -> tuple[int, .
         return ()
     if "states" in instance.axes:
         return cheapest_chain(instance, k, tasks)
+    if "time" in instance.axes:
+        return earliest_order(instance, k, tasks)
     depot = instance.n_tasks + k
     cost = instance.uav_cost(k)
     to_task, home = cost[depot, tasks], cost[tasks, depot]
@@ -276,7 +291,7 @@ def _nearest_task_to_the_shortest_tour(instance: Instance) -> Routes:
         k = int(spent.argmin())
         depot = instance.n_tasks + k
         here = routes[k][-1] if routes[k] else depot
-        cost = instance.uav_cost(k)
+        cost = instance.cost if "time" in instance.axes else instance.uav_cost(k)
         task = min(open_tasks, key=lambda i: float(cost[here, i] + cost[i, depot]))
         spent[k] += cost[here, task]
         routes[k].append(task)

@@ -68,8 +68,8 @@ def test_fleets_have_a_clock_for_each_speed() -> None:
 
 def test_what_is_refused() -> None:
     scenario = make_scenario("wind-turning", 4, 2, 0)
+    x, y = scenario.region.sample(1, np.random.default_rng(1))[0]
     with pytest.raises(InputError, match="no legs around no-fly zones"):
-        x, y = scenario.region.sample(1, np.random.default_rng(1))[0]
         clocked_instance(replace(scenario, no_fly=[box(x, y, x + 1, y + 1)]))
     with pytest.raises(InputError, match="its wind changes with time"):
         instance_of(scenario)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
 from itertools import permutations
 
@@ -38,6 +39,34 @@ def best_partition(instance: Instance, tours: list[dict[int, tuple[float, tuple[
         return np.inf, ()
     routes = reached[everything][1]
     return objective(instance, routes), routes
+
+
+def clocked_tours(instance: Instance, depot: int) -> dict[int, tuple[float, tuple[int, ...]]]:
+    """Try every order of every set of tasks, leg after leg, where costs change with time."""
+    assert instance.travel is not None
+    k, knots = depot - instance.n_tasks, instance.travel.departures.tolist()
+    legs = instance.travel.cost[instance.travel.classes[k]].transpose(1, 2, 0).tolist()
+    limit = float(instance.limits[k]) * (1 + 1e-9)
+    best: dict[int, tuple[float, tuple[int, ...]]] = {0: (0.0, ())}
+
+    def arrive(i: int, j: int, time: float) -> float:
+        q = bisect_right(knots, time) - 1
+        if q + 1 == len(knots) or time == knots[q]:
+            return time + legs[i][j][q]
+        share = (time - knots[q]) / (knots[q + 1] - knots[q])
+        return time + (1 - share) * legs[i][j][q] + share * legs[i][j][q + 1]
+
+    def fly_on(mask: int, order: tuple[int, ...], time: float) -> None:
+        for i in instance.tasks:
+            there = np.inf if mask >> i & 1 else arrive(order[-1] if order else depot, i, time)
+            if there < np.inf:
+                home, now = arrive(i, depot, there), mask | 1 << i
+                if home <= limit and home < best.get(now, (np.inf, ()))[0]:
+                    best[now] = home, (*order, i)
+                fly_on(now, (*order, i), there)
+
+    fly_on(0, (), 0.0)
+    return best
 
 
 def enumerated_tours(instance: Instance, depot: int) -> dict[int, tuple[float, tuple[int, ...]]]:
@@ -87,7 +116,12 @@ def held_karp_tours(instance: Instance, depot: int) -> dict[int, tuple[float, tu
 @pytest.fixture(scope="session")
 def brute_force() -> Oracle:
     """Return the optimum [s] and optimal routes by enumeration; seconds from n = 8 on."""
-    return lambda instance: best_partition(instance, [enumerated_tours(instance, k) for k in instance.depots])
+
+    def best(instance: Instance) -> tuple[float, Routes]:
+        tours = clocked_tours if "time" in instance.axes else enumerated_tours
+        return best_partition(instance, [tours(instance, k) for k in instance.depots])
+
+    return best
 
 
 @pytest.fixture(scope="session")
@@ -141,5 +175,31 @@ def fleets(windy: Callable[..., Instance]) -> Callable[..., Instance]:
         limits = np.where(rng.uniform(size=m) < 0.75, rng.uniform(0.5, 2.0, m) * share + 600, np.inf)
         travel = Travel.of_uavs(costs)
         return Instance.of_travel(f"fleet-{n}-{m}-{seed}", travel, n, coordinates=base.coordinates, endurance=limits)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def clocked(fleets: Callable[..., Instance]) -> Callable[..., Instance]:
+    """Return random instances whose costs change with time, first in, first out, at knots that are not evenly spread.
+
+    ``clocked(n, m, seed)``: the UAVs of `fleets`, alike for even seeds, every leg with a course of its own; it rises
+    steeply or falls nearly as fast as it may. Every third is without endurance, every fifth begins with equal knots.
+    """
+
+    def make(n: int, m: int, seed: int) -> Instance:
+        rng, base = np.random.default_rng([n, m, seed, 1]), fleets(n, m, seed)
+        legs = base.cost[None] if seed % 2 == 0 else base.class_costs
+        classes = np.zeros(m, dtype=np.int64) if seed % 2 == 0 else base.classes
+        gaps = rng.uniform(50, 900, int(rng.integers(1, 6)))
+        knots = np.concatenate([[0.0], np.cumsum(gaps)])
+        cost = np.empty((len(legs), len(knots), n + m, n + m))
+        cost[:, 0] = legs
+        for q, gap in enumerate(gaps):
+            wanted = cost[:, q] * rng.uniform(0.5, 1.7, legs.shape) if q or seed % 5 else cost[:, q]
+            cost[:, q + 1] = np.maximum(wanted, cost[:, q] - 0.95 * gap)
+        travel = Travel(cost, classes, knots)
+        endurance = None if seed % 3 == 0 or base.endurance is None else 1.3 * base.endurance
+        return Instance.of_travel(f"clock-{n}-{m}-{seed}", travel, n, coordinates=base.coordinates, endurance=endurance)
 
     return make

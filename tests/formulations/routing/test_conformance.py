@@ -177,6 +177,20 @@ def test_fleet(solver: Solver, fleets: Windy, brute_force: Oracle, n: int, m: in
         agrees(solver, result, optimum)
 
 
+@pytest.mark.parametrize(("n", "m", "seed"), [(5, 2, 0), (6, 2, 1), (6, 3, 2), (6, 2, 3), (5, 3, 5)])
+def test_costs_that_change_with_time(
+    solver: Solver, clocked: Windy, brute_force: Oracle, n: int, m: int, seed: int
+) -> None:
+    """Clocks, with and without fleets and endurance."""
+    instance = clocked(n, m, seed)
+    optimum, _ = brute_force(instance)
+    result = run(solver, instance)
+    if np.isinf(optimum):
+        assert result.status is (Status.INFEASIBLE if solver.proves else Status.NO_SOLUTION)
+    else:
+        agrees(solver, result, optimum)
+
+
 def test_same_seed_same_answer(solver: Solver, windy: Windy) -> None:
     first, second = (run(solver, windy(8, 2, 4), seed=7) for _ in range(2))
     assert first.routes == second.routes

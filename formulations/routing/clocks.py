@@ -24,9 +24,9 @@ MOST_INTERVALS = 8192
 class Clocks(NamedTuple):
     """Costs by departure.
 
-    lines (G, N, N, Q, 2): value [s] and slope of c(t) behind each knot, for each class, from node to node; knots (Q,)
-    [s]; first (B,): the last knot not behind the beginning of each interval; per_second: intervals in a second;
-    classes (m,): the class of each UAV.
+    lines (G, N, N, Q, 2): value [s] and slope of c(t) behind each knot, for each class, from node to node; knots (Q+1,)
+    [s], the last +∞; first (B,): the last knot not behind the beginning of each interval; per_second: intervals in a
+    second; classes (m,): the class of each UAV.
     """
 
     lines: Floats
@@ -43,9 +43,8 @@ def clocks_of(instance: Instance) -> Clocks:
         travel = Travel(instance.cost[None, None], np.zeros(instance.n_depots, dtype=np.int64))
     if "states" in travel.axes:
         raise ValueError(f"instance {instance.name}: costs depend on the states of nodes")
-    return Clocks(
-        lines_of(travel.cost, travel.departures), travel.departures, *_index(travel.departures), travel.classes
-    )
+    knots = travel.departures
+    return Clocks(lines_of(travel.cost, knots), np.append(knots, np.inf), *_index(knots), travel.classes)
 
 
 def lines_of(cost: Floats, knots: Floats) -> Floats:
@@ -74,7 +73,7 @@ def _index(knots: Floats) -> tuple[NDArray[np.int32], float]:
 def knot_at(clocks: Clocks, time: float) -> int:
     """Return the number of the last knot that is not after `time` ≥ 0 [s], finite."""
     q = clocks.first[int(min(time * clocks.per_second, clocks.first.size - 1.0))]
-    while q + 1 < clocks.knots.size and clocks.knots[q + 1] <= time:
+    while clocks.knots[q + 1] <= time:
         q += 1
     return q
 

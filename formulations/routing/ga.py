@@ -19,17 +19,20 @@ place) are dealt among them at random. The crossover puts tasks back at their be
 routes of the depot it drew, as implementations that follow the original do (its text was not at hand): with one route
 a depot, that would join both parents' tasks of the depot in one tour, when the longest tour is what counts.
 In a fleet every group has the costs of its own UAV. Endurance is kept by scaled costs (search/endurance.py), so that
-fitness is C_max once routes are found that can be flown; it may find none.
+fitness is C_max once routes are found that can be flown; it may find none. Where costs change with time fitness is what
+the clock says, and the operators compare places by the costs of half time.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from formulations.limits import Limits
+from formulations.routing.frozen import frozen
 from formulations.routing.ga_operators import (
     Population,
     best_cost_route_crossover,
@@ -40,12 +43,15 @@ from formulations.routing.ga_operators import (
     intra_depot_mutation,
 )
 from formulations.routing.recorder import RecordedSolver, Recorder
-from formulations.routing.search.costs import Costs, search_costs, warm_up
+from formulations.routing.search.costs import Costs, FleetCosts, search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes, as_routes
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
+
+Clock = Callable[[Population, Costs], None]
+"""Sets totals and fitness to what tours take by the clock."""
 
 _LOOKS = 5_000_000
 """Insertion places that the crossovers between two looks at the clock try: about 20 ms."""
@@ -69,7 +75,7 @@ class GeneticAlgorithm(RecordedSolver):
     """
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time"})
 
     population: int = 400
     generations: int = 3000
@@ -93,15 +99,17 @@ class GeneticAlgorithm(RecordedSolver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels."""
-        tiny = warm_up(instance, 2, 2)
+        tiny = (warm_up_by_clock if "time" in instance.axes else warm_up)(instance, 2, 2)
         GeneticAlgorithm(population=4, inter_every=1).solve(tiny, limits=Limits(iterations=1))
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Evolve until the generations or the limits end it; the start joins the first population."""
-        instance, limits, rng = recorder.instance, recorder.limits, np.random.default_rng(seed)
+        limits, rng = recorder.limits, np.random.default_rng(seed)
+        instance, clock = _clocked(recorder.instance)
         endurance = Endurance(instance, search_costs(instance))
         endurance.refer(min(endurance.most, recorder.objective))
-        people = self._first_population(recorder, endurance.costs, rng)
+        people = self._first_population(recorder, instance, endurance.costs, rng)
+        clock(people, endurance.costs)
         recorder.incumbent(_fittest(people))
         costs, candidates = endurance.costs, border_line(instance, self.border)
         last = self.generations if limits.iterations is None else min(self.generations, limits.iterations)
@@ -109,17 +117,20 @@ class GeneticAlgorithm(RecordedSolver):
         while generation < last and recorder.remaining > 0:
             if endurance.follow(people.totals[np.argmin(people.fitness)]):
                 evaluate_all(costs, people)
+                clock(people, costs)
             inter = (generation + 1) % self.inter_every == 0
-            children, complete = self._next_generation(recorder, costs, rng, people, candidates, inter)
+            children, complete = self._next_generation(recorder, costs, rng, people, candidates, inter, clock)
             if children.fitness.min() < recorder.objective:
                 recorder.incumbent(_fittest(children))
             people, generation = children, generation + complete
         stopped_by = "time" if generation < last else "finished" if generation == self.generations else "iterations"
         return recorder.result(stopped_by, generations=generation)
 
-    def _first_population(self, recorder: Recorder, costs: Costs, rng: np.random.Generator) -> Population:
+    def _first_population(
+        self, recorder: Recorder, instance: Instance, costs: Costs, rng: np.random.Generator
+    ) -> Population:
         """Return random chromosomes, the recorder's routes among them; fewer where time is up, but one."""
-        instance, start = recorder.instance, recorder.routes
+        start = recorder.routes
         people = unborn(self.population, instance.n_tasks, instance.n_depots)
         nearest = nearest_depots(instance)
         for row in range(self.population):
@@ -140,6 +151,7 @@ class GeneticAlgorithm(RecordedSolver):
         people: Population,
         candidates: Bools,
         inter: bool,
+        clock: Clock,
     ) -> tuple[Population, bool]:
         """Return the next generation, and whether it is complete: where time is up some are not born."""
         children = unborn(self.population, people.perms.shape[1], people.sizes.shape[1])
@@ -148,11 +160,32 @@ class GeneticAlgorithm(RecordedSolver):
         stride = 2 * max(1, _LOOKS // people.perms.shape[1] ** 2)
         for first in range(0, self.population, stride):
             if recorder.remaining <= 0:
+                clock(children, costs)
                 return children, False
             rows = first, min(first + stride, self.population)
             breed(costs, rng, people, children, rows, candidates, self.tournament, inter, rates)
+        clock(children, costs)
         keep_elite(rng, people, children, round(self.elite * self.population))
         return children, True
+
+
+def _clocked(instance: Instance) -> tuple[Instance, Clock]:
+    """Return the instance whose costs guide the operators, and what makes totals and fitness those of the clock.
+
+    Where costs change with time the former are those of half time, else the latter has nothing to do.
+    """
+    if "time" not in instance.axes:
+        return instance, lambda people, costs: None
+    from formulations.routing.clocked.problem import half_time, search_clocks  # here: others need no such kernels
+    from formulations.routing.ga_clock import evaluate_by_clock
+
+    clocks = search_clocks(instance)
+
+    def clock(people: Population, costs: Costs) -> None:
+        scale = costs.scale if isinstance(costs, FleetCosts) else np.ones(instance.n_depots)
+        evaluate_by_clock(clocks, scale, people)
+
+    return frozen(instance, half_time(instance)), clock
 
 
 def unborn(count: int, n_tasks: int, n_depots: int) -> Population:

@@ -13,6 +13,7 @@ Variants, each from empty tours, one task at a time (C_k: cost of UAV k's tour, 
 Ties go to the lowest UAV, then task. When the time is up the tasks still left are routed by ``nearest``.
 Where tours are too long for the UAVs' endurance they are made anew of costs scaled by it (search/endurance.py): for
 tours as long as those, then for the least shares of endurance. That may find none; it proves nothing.
+Where costs change with time insertions are compared to first order by the clock (clocked/construction.py).
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from typing import ClassVar
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.construction import Rule, extend_nearest, first_gaps, insert_many
-from formulations.routing.search.costs import Costs, search_costs, warm_up
+from formulations.routing.search.costs import Costs, search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.tours import Tours, empty_tours, to_routes
 from formulations.routing.solver import Result
@@ -46,7 +47,7 @@ class Greedy(RecordedSolver):
     variant: str = "regret"
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time"})
 
     def __post_init__(self) -> None:
         if self.variant not in VARIANTS:
@@ -55,13 +56,17 @@ class Greedy(RecordedSolver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (or load them from numba's cache)."""
-        small = warm_up(instance, 3, 1)
+        small = (warm_up_by_clock if "time" in instance.axes else warm_up)(instance, 3, 1)
         for variant in {self.variant, "nearest"}:
             Greedy(variant).solve(small, limits=Limits(time=3600.0))
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Construct routes; an iteration limit has no meaning here."""
         instance = recorder.instance
+        if "time" in instance.axes:
+            from formulations.routing.clocked.construction import greedy_by_clock  # here: it asks for greedy tours
+
+            return greedy_by_clock(recorder, self.variant)
         endurance = Endurance(instance, search_costs(instance))
         tours, in_time = self._constructed(recorder, endurance.costs)
         for reference in (float(tours.cost.max()), endurance.most):

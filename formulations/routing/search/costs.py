@@ -19,7 +19,7 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from instances import Instance
+from instances import Instance, Travel
 from instances.arrays import Floats, Ints
 
 _FEW = 8
@@ -128,6 +128,14 @@ def warm_up(like: Instance, n_tasks: int, n_depots: int) -> Instance:
     cost = 1.0 - np.eye(n_tasks + n_depots)
     limits = np.full(n_depots, 1.5 * (n_tasks + 1)) if like.axes else None
     return Instance("warm-up", cost, n_tasks, n_depots, endurance=limits)
+
+
+def warm_up_by_clock(like: Instance, n_tasks: int, n_depots: int) -> Instance:
+    """Return such an instance where costs change with time."""
+    cost = np.repeat((1.0 - np.eye(n_tasks + n_depots))[None, None], 2, axis=1)
+    travel = Travel(cost, np.zeros(n_depots, dtype=np.int64), np.array([0.0, 1.0]))
+    limits = np.full(n_depots, 1.5 * (n_tasks + 1)) if like.axes - {"time"} else None
+    return Instance.of_travel("warm-up", travel, n_tasks, endurance=limits)
 
 
 def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer]) -> Costs:

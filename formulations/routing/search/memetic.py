@@ -3,6 +3,7 @@
 How it was chosen: several annealings and their children beat one long annealing, the more so the smaller the instance,
 as long as each is deep enough; long tours need more depth. So the size of the population follows from the limit:
 depth · n² / m steps go into one annealing, and where the limit allows fewer than three, all of it goes into one.
+Where costs change with time the loop is that of `formulations.routing.clocked`, in one thread.
 Endurance is kept by scaled costs (endurance.py); it may find no routes that can be flown, which proves nothing.
 The package's docstring says what is where.
 """
@@ -16,9 +17,10 @@ from itertools import repeat
 from typing import ClassVar
 
 from formulations.limits import Limits
+from formulations.routing.frozen import frozen
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.budget import Budget
-from formulations.routing.search.costs import search_costs, warm_up
+from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.decomposition import merge
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.parameters import SearchParameters
@@ -64,7 +66,7 @@ class Memetic(RecordedSolver):
     depth: float = _DEFAULT.population.depth
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "states"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states"})
     parameters: ClassVar[SearchParameters] = _DEFAULT
 
     def __post_init__(self) -> None:
@@ -86,6 +88,11 @@ class Memetic(RecordedSolver):
         if "states" in instance.axes:
             self.solve(states.warm_up(instance), limits=Limits(time=3600.0, iterations=100))
             instance = states.straight_legs(instance)
+        if "time" in instance.axes:
+            self.prepare(frozen(instance))
+            clocked = warm_up_by_clock(instance, 6, 3)
+            Memetic(depth=0.01).solve(clocked, limits=Limits(time=3600.0, iterations=200))
+            return
         small = warm_up(instance, 6, 3)
         Memetic(depth=0.01).solve(small, limits=Limits(time=3600.0, iterations=200))
         population = self._populations(small, 1, 0)[0]
@@ -103,6 +110,10 @@ class Memetic(RecordedSolver):
         """Search until a limit; one annealing step is one iteration, counted in each of the `threads` populations."""
         if "states" in recorder.instance.axes:
             return states.search_states(recorder, seed, self._routes, states.StateSearch())
+        if "time" in recorder.instance.axes:
+            from formulations.routing.clocked.searches import memetic_by_clock  # here: others need no such kernels
+
+            return memetic_by_clock(recorder, self, self._with_options(), seed)
         threads = recorder.limits.threads
         populations = self._populations(recorder.instance, threads, seed, recorder.routes, recorder.objective)
         budget = Budget(recorder, self.parameters.budget)

@@ -14,7 +14,7 @@ from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.annealing import AnnealingParameters, anneal
 from formulations.routing.search.budget import Budget, BudgetParameters
-from formulations.routing.search.costs import search_costs, warm_up
+from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
@@ -38,7 +38,7 @@ class RuinRecreate(RecordedSolver):
     removals: int = 12
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time"})
 
     def __post_init__(self) -> None:
         if not 1 <= self.removals <= _NEAREST.tasks:
@@ -46,11 +46,20 @@ class RuinRecreate(RecordedSolver):
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (or load them from numba's cache)."""
+        if "time" in instance.axes:
+            self.solve(warm_up_by_clock(instance, 2, 1), limits=Limits(time=3600.0, iterations=100))
+            return
         self.solve(warm_up(instance, 2, 1), limits=Limits(time=3600.0, iterations=1))
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Anneal until a limit; one step is one iteration."""
         instance = recorder.instance
+        if "time" in instance.axes:
+            from formulations.routing.clocked.searches import (
+                ruin_recreate_by_clock,
+            )  # here: others need no such kernels
+
+            return ruin_recreate_by_clock(recorder, self.removals, seed)
         endurance = Endurance(instance, search_costs(instance))
         endurance.refer(min(endurance.most, recorder.objective))
         data = problem_data(endurance.costs, instance.n_tasks, _NEAREST)

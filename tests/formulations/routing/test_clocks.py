@@ -166,7 +166,7 @@ def still(instance: Instance, knots: list[float]) -> Instance:
     return Instance.of_travel("still", travel, instance.n_tasks)
 
 
-@pytest.mark.parametrize("name", ["subset-dp"])
+@pytest.mark.parametrize("name", ["subset-dp", "greedy"])
 def test_a_clock_on_which_nothing_changes_changes_nothing(windy: Clocked, name: str) -> None:
     solver, instance = make_solver(name), windy(9, 2, 0)
     first, second = (solver.solve(i, limits=Limits(time=60)) for i in (instance, still(instance, [0, 70, 100, 900])))

@@ -1,0 +1,159 @@
+"""Bookings: when tours reach their nodes, and how much later they are home for each second that they are late there.
+
+    A_p                      arrival at the p-th node of a tour, exact
+    S_p = Π (1 + c'_ij)      sensitivity ∂C_k/∂A_p: the product over the legs behind it, c' at their departures
+
+so that putting v between u and w makes the tour longer by about (A'_w − A_w)·S_w: two legs looked up, whatever the
+tour's length. That is asked of few places: the others are ruled out by the costs of their era, one of few in which
+time is cut, at whose middle they are known without a clock. The place that is chosen is booked exactly, leg by leg.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from formulations.routing.clocks import Clocks, knot_at
+from formulations.routing.search.problem_data import Nodes
+from formulations.routing.search.tours import Tours
+from instances.arrays import Floats
+from instances.kernels import njit
+
+ERAS = 8
+"""Eras at most."""
+
+
+class Eras(NamedTuple):
+    """Costs at the middle of each of few eras: out[g, v, e, w] and into[g, v, e, u] [s], and the era of each knot."""
+
+    out: NDArray[np.float32]
+    into: NDArray[np.float32]
+    of_knot: Nodes
+
+
+class Bookings(NamedTuple):
+    """Of every node, (n+m,); a depot is departed from at 0, and reached when its tour is home.
+
+    reached, departs [s]; sense: S; knot, since: the knot before its departure and the time since then [s]; rise: 1 + c'
+    of the leg flown from it; era: of its departure, and leg: what that leg costs then [s]; scale (m,): what the time of
+    each UAV is multiplied by, for its endurance.
+    """
+
+    reached: Floats
+    departs: Floats
+    sense: Floats
+    knot: Nodes
+    since: Floats
+    rise: Floats
+    era: Nodes
+    leg: Floats
+    scale: Floats
+
+
+def empty_bookings(n_nodes: int, scale: Floats) -> Bookings:
+    """Return bookings of empty tours."""
+    zero, one, none = np.zeros(n_nodes), np.ones(n_nodes), np.zeros(n_nodes, np.int32)
+    return Bookings(zero, zero.copy(), one, none, zero.copy(), one.copy(), none.copy(), zero.copy(), scale)
+
+
+def eras_of(clocks: Clocks, horizon: float) -> Eras:
+    """Return the eras of clocks, as many as `ERAS` at most up to `horizon` [s]."""
+    knots = clocks.knots[:-1]
+    last = max(1, int(np.searchsorted(knots, horizon)))
+    of_knot = np.minimum(np.arange(len(knots)) * min(ERAS, last) // last, min(ERAS, last) - 1).astype(np.int32)
+    middles = [float(knots[of_knot == e][:2].mean()) for e in range(of_knot.max() + 1)]
+    cost = np.stack([_at(clocks, time) for time in middles], axis=2).astype(np.float32)  # (G, N, E, N)
+    into = np.stack([_at(clocks, time).transpose(0, 2, 1) for time in middles], axis=2).astype(np.float32)
+    return Eras(cost, into, of_knot)
+
+
+def _at(clocks: Clocks, time: float) -> Floats:
+    """Return the costs (G, N, N) [s] of legs that begin at `time` [s]."""
+    q = int(np.searchsorted(clocks.knots, time, side="right")) - 1
+    costs: Floats = clocks.lines[..., q, 0] + clocks.lines[..., q, 1] * (time - clocks.knots[q])
+    return costs
+
+
+@njit(cache=True, nogil=True)
+def book(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: int, first: int) -> None:
+    """Fly tour k by the clock from node `first` on, whose departure is booked: book its nodes and its cost."""
+    lines, knots, out = clocks.lines, clocks.knots, eras.out  # once: in a loop references are counted
+    after, before = tours.after, tours.before
+    reached, departs, sense, knot, since, rise, era, leg, scale = bookings
+    depot = tours.after.size - tours.cost.size + k
+    if after[depot] == depot:
+        reached[depot] = 0.0
+        leg[depot] = 0.0
+        tours.cost[k] = 0.0
+        return
+    g, u, time = clocks.classes[k], first, departs[first]
+    while True:
+        w, q = after[u], knot[u]  # most often still the knot, which the processor need not wait for
+        if time < knots[q] or time >= knots[q + 1]:
+            q = knot_at(clocks, time)
+        departs[u], knot[u], since[u] = time, q, time - knots[q]
+        e = eras.of_knot[q]
+        era[u], leg[u] = e, out[g, u, e, w]
+        slope = lines[g, u, w, q, 1]
+        rise[u] = 1.0 + slope
+        time += lines[g, u, w, q, 0] + slope * since[u]
+        reached[w] = time
+        u = w
+        if u == depot:
+            break
+    tours.cost[k] = time * scale[k]
+    product, u = 1.0, before[depot]
+    while u != depot:
+        product *= rise[u]
+        sense[u] = product
+        u = before[u]
+
+
+@njit(cache=True, nogil=True)
+def book_tour(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: int) -> None:
+    """Fly tour k by the clock from its depot."""
+    depot = tours.after.size - tours.cost.size + k
+    bookings.departs[depot] = 0.0
+    book(clocks, eras, tours, bookings, k, depot)
+
+
+@njit(cache=True, nogil=True)
+def book_all(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings) -> None:
+    """Fly all tours by the clock."""
+    for k in range(tours.cost.size):
+        book_tour(clocks, eras, tours, bookings, k)
+
+
+@njit(cache=True, nogil=True)
+def insertion_change(clocks: Clocks, tours: Tours, bookings: Bookings, v: int, u: int) -> float:
+    """Return by about how much its tour's cost [s] changes where task v is put behind node u."""
+    lines = clocks.lines
+    k, w = tours.tour[u], tours.after[u]
+    g, q = clocks.classes[k], bookings.knot[u]
+    time = bookings.departs[u] + (lines[g, u, v, q, 0] + lines[g, u, v, q, 1] * bookings.since[u])
+    q = knot_at(clocks, time)
+    time += lines[g, v, w, q, 0] + lines[g, v, w, q, 1] * (time - clocks.knots[q])
+    return (time - bookings.reached[w]) * bookings.sense[w] * bookings.scale[k]
+
+
+@njit(cache=True, nogil=True)
+def reverse(tours: Tours, k: int) -> None:
+    """Turn tour k round; booking it is the caller's business."""
+    depot = tours.after.size - tours.cost.size + k
+    after, before, arc, back = tours.after, tours.before, tours.arc, tours.back
+    u = depot
+    while True:  # links first, then what legs cost: those of u now belong to the leg that led to it
+        w = after[u]
+        after[u], before[u] = before[u], w
+        u = w
+        if u == depot:
+            break
+    first_arc, first_back = arc[depot], back[depot]
+    while True:
+        w = after[u]
+        arc[u], back[u] = (back[w], arc[w]) if w != depot else (first_back, first_arc)
+        u = w
+        if u == depot:
+            break

@@ -1,0 +1,103 @@
+"""Searches by the clock: their bookings, the directions of tours, and the optima they reach."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from formulations.limits import Limits
+from formulations.moving_cost.families import generate
+from formulations.routing.clocked.bookings import insertion_change, reverse
+from formulations.routing.clocked.problem import ClockedProblem
+from formulations.routing.frozen import frozen, in_better_directions, judged
+from formulations.routing.registry import make_solver
+from formulations.routing.search.problem_data import NeighbourhoodParameters
+from formulations.routing.search.tours import duplicate, to_routes
+from instances import Instance, Routes, makespan, tour_costs
+
+Clocked = Callable[..., Instance]
+
+
+def routes_of(n: int, m: int, seed: int) -> Routes:
+    rng = np.random.default_rng(seed)
+    cuts = np.sort(rng.integers(0, n + 1, m - 1))
+    return tuple(tuple(part.tolist()) for part in np.split(rng.permutation(n), cuts))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_bookings_are_what_tours_take(clocked: Clocked, seed: int) -> None:
+    instance, routes = clocked(9, 3, 6 * seed), routes_of(9, 3, seed)
+    problem = ClockedProblem(instance, NeighbourhoodParameters())
+    tours = problem.tours(routes)
+    assert tours.cost / problem.scale == pytest.approx(tour_costs(instance, routes), rel=1e-12)
+
+
+def test_first_order_changes_are_nearly_those_of_tours_flown_anew() -> None:
+    """In a wind that turns 90° an hour, against the exact change of every insertion of one task."""
+    instance = generate("wind-turning", 12, 1, 0)
+    problem = ClockedProblem(instance, NeighbourhoodParameters())
+    order = list(range(1, 12))
+    tours = problem.tours((tuple(order),))
+    search = problem.search(tours, 1)
+    for place, u in enumerate([12, *order]):
+        flown = tour_costs(instance, ((*order[:place], 0, *order[place:]),))[0] - tours.cost[0]
+        change = insertion_change(search.clocks, tours, search.bookings, 0, u)
+        assert change == pytest.approx(flown, rel=0.08, abs=5.0)
+
+
+def test_turning_a_tour_round_twice_changes_nothing() -> None:
+    problem = ClockedProblem(generate("wind-turning", 9, 2, 1), NeighbourhoodParameters())
+    tours = problem.tours(routes_of(9, 2, 3))
+    before = duplicate(tours)
+    reverse(tours, 0)
+    assert to_routes(tours)[0] == to_routes(before)[0][::-1]
+    costs = problem.data.costs.out
+    assert tours.arc == pytest.approx([costs[u, w] for u, w in enumerate(tours.after)])
+    reverse(tours, 0)
+    for now, then in zip(tours, before, strict=True):
+        assert np.array_equal(now, then)
+
+
+def test_a_stopped_clock_is_the_matrix_of_that_time(clocked: Clocked) -> None:
+    instance = clocked(5, 2, 0)
+    assert instance.travel is not None
+    knots, cost = instance.travel.departures, instance.travel.cost[0]
+    for time, expected in (
+        (0.0, cost[0]),
+        (knots[1], cost[1]),
+        (1e9, cost[-1]),
+        (knots[1] / 2, (cost[0] + cost[1]) / 2),
+    ):
+        assert frozen(instance, float(time)).cost == pytest.approx(expected)
+
+
+def test_better_directions_are_never_worse() -> None:
+    instance = generate("wind-turning", 12, 3, 0, turning=360)
+    for seed in range(10):
+        plan = judged(instance, routes_of(12, 3, seed))
+        assert plan.directed <= plan.taken
+        assert plan.directed == makespan(instance, plan.routes)
+        assert plan.routes == in_better_directions(instance, plan.routes)
+
+
+@pytest.mark.parametrize("name", ["memetic", "ruin-recreate", "ga", "greedy"])
+def test_searches_by_the_clock_repeat_themselves(name: str) -> None:
+    solver, instance = make_solver(name), generate("wind-turning", 15, 3, 0)
+    limits = Limits(time=60, iterations=300)
+    first, second = (solver.solve(instance, limits=limits, seed=3) for _ in range(2))
+    assert first.routes == second.routes
+    assert first.objective == second.objective
+
+
+@pytest.mark.slow
+def test_memetic_reaches_the_optima_of_20_instances() -> None:
+    """Up to 14 tasks, turning and passing fronts among them, within 5 s."""
+    for seed in range(20):
+        rng = np.random.default_rng([3, seed])
+        n, m = int(rng.integers(8, 15)), int(rng.integers(2, 4))
+        instance = generate("wind-turning", n, m, seed, turning=(90, 360)[seed % 2])
+        best = make_solver("subset-dp").solve(instance, limits=Limits(time=60)).objective
+        found = make_solver("memetic").solve(instance, limits=Limits(time=5), seed=seed).objective
+        assert found == pytest.approx(best, rel=1e-12), instance.name

@@ -9,6 +9,9 @@ capped-tours   the relaxation over whole tours that cost no more than the best r
 destructive    the largest cap found at which that relaxation is impossible (``columns/destructive.py``)
 straight, headings
                in place of the last four where nodes have several states (``state_bounds.py``)
+
+Where costs change with time all are those of the instance whose legs are minimised over time windows
+(``time_windows.py``), which no routes better than those known take less than.
 """
 
 from __future__ import annotations
@@ -22,17 +25,21 @@ import numpy as np
 from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.destructive import destructive_bounds
-from formulations.routing.greedy import Greedy
+from formulations.routing.greedy import Greedy, greedy_routes
 from formulations.routing.registry import make_solver
 from formulations.routing.relaxation import relax
+from formulations.routing.search.ruin_recreate import RuinRecreate
 from formulations.routing.simple_bounds import SIMPLE, worst_makespan
 from formulations.routing.solver import Status, refusal
 from formulations.routing.state_bounds import MOST_TASKS, heading_bounds, straight_bound
 from formulations.routing.stateless import stateless
+from formulations.routing.time_windows import windowed
 from instances import Instance, objective
 
 MOST_THETA = 60_000
 """Beyond this a round of the relaxation takes minutes."""
+STEPS = 20_000
+"""Of a search by the clock for the routes known, where costs change with time."""
 ROOTS = ("branch-and-cut", "branch-and-price")
 """Solvers whose bound at the root of their tree is shown."""
 
@@ -55,7 +62,10 @@ class Bound:
 
 def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0) -> Iterator[Bound]:
     """Yield every bound of `instance` as it is ready; `time_limit` [s] is that of each."""
-    upper, plain = _upper(instance), stateless(instance)
+    upper = _upper(instance)
+    if "time" in instance.axes:
+        instance = windowed(instance, upper)
+    plain = stateless(instance)
     for name, bound in SIMPLE.items():
         began = time.perf_counter()
         value = bound(plain, upper)
@@ -76,6 +86,9 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
 def _upper(instance: Instance) -> float:
     """Return the cost of greedy routes [s], or one that no routes pass where UAVs cannot fly these."""
     found = Greedy().solve(stateless(instance), limits=Limits(time=float("inf"))).routes
+    if "time" in instance.axes:  # windows are as narrow as these routes are short
+        steps, start = Limits(time=float("inf"), iterations=STEPS), None if found is None else greedy_routes(instance)
+        found = RuinRecreate().solve(instance, limits=steps, start=start).routes
     upper = np.inf if found is None else objective(instance, found)
     return worst_makespan(instance) if np.isinf(upper) else upper
 

@@ -117,12 +117,12 @@ def worst_makespan(instance: Instance) -> float:
 
 
 def dearest_legs(instance: Instance, k: int) -> Floats:
-    """Return the most that legs between nodes cost UAV k [s], over all states, (N, N)."""
-    if instance.travel is None or "states" not in instance.axes:
+    """Return the most that legs between nodes cost UAV k [s], over all states and times, (N, N)."""
+    if instance.travel is None or not instance.axes & {"states", "time"}:
         return instance.uav_cost(k)
-    cost = instance.travel.cost[instance.travel.classes[k], 0]
+    cost = instance.travel.cost[instance.travel.classes[k]]
     first = np.searchsorted(instance.travel.nodes, np.arange(instance.n_nodes))
-    cost = np.where(np.isfinite(cost), cost, 0.0)
+    cost = np.where(np.isfinite(cost), cost, 0.0).max(axis=0)
     return np.maximum.reduceat(np.maximum.reduceat(cost, first, axis=0), first, axis=1)
 
 

@@ -34,28 +34,29 @@ class Eras(NamedTuple):
 
 
 class Bookings(NamedTuple):
-    """Of every node, (n+m,); a depot is departed from at 0, and reached when its tour is home.
+    """Of every node; a depot is departed from at 0 and reached when its tour is home. Few arrays: each costs to pass.
 
-    reached, departs [s]; sense: S; knot, since: the knot before its departure and the time since then [s]; rise: 1 + c'
-    of the leg flown from it; era: of its departure, and leg: what that leg costs then [s]; scale (m,): what the time of
-    each UAV is multiplied by, for its endurance.
+    times (n+m, 6): columns REACHED, DEPARTS [s], SENSE, SINCE, RISE, LEG; marks (n+m, 2): KNOT, ERA; scale (m,): what
+    the time of each UAV is multiplied by, for its endurance.
+
+    REACHED, DEPARTS: arrival and departure; SENSE: S; KNOT, SINCE: the knot before its departure and the time since
+    then [s]; RISE: 1 + c' of the leg flown from it; ERA: of its departure, and LEG: what that leg costs then [s].
     """
 
-    reached: Floats
-    departs: Floats
-    sense: Floats
-    knot: Nodes
-    since: Floats
-    rise: Floats
-    era: Nodes
-    leg: Floats
+    times: Floats
+    marks: Nodes
     scale: Floats
+
+
+REACHED, DEPARTS, SENSE, SINCE, RISE, LEG = range(6)
+KNOT, ERA = range(2)
 
 
 def empty_bookings(n_nodes: int, scale: Floats) -> Bookings:
     """Return bookings of empty tours."""
-    zero, one, none = np.zeros(n_nodes), np.ones(n_nodes), np.zeros(n_nodes, np.int32)
-    return Bookings(zero, zero.copy(), one, none, zero.copy(), one.copy(), none.copy(), zero.copy(), scale)
+    times = np.zeros((n_nodes, 6))
+    times[:, [SENSE, RISE]] = 1.0
+    return Bookings(times, np.zeros((n_nodes, 2), np.int32), scale)
 
 
 def eras_of(clocks: Clocks, horizon: float) -> Eras:
@@ -79,35 +80,30 @@ def _at(clocks: Clocks, time: float) -> Floats:
 @njit(cache=True, nogil=True)
 def book(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: int, first: int) -> None:
     """Fly tour k by the clock from node `first` on, whose departure is booked: book its nodes and its cost."""
-    lines, knots, out = clocks.lines, clocks.knots, eras.out  # once: in a loop references are counted
-    after, before = tours.after, tours.before
-    reached, departs, sense, knot, since, rise, era, leg, scale = bookings
-    depot = tours.after.size - tours.cost.size + k
+    lines, knots, out, of_knot = clocks.lines, clocks.knots, eras.out, eras.of_knot  # in a loop references are counted
+    after, before, times, marks = tours.after, tours.before, bookings.times, bookings.marks
+    depot = after.size - tours.cost.size + k
+    g, u, time = clocks.classes[k], first, times[first, DEPARTS]
     if after[depot] == depot:
-        reached[depot] = 0.0
-        leg[depot] = 0.0
-        tours.cost[k] = 0.0
+        times[depot, REACHED] = times[depot, LEG] = tours.cost[k] = 0.0
         return
-    g, u, time = clocks.classes[k], first, departs[first]
     while True:
-        w, q = after[u], knot[u]  # most often still the knot, which the processor need not wait for
+        w, q = after[u], marks[u, KNOT]  # most often still the knot, which the processor need not wait for
         if time < knots[q] or time >= knots[q + 1]:
             q = knot_at(clocks, time)
-        departs[u], knot[u], since[u] = time, q, time - knots[q]
-        e = eras.of_knot[q]
-        era[u], leg[u] = e, out[g, u, e, w]
-        slope = lines[g, u, w, q, 1]
-        rise[u] = 1.0 + slope
-        time += lines[g, u, w, q, 0] + slope * since[u]
-        reached[w] = time
+        e, since, slope = of_knot[q], time - knots[q], lines[g, u, w, q, 1]
+        marks[u, KNOT], marks[u, ERA] = q, e
+        times[u, DEPARTS], times[u, SINCE], times[u, RISE], times[u, LEG] = time, since, 1.0 + slope, out[g, u, e, w]
+        time += lines[g, u, w, q, 0] + slope * since
+        times[w, REACHED] = time
         u = w
         if u == depot:
             break
-    tours.cost[k] = time * scale[k]
+    tours.cost[k] = time * bookings.scale[k]
     product, u = 1.0, before[depot]
     while u != depot:
-        product *= rise[u]
-        sense[u] = product
+        product *= times[u, RISE]
+        times[u, SENSE] = product
         u = before[u]
 
 
@@ -115,7 +111,7 @@ def book(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: int, f
 def book_tour(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: int) -> None:
     """Fly tour k by the clock from its depot."""
     depot = tours.after.size - tours.cost.size + k
-    bookings.departs[depot] = 0.0
+    bookings.times[depot, DEPARTS] = 0.0
     book(clocks, eras, tours, bookings, k, depot)
 
 
@@ -129,13 +125,13 @@ def book_all(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings) -> No
 @njit(cache=True, nogil=True)
 def insertion_change(clocks: Clocks, tours: Tours, bookings: Bookings, v: int, u: int) -> float:
     """Return by about how much its tour's cost [s] changes where task v is put behind node u."""
-    lines = clocks.lines
+    lines, times = clocks.lines, bookings.times
     k, w = tours.tour[u], tours.after[u]
-    g, q = clocks.classes[k], bookings.knot[u]
-    time = bookings.departs[u] + (lines[g, u, v, q, 0] + lines[g, u, v, q, 1] * bookings.since[u])
+    g, q = clocks.classes[k], bookings.marks[u, KNOT]
+    time = times[u, DEPARTS] + (lines[g, u, v, q, 0] + lines[g, u, v, q, 1] * times[u, SINCE])
     q = knot_at(clocks, time)
     time += lines[g, v, w, q, 0] + lines[g, v, w, q, 1] * (time - clocks.knots[q])
-    return (time - bookings.reached[w]) * bookings.sense[w] * bookings.scale[k]
+    return (time - times[w, REACHED]) * times[w, SENSE] * bookings.scale[k]
 
 
 @njit(cache=True, nogil=True)

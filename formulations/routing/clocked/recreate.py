@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.routing.clocked.bookings import Bookings, Eras, book, insertion_change
+from formulations.routing.clocked.bookings import ERA, LEG, Bookings, Eras, book, insertion_change
 from formulations.routing.clocks import Clocks
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.energy import Measure
@@ -43,7 +43,7 @@ def best_insertion(
         tours.before,
         tours.after,
     )
-    out, into, era, leg, classes = eras.out, eras.into, bookings.era, bookings.leg, clocks.classes
+    out, into, times, marks, classes = eras.out, eras.into, bookings.times, bookings.marks, clocks.classes
     n_depots, nearest = depots.shape[1], parameters.depots
     n_tasks_seen = min(parameters.width, tasks.shape[1])
     n_seen = n_tasks_seen + min(2 * nearest, n_depots)
@@ -60,8 +60,8 @@ def best_insertion(
         if k < 0 or j == overlooked:
             continue
         g, u, b = classes[k], node, before[node]
-        change = into[g, v, era[u], u] + out[g, v, era[u], after[u]] - leg[u]
-        ahead = into[g, v, era[b], b] + out[g, v, era[b], node] - leg[b]
+        change = into[g, v, marks[u, ERA], u] + out[g, v, marks[u, ERA], after[u]] - times[u, LEG]
+        ahead = into[g, v, marks[b, ERA], b] + out[g, v, marks[b, ERA], node] - times[b, LEG]
         if ahead < change:
             u, change = b, ahead
         value = growth(cost[k] * scale, change * bookings.scale[k] * scale, guide, parameters.tie)

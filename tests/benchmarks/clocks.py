@@ -1,0 +1,135 @@
+"""Plans that know no clock against plans that do, and the speed of the searches by the clock.
+
+    python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss] [speed] [optima]
+
+Sections: loss (40 tasks, 3 UAVs at the paper's depots, winds that turn: what the plan for the wind of take-off
+promised, what it takes, what it takes with every tour in its better direction, what `memetic` by the clock finds;
+losses against the latter, beside those once measured), speed (steps a second of the annealing by the clock and of the
+static one), optima (`memetic` against `subset-dp`). One thread; seconds are those of each search.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from formulations.limits import Limits
+from formulations.moving_cost.families import generate
+from formulations.routing.clocked.annealing import anneal_by_clock
+from formulations.routing.clocked.problem import ClockedProblem
+from formulations.routing.frozen import frozen, judged
+from formulations.routing.greedy import greedy_routes
+from formulations.routing.registry import make_solver
+from formulations.routing.search.annealing import anneal
+from formulations.routing.search.energy import p_norm
+from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.randomness import seeded
+from formulations.routing.search.schedule import Schedule
+from formulations.routing.search.tours import duplicate, sum_costs
+from instances import Instance, Routes, makespan
+
+Case = tuple[float, float, float]
+LOSSES: dict[Case, tuple[tuple[float, ...], tuple[float, ...]]] = {
+    (20, 10, 90): ((4.8, 4.7, 5.7, 8.0), (2.3, 4.7, 0.2, 3.0)),
+    (20, 5, 90): ((2.9,), (1.8,)),
+    (30, 10, 90): ((3.2,), (2.2,)),
+    (20, 10, 360): ((49.0,), (28.0,)),
+    (100, 10, 90): ((0.007,), (0.0,)),
+}
+"""Airspeed, wind [m/s], turning [degree/h] → losses [%] once measured, as planned and in the better directions."""
+
+
+def of_case(case: Case, seed: int) -> Instance:
+    """Return the instance: wind from the north-east, paper depots."""
+    airspeed, wind, turning = case
+    more = {"airspeed": airspeed, "wind_speed": wind, "turning": turning, "wind_direction": 225, "depots": "paper"}
+    return generate("wind-turning", 40, 3, seed, **more)
+
+
+def searched(instance: Instance, seconds: float, seed: int) -> Routes:
+    """Return the routes memetic finds."""
+    solver = make_solver("memetic")
+    solver.prepare(instance)
+    routes = solver.solve(instance, limits=Limits(time=seconds), seed=seed).routes
+    assert routes is not None
+    return routes
+
+
+def loss(args: argparse.Namespace) -> None:
+    """Print a line for each case and seed."""
+    print("airspeed wind turning seed | promised taken directed clocked [s] | promise off, loss, directed [%] | once")
+    for case, (once, once_directed) in LOSSES.items():
+        for seed in range(min(args.seeds, len(once))):
+            instance = of_case(case, seed)
+            plan = judged(instance, searched(frozen(instance), args.seconds, 0))
+            clocked = min(makespan(instance, searched(instance, args.seconds, s)) for s in range(2))
+            lost, lost_directed = (100 * (value / clocked - 1) for value in (plan.taken, plan.directed))
+            wrong = 100 * (plan.taken / plan.promised - 1)
+            values = f"{plan.promised:.1f} {plan.taken:.1f} {plan.directed:.1f} {clocked:.1f}"
+            then = f"{once[seed]}, {once_directed[seed]}"
+            print(*case, seed, "|", values, "|", f"{wrong:.2f}, {lost:.3f}, {lost_directed:.3f}", "|", then, flush=True)
+
+
+def speed(args: argparse.Namespace) -> None:
+    """Steps a second at the same temperatures from the same tours."""
+    for n, m in ((40, 3), (100, 5)):
+        instance = generate("wind-turning", n, m, 0)
+        static, clocked = (steps_a_second(instance, by_clock) for by_clock in (False, True))
+        print(
+            f"{n} tasks, {m} UAVs: {static:.0f} static, {clocked:.0f} by the clock, {clocked / static:.0%}, bar: 60 %"
+        )
+
+
+def steps_a_second(instance: Instance, by_clock: bool, steps: int = 50_000, levels: int = 100) -> float:
+    """Return the steps a CPU second of one annealing, compiled before."""
+    parameters = SearchParameters()
+    problem = ClockedProblem(instance, parameters.neighbourhood)
+    tours = problem.tours(greedy_routes(frozen(instance)))
+    if not by_clock:
+        sum_costs(tours)
+    rng, how, schedule = seeded(0), parameters.annealing, parameters.schedule
+    best, fittest, search = duplicate(tours), duplicate(tours), problem.search(duplicate(tours), how.removals)
+    course, spent = Schedule(schedule.founder, schedule.softness[0], schedule.final), 0.0
+    for level in range(-1, levels):
+        temperature, objective = course.at(max(level, 0) / levels, best, float(best.cost.max()), schedule)
+        began, count = time.process_time(), steps // levels if level >= 0 else 10
+        if by_clock:
+            anneal_by_clock(search, best, fittest, rng, count, temperature, objective, p_norm(128), how)
+        else:
+            anneal(problem.data, tours, best, fittest, rng, count, temperature, objective, p_norm(128), how)
+        spent += time.process_time() - began if level >= 0 else 0.0
+    return steps / spent
+
+
+def optima(args: argparse.Namespace) -> None:
+    """Count how often memetic finds what subset-dp proves."""
+    hits = 0
+    for seed in range(20):
+        rng = np.random.default_rng([3, seed])
+        n, m = int(rng.integers(8, 15)), int(rng.integers(2, 4))
+        instance = generate("wind-turning", n, m, seed, turning=(90, 360)[seed % 2])
+        best = make_solver("subset-dp").solve(instance, limits=Limits(time=60)).objective
+        assert best is not None
+        hits += makespan(instance, searched(instance, min(args.seconds, 5.0), seed)) <= best * (1 + 1e-9)
+    print(f"optimum found in {hits} of 20, bar: 20")
+
+
+SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {"loss": loss, "speed": speed, "optima": optima}
+
+
+def main() -> None:
+    """Run the sections asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sections", nargs="*", choices=[*SECTIONS, []], help="all, if none is named")
+    parser.add_argument("--seeds", type=int, default=4)
+    parser.add_argument("--seconds", type=float, default=10.0, help="of each search")
+    args = parser.parse_args()
+    for name in args.sections or SECTIONS:
+        SECTIONS[name](args)
+
+
+if __name__ == "__main__":
+    main()

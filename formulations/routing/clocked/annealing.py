@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.clocked.bookings import Bookings, Eras, book_all, book_tour, reverse
+from formulations.routing.clocked.bookings import Bookings, Eras, book_all, book_tour, fly_tour, reverse
 from formulations.routing.clocked.recreate import recreate
 from formulations.routing.clocks import Clocks
 from formulations.routing.search.annealing import AnnealingParameters
@@ -23,7 +23,7 @@ from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import GUIDES, shuffle
 from formulations.routing.search.ruin import Removed, remove_adjacent, remove_strings, restore
 from formulations.routing.search.tours import Tours, copy_tours, longest, unlink
-from instances.arrays import Bools
+from instances.arrays import Bools, Floats
 from instances.kernels import njit
 
 TURNS = 0.02
@@ -65,11 +65,18 @@ def _mark_changed(tours: Tours, spare: Tours, touched: Bools) -> bool:
 
 
 class Room(NamedTuple):
-    """What steps write to: removed tasks, their queue, sizes (m,) before, tours touched (m,), spare tours, segments."""
+    """What steps write to.
+
+    Removed tasks, their queue, their bookings (rows and marks) before; sizes and costs (m,) before, tours touched (m,);
+    spare tours and segments.
+    """
 
     removed: Removed
     queue: Nodes
+    rows: Floats
+    marks: Nodes
     sizes: Nodes
+    costs: Floats
     touched: Bools
     spare: Tours
     workspace: Workspace
@@ -92,7 +99,9 @@ def empty_room(costs: Costs, spare: Tours, removals: int) -> Room:
     m = spare.cost.size
     removed = Removed(np.empty(removals, np.int32), np.empty(removals, np.int32), np.zeros(m, np.bool_))
     workspace = empty_workspace(costs, spare.after.size - m)
-    return Room(removed, np.empty(removals, np.int32), np.empty(m, np.int32), np.zeros(m, np.bool_), spare, workspace)
+    queue, rows, marks = np.empty(removals, np.int32), np.empty((removals, 4)), np.empty((removals, 2), np.int32)
+    sizes, touched = np.empty(m, np.int32), np.zeros(m, np.bool_)
+    return Room(removed, queue, rows, marks, sizes, np.empty(m), touched, spare, workspace)
 
 
 @njit(cache=True, nogil=True)
@@ -136,27 +145,40 @@ def _ruin_and_recreate(
     """Take tasks out and insert them again where that is accepted; return the energy then [s]."""
     clocks, eras, data, tours, bookings, room = search
     costs, removed, queue, sizes, touched = data.costs, room.removed, room.queue, room.sizes, room.touched
+    times, marks, rows, row_marks, costs_before = bookings.times, bookings.marks, room.rows, room.marks, room.costs
     for k in range(sizes.size):
-        sizes[k] = tours.size[k]
+        sizes[k], costs_before[k] = tours.size[k], tours.cost[k]
     if uniform(rng) < parameters.strings:
         count = remove_strings(costs, data.near.tasks, tours, removed, rng)
     else:
         count = remove_adjacent(costs, data.near.tasks, tours, removed, rng)
     for k in range(sizes.size):
         touched[k] = tours.size[k] != sizes[k]
-    _book_touched(clocks, eras, tours, bookings, touched)
     for i in range(count):
-        queue[i] = removed.tasks[i]
+        v = removed.tasks[i]
+        queue[i] = v
+        for c in range(rows.shape[1]):
+            rows[i, c] = times[v, c]
+        row_marks[i, 0], row_marks[i, 1] = marks[v, 0], marks[v, 1]
     shuffle(queue, count, rng)
     guide = GUIDES[below(rng, parameters.guides)]
     recreate(clocks, eras, costs, data.near, tours, bookings, queue, count, guide, parameters.recreate, rng, touched)
+    for k in range(sizes.size):
+        if touched[k]:
+            fly_tour(clocks, tours, bookings, k)
     then = energy(tours.cost, objective)
     if then < now - temperature * math.log(1.0 - uniform(rng)):
+        _book_touched(clocks, eras, tours, bookings, touched)
         return then
     for i in range(count):
-        unlink(costs, tours, removed.tasks[i])
+        v = removed.tasks[i]
+        unlink(costs, tours, v)
+        for c in range(rows.shape[1]):
+            times[v, c] = rows[i, c]
+        marks[v, 0], marks[v, 1] = row_marks[i, 0], row_marks[i, 1]
     restore(costs, tours, count, removed)
-    _book_touched(clocks, eras, tours, bookings, touched)
+    for k in range(sizes.size):
+        tours.cost[k] = costs_before[k]
     return now
 
 

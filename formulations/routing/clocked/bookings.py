@@ -3,9 +3,10 @@
     A_p                      arrival at the p-th node of a tour, exact
     S_p = Π (1 + c'_ij)      sensitivity ∂C_k/∂A_p: the product over the legs behind it, c' at their departures
 
-so that putting v between u and w makes the tour longer by about (A'_w − A_w)·S_w: two legs looked up, whatever the
+so that putting v between u and w makes the tour longer by about (A'_w − A_w)·S_w: three legs looked up, whatever the
 tour's length. That is asked of few places: the others are ruled out by the costs of their era, one of few in which
-time is cut, at whose middle they are known without a clock. The place that is chosen is booked exactly, leg by leg.
+time is cut, at whose middle they are known without a clock. While tasks are taken out and put in again bookings of what
+lies behind are a little old; then the tours are flown exactly, leg by leg, and booked anew where they are kept.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.clocks import Clocks, knot_at
+from formulations.routing.clocks import Clocks, knot_at, leg_at
 from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.tours import Tours
 from instances.arrays import Floats
@@ -34,13 +35,11 @@ class Eras(NamedTuple):
 
 
 class Bookings(NamedTuple):
-    """Of every node; a depot is departed from at 0 and reached when its tour is home. Few arrays: each costs to pass.
+    """Of every node; a depot is departed from at 0. Few arrays: each costs to pass.
 
-    times (n+m, 6): columns REACHED, DEPARTS [s], SENSE, SINCE, RISE, LEG; marks (n+m, 2): KNOT, ERA; scale (m,): what
-    the time of each UAV is multiplied by, for its endurance.
-
-    REACHED, DEPARTS: arrival and departure; SENSE: S; KNOT, SINCE: the knot before its departure and the time since
-    then [s]; RISE: 1 + c' of the leg flown from it; ERA: of its departure, and LEG: what that leg costs then [s].
+    times (n+m, 4): columns DEPARTS [s]; SENSE, S; SINCE, the time between the knot before and the departure [s]; RISE,
+    1 + c' of the leg flown from the node. marks (n+m, 2): KNOT before and ERA of its departure. scale (m,): what the
+    time of each UAV is multiplied by, for its endurance.
     """
 
     times: Floats
@@ -48,13 +47,13 @@ class Bookings(NamedTuple):
     scale: Floats
 
 
-REACHED, DEPARTS, SENSE, SINCE, RISE, LEG = range(6)
+DEPARTS, SENSE, SINCE, RISE = range(4)
 KNOT, ERA = range(2)
 
 
 def empty_bookings(n_nodes: int, scale: Floats) -> Bookings:
     """Return bookings of empty tours."""
-    times = np.zeros((n_nodes, 6))
+    times = np.zeros((n_nodes, 4))
     times[:, [SENSE, RISE]] = 1.0
     return Bookings(times, np.zeros((n_nodes, 2), np.int32), scale)
 
@@ -78,24 +77,20 @@ def _at(clocks: Clocks, time: float) -> Floats:
 
 
 @njit(cache=True, nogil=True)
-def book(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: int, first: int) -> None:
-    """Fly tour k by the clock from node `first` on, whose departure is booked: book its nodes and its cost."""
-    lines, knots, out, of_knot = clocks.lines, clocks.knots, eras.out, eras.of_knot  # in a loop references are counted
+def book_tour(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: int) -> None:
+    """Fly tour k by the clock: book its nodes and its cost."""
+    lines, knots, of_knot = clocks.lines, clocks.knots, eras.of_knot  # once: in a loop references are counted
     after, before, times, marks = tours.after, tours.before, bookings.times, bookings.marks
     depot = after.size - tours.cost.size + k
-    g, u, time = clocks.classes[k], first, times[first, DEPARTS]
-    if after[depot] == depot:
-        times[depot, REACHED] = times[depot, LEG] = tours.cost[k] = 0.0
-        return
-    while True:
+    g, u, time = clocks.classes[k], depot, 0.0
+    while after[depot] != depot:
         w, q = after[u], marks[u, KNOT]  # most often still the knot, which the processor need not wait for
         if time < knots[q] or time >= knots[q + 1]:
             q = knot_at(clocks, time)
-        e, since, slope = of_knot[q], time - knots[q], lines[g, u, w, q, 1]
-        marks[u, KNOT], marks[u, ERA] = q, e
-        times[u, DEPARTS], times[u, SINCE], times[u, RISE], times[u, LEG] = time, since, 1.0 + slope, out[g, u, e, w]
+        since, slope = time - knots[q], lines[g, u, w, q, 1]
+        marks[u, KNOT], marks[u, ERA] = q, of_knot[q]
+        times[u, DEPARTS], times[u, SINCE], times[u, RISE] = time, since, 1.0 + slope
         time += lines[g, u, w, q, 0] + slope * since
-        times[w, REACHED] = time
         u = w
         if u == depot:
             break
@@ -108,11 +103,20 @@ def book(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: int, f
 
 
 @njit(cache=True, nogil=True)
-def book_tour(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: int) -> None:
-    """Fly tour k by the clock from its depot."""
-    depot = tours.after.size - tours.cost.size + k
-    bookings.times[depot, DEPARTS] = 0.0
-    book(clocks, eras, tours, bookings, k, depot)
+def fly_tour(clocks: Clocks, tours: Tours, bookings: Bookings, k: int) -> None:
+    """Set the cost of tour k to what it takes by the clock, and book nothing else."""
+    lines, knots, after, marks = clocks.lines, clocks.knots, tours.after, bookings.marks
+    depot = after.size - tours.cost.size + k
+    g, u, time = clocks.classes[k], depot, 0.0
+    while after[depot] != depot:
+        w, q = after[u], marks[u, KNOT]
+        if time < knots[q] or time >= knots[q + 1]:
+            q = knot_at(clocks, time)
+        time += lines[g, u, w, q, 0] + lines[g, u, w, q, 1] * (time - knots[q])
+        u = w
+        if u == depot:
+            break
+    tours.cost[k] = time * bookings.scale[k]
 
 
 @njit(cache=True, nogil=True)
@@ -127,11 +131,24 @@ def insertion_change(clocks: Clocks, tours: Tours, bookings: Bookings, v: int, u
     """Return by about how much its tour's cost [s] changes where task v is put behind node u."""
     lines, times = clocks.lines, bookings.times
     k, w = tours.tour[u], tours.after[u]
-    g, q = clocks.classes[k], bookings.marks[u, KNOT]
-    time = times[u, DEPARTS] + (lines[g, u, v, q, 0] + lines[g, u, v, q, 1] * times[u, SINCE])
+    g, q, since = clocks.classes[k], bookings.marks[u, KNOT], times[u, SINCE]
+    there = lines[g, u, v, q, 0] + lines[g, u, v, q, 1] * since
+    straight = lines[g, u, w, q, 0] + lines[g, u, w, q, 1] * since if u != w else 0.0
+    time = times[u, DEPARTS] + there
     q = knot_at(clocks, time)
-    time += lines[g, v, w, q, 0] + lines[g, v, w, q, 1] * (time - clocks.knots[q])
-    return (time - times[w, REACHED]) * times[w, SENSE] * bookings.scale[k]
+    on = lines[g, v, w, q, 0] + lines[g, v, w, q, 1] * (time - clocks.knots[q])
+    return (there + on - straight) * times[w, SENSE] * bookings.scale[k]
+
+
+@njit(cache=True, nogil=True)
+def note(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, v: int) -> None:
+    """Book task v, just inserted, as the node before it is booked; the rest of its tour stays as it is."""
+    times, marks = bookings.times, bookings.marks
+    u, w = tours.before[v], tours.after[v]
+    time = times[u, DEPARTS] + leg_at(clocks, clocks.classes[tours.tour[v]], u, v, times[u, DEPARTS])
+    q = knot_at(clocks, time)
+    marks[v, KNOT], marks[v, ERA] = q, eras.of_knot[q]
+    times[v, DEPARTS], times[v, SINCE], times[v, SENSE] = time, time - clocks.knots[q], times[w, SENSE]
 
 
 @njit(cache=True, nogil=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.routing.clocked.annealing import Search
-from formulations.routing.clocked.bookings import REACHED, Bookings, book_tour, insertion_change
+from formulations.routing.clocked.bookings import DEPARTS, Bookings, book_tour, insertion_change
 from formulations.routing.clocked.problem import ClockedProblem
 from formulations.routing.clocks import Clocks, leg_at
 from formulations.routing.recorder import Recorder
@@ -75,7 +75,7 @@ def _extend_nearest(search: Search) -> None:
     while len(left):
         k = int(np.argmin(tours.cost))
         u = int(tours.before[n + k])
-        time, g = float(bookings.times[u, REACHED]) if u < n else 0.0, int(search.clocks.classes[k])
+        time, g = float(bookings.times[u, DEPARTS]) if u < n else 0.0, int(search.clocks.classes[k])
         v = int(left[np.argmin([leg_at(search.clocks, g, u, int(i), time) for i in left])])
         _put(search, k, v, u)
         left = left[left != v]

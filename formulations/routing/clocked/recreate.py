@@ -1,4 +1,4 @@
-"""Recreate by the clock: insert removed tasks where they raise a guide least, and book exactly.
+"""Recreate by the clock: insert removed tasks where they raise a guide least.
 
 All places are compared by the costs of their eras, the best two of them to first order by the clock. The places looked
 at and the guides are those of `formulations.routing.search.recreate`.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.routing.clocked.bookings import ERA, LEG, Bookings, Eras, book, insertion_change
+from formulations.routing.clocked.bookings import ERA, Bookings, Eras, insertion_change, note
 from formulations.routing.clocks import Clocks
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.energy import Measure
@@ -33,8 +33,11 @@ def best_insertion(
     parameters: RecreateParameters,
     blink: float,
     rng: Rng,
-) -> int:
-    """Return the node to put task v behind, or −1 where all was overlooked; 1 / scale [s] is the guide's unit."""
+) -> tuple[int, float]:
+    """Return (node to put task v behind, change of that tour's cost [s]); the node is −1 where all was overlooked.
+
+    1 / scale [s] is the guide's unit.
+    """
     tasks, depots, tour, cost, before, after = (
         near.tasks,
         near.depots,
@@ -43,7 +46,8 @@ def best_insertion(
         tours.before,
         tours.after,
     )
-    out, into, times, marks, classes = eras.out, eras.into, bookings.times, bookings.marks, clocks.classes
+    out, into, marks, classes = eras.out, eras.into, bookings.marks, clocks.classes
+    scales = bookings.scale
     n_depots, nearest = depots.shape[1], parameters.depots
     n_tasks_seen = min(parameters.width, tasks.shape[1])
     n_seen = n_tasks_seen + min(2 * nearest, n_depots)
@@ -60,30 +64,23 @@ def best_insertion(
         if k < 0 or j == overlooked:
             continue
         g, u, b = classes[k], node, before[node]
-        change = into[g, v, marks[u, ERA], u] + out[g, v, marks[u, ERA], after[u]] - times[u, LEG]
-        ahead = into[g, v, marks[b, ERA], b] + out[g, v, marks[b, ERA], node] - times[b, LEG]
+        e, f, w = marks[u, ERA], marks[b, ERA], after[u]
+        change = into[g, v, e, u] + out[g, v, e, w] - out[g, u, e, w]
+        ahead = into[g, v, f, b] + out[g, v, f, node] - out[g, b, f, node]
         if ahead < change:
             u, change = b, ahead
-        value = growth(cost[k] * scale, change * bookings.scale[k] * scale, guide, parameters.tie)
+        value = growth(cost[k] * scale, change * scales[k] * scale, guide, parameters.tie)
         if value < best or best_u < 0:
             best, best_u, second, second_u = value, u, best, best_u
         elif value < second and u != best_u:
             second, second_u = value, u
+    change = insertion_change(clocks, tours, bookings, v, best_u) if best_u >= 0 else 0.0
     if second_u < 0 or second_u == best_u:
-        return best_u
-    best = _growth_at(clocks, tours, bookings, v, best_u, guide, scale, parameters.tie)
-    return (
-        best_u if best <= _growth_at(clocks, tours, bookings, v, second_u, guide, scale, parameters.tie) else second_u
-    )
-
-
-@njit(cache=True, nogil=True)
-def _growth_at(
-    clocks: Clocks, tours: Tours, bookings: Bookings, v: int, u: int, guide: Measure, scale: float, tie: float
-) -> float:
-    """Return the guide's growth, to first order, where task v is put behind node u."""
-    length, change = tours.cost[tours.tour[u]], insertion_change(clocks, tours, bookings, v, u)
-    return growth(length * scale, change * scale, guide, tie)
+        return best_u, change
+    other, tie = insertion_change(clocks, tours, bookings, v, second_u), parameters.tie
+    best = growth(cost[tour[best_u]] * scale, change * scale, guide, tie)
+    second = growth(cost[tour[second_u]] * scale, other * scale, guide, tie)
+    return (best_u, change) if best <= second else (second_u, other)
 
 
 @njit(cache=True, nogil=True)
@@ -101,15 +98,21 @@ def recreate(
     rng: Rng,
     touched: Bools,
 ) -> None:
-    """Insert queue[:count] into the tours, in that order; `touched` marks the tours that took some."""
+    """Insert queue[:count] into the tours, in that order; their costs are nearly right then.
+
+    touched : marks the tours that took some.
+    """
     unit = longest(tours.cost)
     scale = 1.0 / unit if unit > 0.0 else 1.0
     for i in range(count):
         v = queue[i]
-        u = best_insertion(clocks, eras, near, tours, bookings, v, guide, scale, parameters, parameters.blink, rng)
+        u, change = best_insertion(
+            clocks, eras, near, tours, bookings, v, guide, scale, parameters, parameters.blink, rng
+        )
         if u < 0:
-            u = best_insertion(clocks, eras, near, tours, bookings, v, guide, scale, parameters, 0.0, rng)
+            u, change = best_insertion(clocks, eras, near, tours, bookings, v, guide, scale, parameters, 0.0, rng)
         k = tours.tour[u]
         link(costs, tours, v, u)
-        book(clocks, eras, tours, bookings, k, u)
+        note(clocks, eras, tours, bookings, v)
+        tours.cost[k] += change
         touched[k] = True

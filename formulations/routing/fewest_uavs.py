@@ -211,8 +211,8 @@ def of_uavs(instance: Instance, uavs: Uavs) -> Instance:
     """Return the instance with these UAVs (0..m−1) alone, in this order."""
     chosen = list(uavs)
     kept = [*instance.tasks, *(instance.n_tasks + k for k in uavs)]
-    cost = instance.class_costs[:, kept][:, :, kept]
-    travel = Travel(cost[:, None], instance.classes[chosen])
+    whole = instance.travel or Travel(instance.cost[None, None], instance.classes)
+    travel = Travel(whole.cost[:, :, kept][:, :, :, kept], whole.classes[chosen], whole.departures)
     xy = None if instance.coordinates is None else instance.coordinates[kept]
     endurance = None if instance.endurance is None else instance.endurance[chosen]
     name = f"{instance.name} of {len(chosen)}"

@@ -20,13 +20,14 @@ from instances.arrays import Ints
 def shared_depots(instance: Instance) -> list[list[int]]:
     """Return the groups of depots (node numbers, in order) whose UAVs can exchange their tours.
 
-    They have the same costs from and to every task, and their UAVs are of one class and one endurance.
+    They have the same costs from and to every task, at all times, and their UAVs are of one class and one endurance.
     """
     n = instance.n_tasks
     groups: dict[tuple[int, float, bytes], list[int]] = {}
     for uav, k in enumerate(instance.depots):
-        cost = instance.uav_cost(uav)
-        ends = cost[k, :n].tobytes() + cost[:n, k].tobytes()
+        travel = instance.travel
+        cost = instance.cost[None] if travel is None else travel.cost[travel.classes[uav]]
+        ends = cost[:, k, :n].tobytes() + cost[:, :n, k].tobytes()
         groups.setdefault((int(instance.classes[uav]), float(instance.limits[uav]), ends), []).append(k)
     return list(groups.values())
 

@@ -12,8 +12,10 @@ import pytest
 from formulations.limits import Limits
 from formulations.moving_cost.families import generate
 from formulations.routing.clocks import arrival_home, clocks_of, knot_at
+from formulations.routing.fewest_uavs import of_uavs
 from formulations.routing.registry import make_solver
 from formulations.routing.solver import Status
+from formulations.routing.strengthening import shared_depots
 from instances import Instance, Routes, Travel, check_routes, makespan, tour_costs
 from instances.arrays import Floats
 from instances.environment.wind_changing import Turning
@@ -218,3 +220,13 @@ def test_endurance_is_kept_by_the_clock(clocked: Clocked, brute_force: Oracle) -
     assert result.routes is not None
     assert check_routes(tight, result.routes) == []
     assert makespan(tight, result.routes) == pytest.approx(best, rel=1e-12)
+
+
+def test_fewer_uavs_keep_their_clock(clocked: Clocked) -> None:
+    instance = clocked(5, 3, 3)
+    fewer = of_uavs(instance, (2, 0))
+    assert fewer.axes >= {"time"}
+    assert tour_costs(fewer, ((0, 1), (2, 3, 4))) == pytest.approx(
+        tour_costs(instance, ((2, 3, 4), (), (0, 1)))[[2, 0]]
+    )
+    assert sum(map(len, shared_depots(instance))) == 3

@@ -16,13 +16,13 @@ from formulations.routing.search.problem_data import GranularNeighbourhood, Node
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.recreate import RecreateParameters, growth
 from formulations.routing.search.tours import Tours, link, longest
-from instances.arrays import Bools
+from instances.arrays import Bools, Ints
 from instances.kernels import njit
 
 
 @njit(cache=True, nogil=True)
-def best_insertion(
-    clocks: Clocks,
+def best_by_era(
+    classes: Ints,
     eras: Eras,
     near: GranularNeighbourhood,
     tours: Tours,
@@ -33,11 +33,8 @@ def best_insertion(
     parameters: RecreateParameters,
     blink: float,
     rng: Rng,
-) -> tuple[int, float]:
-    """Return (node to put task v behind, change of that tour's cost [s]); the node is −1 where all was overlooked.
-
-    1 / scale [s] is the guide's unit.
-    """
+) -> tuple[int, int]:
+    """Return the best two nodes to put task v behind, by eras, −1 if none; 1 / scale [s] is the guide's unit."""
     tasks, depots, tour, cost, before, after = (
         near.tasks,
         near.depots,
@@ -46,8 +43,7 @@ def best_insertion(
         tours.before,
         tours.after,
     )
-    out, into, marks, classes = eras.out, eras.into, bookings.marks, clocks.classes
-    scales = bookings.scale
+    out, into, marks, scales = eras.out, eras.into, bookings.marks, bookings.scale
     n_depots, nearest = depots.shape[1], parameters.depots
     n_tasks_seen = min(parameters.width, tasks.shape[1])
     n_seen = n_tasks_seen + min(2 * nearest, n_depots)
@@ -74,13 +70,29 @@ def best_insertion(
             best, best_u, second, second_u = value, u, best, best_u
         elif value < second and u != best_u:
             second, second_u = value, u
-    change = insertion_change(clocks, tours, bookings, v, best_u) if best_u >= 0 else 0.0
-    if second_u < 0 or second_u == best_u:
-        return best_u, change
-    other, tie = insertion_change(clocks, tours, bookings, v, second_u), parameters.tie
-    best = growth(cost[tour[best_u]] * scale, change * scale, guide, tie)
-    second = growth(cost[tour[second_u]] * scale, other * scale, guide, tie)
-    return (best_u, change) if best <= second else (second_u, other)
+    return best_u, second_u
+
+
+@njit(cache=True, nogil=True)
+def better_by_clock(
+    clocks: Clocks,
+    tours: Tours,
+    bookings: Bookings,
+    v: int,
+    places: tuple[int, int],
+    guide: Measure,
+    scale: float,
+    tie: float,
+) -> tuple[int, float]:
+    """Return the better of two nodes to put task v behind, to first order, and the change of its tour's cost [s]."""
+    one, two = places
+    change = insertion_change(clocks, tours, bookings, v, one)
+    if two < 0 or one == two:
+        return one, change
+    other = insertion_change(clocks, tours, bookings, v, two)
+    first = growth(tours.cost[tours.tour[one]] * scale, change * scale, guide, tie)
+    second = growth(tours.cost[tours.tour[two]] * scale, other * scale, guide, tie)
+    return (one, change) if first <= second else (two, other)
 
 
 @njit(cache=True, nogil=True)
@@ -102,15 +114,14 @@ def recreate(
 
     touched : marks the tours that took some.
     """
-    unit = longest(tours.cost)
+    unit, classes = longest(tours.cost), clocks.classes
     scale = 1.0 / unit if unit > 0.0 else 1.0
     for i in range(count):
         v = queue[i]
-        u, change = best_insertion(
-            clocks, eras, near, tours, bookings, v, guide, scale, parameters, parameters.blink, rng
-        )
-        if u < 0:
-            u, change = best_insertion(clocks, eras, near, tours, bookings, v, guide, scale, parameters, 0.0, rng)
+        found = best_by_era(classes, eras, near, tours, bookings, v, guide, scale, parameters, parameters.blink, rng)
+        if found[0] < 0:
+            found = best_by_era(classes, eras, near, tours, bookings, v, guide, scale, parameters, 0.0, rng)
+        u, change = better_by_clock(clocks, tours, bookings, v, found, guide, scale, parameters.tie)
         k = tours.tour[u]
         link(costs, tours, v, u)
         note(clocks, eras, tours, bookings, v)

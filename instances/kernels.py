@@ -10,7 +10,9 @@ a second checkout or installation of the same ones finds what is there. Every ke
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
+import secrets
 import shutil
 import tempfile
 import time
@@ -20,6 +22,7 @@ from typing import Any
 
 import numba
 from numba.core import event
+from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import UserProvidedCacheLocator
 from platformdirs import user_cache_path
 
@@ -95,6 +98,10 @@ class _Told(event.Listener):
 
 
 event.register("numba:compile", _Told())
+# numba tells functions of one name and type apart, such as those inside np.sort and np.argsort, by a number that begins
+# at 1 in every process, also in machine code that it keeps: two processes' numbers would meet, and one sort run for the
+# other (tests/instances/test_kernel_names.py).
+FunctionIdentity._unique_ids = itertools.count(secrets.randbits(48))
 _folder = cache_folder()
 remove_old(_folder.parent)
 os.environ["NUMBA_CACHE_DIR"] = str(_folder)  # child processes inherit it

@@ -171,9 +171,9 @@ Wind = (
     | TurbulenceTable
     | GridTable
     | TerrainTable
-    | SumTable
     | TurningTable
     | ValleyTable
     | FrontTable
     | DriftingTable
+    | SumTable
 )

@@ -126,7 +126,7 @@ def test_the_likelihood_is_that_of_the_mapped_field_and_its_gradient_that_of_dif
     y = np.linalg.cholesky(truth(X, X) + np.eye(30)) @ rng.normal(size=30)
     mapped = truth.relative_sd
     assert mapped is not None
-    likelihood = RestrictedLikelihood(1.0, X, y, CONSTANT, mapped(X))
+    likelihood = RestrictedLikelihood(1.0, X, y, CONSTANT, relative_sd=mapped(X))
     theta = np.log([40.0, 2500.0, 6000.0, 0.8])
     C = KERNELS[name](40.0, (2500.0, 6000.0), mapped)(X, X) + (1 + 0.8**2) * np.eye(30)
     Q = np.linalg.svd(np.ones((30, 1)))[0][:, 1:]

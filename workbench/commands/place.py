@@ -83,7 +83,7 @@ def command(
     Examples:
       workbench place --tasks 12 --plot tasks.svg
       workbench place area.geojson --tasks 40 --method nlp --out tasks.geojson
-      workbench place area.geojson --criterion j --weights roads.geojson --tasks 40
+      workbench place area.geojson --criterion j --weights roads.geojson
       workbench place --study n=5..40:5 --out study
     """
     from formulations.limits import Limits

@@ -10,6 +10,7 @@ from formulations.moving_cost.registry import METHODS as COST_METHODS
 from formulations.routing.registry import SOLVERS
 from formulations.task_location.registry import METHODS as PLACEMENT_METHODS
 from instances.environment.radio import RadioSource
+from instances.environment.wind_changing import ChangingWind
 from instances.environment.wind_terrain import TerrainWind
 from instances.errors import InputError, shown
 from instances.instance import check_size
@@ -30,6 +31,10 @@ def check_mission(mission: Mission) -> None:
         raise InputError(
             "[[uav]] speed, service and return: a mission flies all UAVs at one speed, past its tasks without a stop "
             "and home to their own depots; workbench costs and workbench solve take a scenario with them"
+        )
+    if isinstance(scenario.wind, ChangingWind):
+        raise InputError(
+            "[wind]: a mission plans for a wind that stays; one that changes is for workbench generate and solve"
         )
     check_size(scenario.n_tasks, scenario.n_depots)
     for key, methods, name, options in methods_of(mission):

@@ -154,7 +154,7 @@ def test_bash_completes_with_the_script_that_is_printed(cli, tmp_path, monkeypat
     program.write_text(f"#!{sys.executable}\nfrom workbench.cli import main\nmain()\n")
     program.chmod(0o755)
     (tmp_path / "script").write_text(cli("completion", "bash")[1])
-    asked = ["sol", "solve a.json --solver mem", "generate wind-v", "compare abla", "place --method nl"]
+    asked = ["sol", "solve a.json --solver mem", "generate wind-vo", "compare abla", "place --method nl"]
     lines = ["source ./script", "compopt() { :; }"]  # which only readline may call
     for words in asked:
         lines.append(f"COMP_WORDS=(workbench {words}); COMP_CWORD={len(words.split())}; COMPREPLY=()")

@@ -63,7 +63,7 @@ def read_places(said: ScenarioKeys, folder: Path) -> Places:
         _points_of(value, key, folder, region, reference)
         for key, value in (("depots", said.depots), ("tasks", said.tasks))
     )
-    return Places(region, _zones(said.no_fly, folder, region, reference), depots, tasks, reference)
+    return Places(region, read_zones(said.no_fly, folder, region, reference), depots, tasks, reference)
 
 
 def read_region(path: Path, crs: str = "", origin: TangentPlane | None = None) -> tuple[Region, Georeference]:
@@ -132,7 +132,8 @@ def _plain(name: str) -> str:
     return "".join(c for c in name.lower() if c.isalnum())
 
 
-def _zones(file: str | None, folder: Path, region: Region, reference: Georeference) -> tuple[Polygon, ...]:
+def read_zones(file: str | None, folder: Path, region: Region, reference: Georeference) -> tuple[Polygon, ...]:
+    """Return the no-fly zones [m] of a file, none where none is named; InputError names it and what is wrong."""
     if file is None:
         return ()
     path = folder / file

@@ -259,6 +259,21 @@ EVIDENCE = [
 ]
 """Of what a map's model was chosen from, a row a kernel and mean."""
 
+
+def replans(unit: str) -> list[Column]:
+    """Columns of a table with a row a re-plan in flight, of a field in `unit`."""
+    return [
+        Column("time", "At", "s", numbers.fixed(0), "after take-off"),
+        Column("reason", "Because of"),
+        Column("samples", "Samples", "", numbers.count, "known by then"),
+        Column("length_scale", "Length scale", "km", str, "of the squared exponential fitted to them, for planning"),
+        Column("before", "Promised before", unit, str, "root mean square sd at the test points after landing, by the "
+               "plan in the air; – where it may be flown no more"),
+        Column("after", "Promised after", unit, str, "by the best other plan; – where none is within endurance"),
+        Column("decided", "Decided"),
+    ]  # fmt: skip
+
+
 TOURS = [
     Column("uav", "UAV"),
     Column("tasks", "Tasks", "", numbers.count),

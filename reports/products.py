@@ -232,6 +232,29 @@ class Products:
             return said | {"turned": [[bool(turn) for turn in each] for each in said["turned"]]}
 
     @cached_property
+    def replans(self) -> dict[str, Any] | None:
+        """What re-planning did in flight; None where none was asked for."""
+        path = self.folders["map"] / "replans.json"
+        if not path.exists():
+            return None
+        with reading(path, "re-plans"):
+            said: dict[str, Any] = read_json(path)
+            for row in said["replans"]:
+                promised = [row[name] for name in ("sd_before", "sd_after") if row[name] is not None]
+                if not all(map(is_number, (row["time"], row["samples"], *row["length_scales"], *promised))):
+                    raise InputError("must hold finite numbers")
+                if len(row["length_scales"]) != 2 or not all(isinstance(row[name], str) for name in ("reason", "why")):
+                    raise InputError("re-plans have two length_scales, a reason and a why")
+            if not said["budgets"] or not all(map(is_number, said["budgets"])):
+                raise InputError("budgets must be finite numbers")
+            return said | {"late": [str(words) for words in said["late"]]}
+
+    @property
+    def flown(self) -> pd.DataFrame:
+        """The tracks as they were flown in the end: re-planned, or as at take-off."""
+        return self.table("flight" if self.replans is None else "map", "flown.csv")
+
+    @cached_property
     def field_tau(self) -> float | None:
         """In what time the correlation of the field that is measured falls to 1/e [s]; None where it stays."""
         path = self.folders["environment"] / "environment.json"

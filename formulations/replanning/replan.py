@@ -218,7 +218,7 @@ class Replanner:
         room, speed = world.ways.region, self.aloft.flights[0].speed
         legs = StraightLegs.of(world.measure, room, world.measure.speed, speed)
         budgets = np.maximum(self.limits - self.spent, 0.0)
-        problem = PolishProblem(judged, legs, self.planner.period, plan.lines, budgets, room, flown=self._costs)
+        problem = PolishProblem(judged, legs, self.planner.period, plan.lines, budgets, room, world.sites, self._costs)
         done = polish(problem, warm=True)
         if not done.moved.any():
             return []

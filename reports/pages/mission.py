@@ -28,6 +28,7 @@ from reports.pages.exported import exported
 from reports.pages.film import film, player
 from reports.pages.map_model import map_model
 from reports.pages.page import Page, write_page
+from reports.pages.replans import replanned
 from reports.products import Products
 from reports.verdicts import MISSION, Verdict, difference, sentence, verdicts
 
@@ -41,12 +42,13 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     products = Products(folders)
     scenario, unit = products.scenario, products.unit
     ticks, table, judged_plans = products.ticks, products.compared, verdicts(products.draws)
-    flown, samples = products.table("flight", "flown.csv"), products.table("map", "samples.csv")
+    planned_tracks, flown = products.table("flight", "flown.csv"), products.flown
+    samples = products.table("map", "samples.csv")
     wind = [] if scenario.wind is None else [draw_wind(scenario.wind, scenario.region)]
     source = tuple(scenario.radio["position"]) if scenario.radio else None
     given = [draw_field(products.field, scenario.region, products.terrain, source), *wind]
-    flight = draw_flight(scenario, scenario_tasks(products), products.table("flight", "reference.csv"), flown)
-    heights = draw_heights(flown, products.terrain)
+    flight = draw_flight(scenario, scenario_tasks(products), products.table("flight", "reference.csv"), planned_tracks)
+    heights = draw_heights(planned_tracks, products.terrain)
     stages = draw_stages(products.maps, scenario.region, scenario.depots, flown, samples, unit)
     judged = [draw_judged(products.maps, scenario.region, unit), draw_progress(ticks, unit)]
     compared = [
@@ -68,6 +70,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
         Lines([sentence(verdict, unit, products.over) for verdict in judged_plans]),
         Section("Environment", [*_drifting(products), Beside(given)], "given"),
         Section("Tasks, routes and flight", planned, "plan", "Plan"),
+        *replanned(products.replans, unit),
         Section("The map as it grows", growing, "map", "Map"),
         Section("Against what a person would fly otherwise", [plans, Beside(compared)], "compared", "Compared"),
         *([Section("What planning in the wind is worth", worth, "calm", "Wind")] if worth else []),

@@ -20,7 +20,7 @@ import numpy as np
 from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight
 from formulations.mapping.flight_check import RESOLUTION, margin
-from formulations.mapping.heights import heights_of
+from formulations.mapping.heights import Altitude, heights_of
 from formulations.mapping.lawnmower import best_lawnmower
 from formulations.mapping.map_grid import MapGrid
 from formulations.mapping.survey import promised_sd
@@ -176,16 +176,26 @@ class Baselines:
 
 def unflyable(mission: Mission, scenario: Scenario, ground: Terrain | None, flights: list[Flight]) -> str:
     """Return why nobody may fly `flights`, by the rules that the mission's own are refused by; "" where they may be."""
-    zones, wanted = zones_of(scenario), mission.flight
     for uav, flight in enumerate(flights):
         if flight.length == 0.0:
             continue
-        room = margin(flight, scenario.region, zones).distance
-        if room < 0.0 and room < wanted.border_clearance - RESOLUTION:
-            return f"UAV {uav} would be up to {-room:.1f} m outside the region or in a no-fly zone"
-        if room < wanted.border_clearance - RESOLUTION:
-            return f"UAV {uav} would come within {room:.1f} m of the region's border or a no-fly zone"
-        above = heights_of(flight, mission.altitude, ground).clearance
-        if above < wanted.clearance - LEAST:
-            return f"UAV {uav} would come within {above:.1f} m of the ground"
+        why = beyond(mission, scenario, flight) or too_low(mission, mission.altitude, ground, flight)
+        if why:
+            return f"UAV {uav} would {why}"
     return ""
+
+
+def beyond(mission: Mission, scenario: Scenario, flight: Flight) -> str:
+    """Return how `flight` (not of length 0) comes too near to the region's border or to no-fly zones, or ""."""
+    room, wanted = margin(flight, scenario.region, zones_of(scenario)).distance, mission.flight.border_clearance
+    if room >= wanted - RESOLUTION:
+        return ""
+    if room < 0.0:
+        return f"be up to {-room:.1f} m outside the region or in a no-fly zone"
+    return f"come within {room:.1f} m of the region's border or a no-fly zone"
+
+
+def too_low(mission: Mission, altitude: Altitude, ground: Terrain | None, flight: Flight) -> str:
+    """Return how `flight` (not of length 0), from its depot on, comes too near to the ground, or ""."""
+    above = heights_of(flight, altitude, ground).clearance
+    return f"come within {above:.1f} m of the ground" if above < mission.flight.clearance - LEAST else ""

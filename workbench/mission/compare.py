@@ -2,7 +2,8 @@
 
 Every plan is flown over the mission's own field and, `[compare] seeds` times in all, over fields and noise drawn again
 (`workbench.mission.redraw`); random tours are drawn again with them. The plans themselves are made once
-(`workbench.mission.baselines`): only measuring and mapping is repeated. What nobody may fly is told and does not count.
+(`workbench.mission.baselines`): only measuring and mapping is repeated, and the mission's own re-planning, whose events
+meet no other plan. What nobody may fly is told and does not count.
 
 Products: compare.csv (a row a plan, the mission first: means over the draws, and the verdict), compare-draws.csv (a row
 a plan and draw), compare.json (over what the draws are), compare-ticks.csv and tracks.csv (of the first draw);
@@ -24,6 +25,7 @@ from formulations.mapping.flight_check import length_outside
 from formulations.mapping.map_grid import MapGrid
 from formulations.mapping.survey import Tick, last_map
 from instances.disk import write_aside
+from instances.environment.drift import DriftingField
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
 from reports.verdicts import named, plans, sentence, verdicts
@@ -47,17 +49,18 @@ def settings(mission: Mission) -> dict[str, Any]:
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> str:
     """Fly and map every baseline."""
     scenario, field = kept_scenario(folders["environment"]), kept_field(folders["environment"])
-    own = Plan("mission", scenario.n_tasks, kept_flights(folders["flight"]))
+    own = Plan("mission", scenario.n_tasks, kept_flights(folders["map" if mission.replan.wanted else "flight"]))
     laps = kept_laps(folders["flight"])
     tell(", ".join(mission.compare.baselines))
     made = Baselines(mission, scenario, kept_terrain(folders["environment"]), own.length, laps).made()
     ways = [[own], *made]
     tell(f"mapping {len(ways)} plans")
-    belief = belief_of(mission, folders["environment"])
+    belief, again = belief_of(mission, folders["environment"]), _again(mission, folders)
     rows, ticks = _first_draw(mission, belief, scenario, measured_field(mission, field), ways)
     points = MapGrid.over(scenario.region, mission.map.cells).points
     for draw, (redrawn, seed) in enumerate(conditions(mission, field)):
-        for plan in (way[draw % len(way)] for way in ways if draw > 0):
+        for drawn in (way[draw % len(way)] for way in ways if draw > 0):
+            plan = again(redrawn, seed) if again is not None and drawn is own else drawn
             refit = mission.map.refit_every > 0
             last = last_map(plan.flights, redrawn, points, **belief.sensing(mission), refit=refit, seed=seed)
             rows.append(_row(plan, draw, last, scenario))
@@ -74,6 +77,21 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
     for verdict in judged:
         tell(sentence(verdict, field.unit, redrawn_words(mission)))
     return "; ".join(f"against {named(verdict.name)}: {verdict.outcome}" for verdict in judged)
+
+
+def _again(mission: Mission, folders: dict[str, Path]) -> Callable[[Measured, int], Plan] | None:
+    """Return what flies the mission over another field and noise, which it re-plans by; None where it does not."""
+    if not mission.replan.wanted:
+        return None
+    from workbench.mission.replan import Replanning  # here: most missions need none of it
+
+    replanning = Replanning(mission, folders)
+
+    def flown(field: Measured, seed: int) -> Plan:
+        assert not isinstance(field, DriftingField)  # events.py has looked
+        return Plan("mission", replanning.scenario.n_tasks, replanning.flown(field, seed).flights)
+
+    return flown
 
 
 def _first_draw(

@@ -43,7 +43,7 @@ def settings(mission: Mission) -> dict[str, Any]:
     }
 
 
-LATER = ("place", "costs", "routes", "flight", "sensing", "map", "compare", "export")
+LATER = ("place", "costs", "routes", "flight", "sensing", "map", "replan", "compare", "export")
 """Tables this stage does not look at."""
 
 

@@ -15,6 +15,7 @@ from instances.environment.wind_terrain import TerrainWind
 from instances.errors import InputError, shown
 from instances.instance import check_size
 from instances.registry import LARGEST, MethodRegistry
+from workbench.mission.events import check_replan
 from workbench.mission.place import value_map, value_maps
 from workbench.mission.settings import MOST_LAPS, SMALLEST, Mission
 
@@ -62,6 +63,7 @@ def check_mission(mission: Mission) -> None:
     value_maps(mission)
     if mission.map.prior_sd is not None:
         value_map(mission, "map.prior_sd", mission.map.prior_sd, mission.map.signal_sd)
+    check_replan(mission)
     _check_units(mission)
 
 

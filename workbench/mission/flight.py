@@ -83,9 +83,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         instance, fleet, said = _polished(Judge(mission, scenario, ground), instance, routes, fleet, out, tell)
         told.append(said)
     refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
-    heights = {
-        k: heights_of(f, mission.altitude_at(f.fastest), ground) for k, f in enumerate(fleet.flights) if f.length > 0
-    }
+    heights = heights_flown(mission, fleet.flights, ground)
     refuse_near_ground(mission, fleet.flights, heights)
     longest = max(flight.duration for flight in fleet.flights)
     if mission.sensing.period > longest:
@@ -99,28 +97,36 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
             f"sensing.period = {mission.sensing.period:g} s makes {samples:.3g} samples of these tours; the map can "
             f"take {MOST_SAMPLES}"
         )
-    write_aside(out / "flights.json", json.dumps([flight.to_json() for flight in fleet.flights]))
+    flown = write_flights(fleet.flights, fleet.checks, heights, out)
     if not laps.plain or laps.sd is not None:
         write_aside(out / LAPS_FILE, json.dumps(laps.to_json()))
-    flown = track_frame(fleet.flights)
-    z = [
-        heights[int(str(k))].at(fleet.flights[int(str(k))].travelled(track["time"]))
-        for k, track in flown.groupby("uav")
-    ]
-    write_aside(out / "flown.csv", flown.assign(z=np.concatenate(z).round(2)).to_csv(index=False))
     write_aside(out / "reference.csv", _reference_frame(fleet.legs).to_csv(index=False))
-    checks = pd.DataFrame(
-        [
-            {"uav": k, **asdict(check), **_height_columns(heights.get(k)), "duration": flight.duration}
-            for k, (check, flight) in enumerate(zip(fleet.checks, fleet.flights, strict=True))
-        ]
-    )
-    write_aside(out / "flight-check.csv", checks.to_csv(index=False))
     if mission.origin is not None:
         tours = tours_of(scenario.name, instance, routes, fleet.flights, heights, known=ground is not None)
         frame = mission.altitude.frame.value
         export(tours, flown, scenario, mission.origin, out, frame=frame, vehicle=mission.vehicle)
     return "; ".join([_said(fleet.checks), *told, _said_of_heights(heights, ground)])
+
+
+def write_flights(
+    flights: Sequence[Flight], checks: Sequence[FlightCheck], heights: Mapping[int, Heights], out: Path
+) -> pd.DataFrame:
+    """Write flights.json, flown.csv and flight-check.csv; return the tracks (`track_frame`)."""
+    write_aside(out / "flights.json", json.dumps([flight.to_json() for flight in flights]))
+    flown = track_frame(flights)
+    z = [heights[int(str(k))].at(flights[int(str(k))].travelled(track["time"])) for k, track in flown.groupby("uav")]
+    write_aside(out / "flown.csv", flown.assign(z=np.concatenate(z).round(2)).to_csv(index=False))
+    rows = [
+        {"uav": k, **asdict(check), **_height_columns(heights.get(k)), "duration": flight.duration}
+        for k, (check, flight) in enumerate(zip(checks, flights, strict=True))
+    ]
+    write_aside(out / "flight-check.csv", pd.DataFrame(rows).to_csv(index=False))
+    return flown
+
+
+def heights_flown(mission: Mission, flights: Sequence[Flight], ground: Terrain | None) -> dict[int, Heights]:
+    """Return the heights of each UAV that flies, by its number."""
+    return {k: heights_of(f, mission.altitude_at(f.fastest), ground) for k, f in enumerate(flights) if f.length > 0}
 
 
 def _fleet(

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from msgspec import structs
+from msgspec import structs, to_builtins
 
 from formulations.mapping.flight import Flight
 from formulations.mapping.map_grid import MapGrid
@@ -44,14 +44,25 @@ def settings(mission: Mission) -> dict[str, Any]:
     planned = {name: structs.asdict(mission.place)[name] for name in ("signal_sd", "length_scale", "prior_sd")}
     files = referenced_files([mission.place.prior_sd, mission.map.prior_sd], mission.folder)
     own = structs.asdict(mission.sensing) | structs.asdict(mission.map)
-    return own | {"origin": origin, "planning": planned, "files": files}
+    return own | {"origin": origin, "planning": planned, "files": files} | _replanned(mission)
+
+
+def _replanned(mission: Mission) -> dict[str, Any]:
+    """Return what re-planning depends on beside the flights; nothing where none is wanted."""
+    if not mission.replan.wanted:
+        return {}
+    events = [event.file for event in mission.replan.event if event.file is not None]
+    parts = (mission.replan, mission.place, mission.flight)
+    told: list[Any] = [to_builtins(part) for part in parts]
+    files = referenced_files(events, mission.folder)
+    return {"replan": [*told, mission.clearance, mission.speed, mission.table.get("crs"), files]}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
     """Fly, measure and map."""
     scenario, field = kept_scenario(folders["environment"]), kept_field(folders["environment"])
     measured = measured_field(mission, field)
-    flights = kept_flights(folders["flight"])
+    flights, changed = flown_flights(mission, folders, measured, out)
     last = max(int(flight.duration / mission.sensing.period) for flight in flights)
     kept = frames(last, mission.map.frames)
     belief = belief_of(mission, folders["environment"])
@@ -69,8 +80,20 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     end = survey.ticks[-1]
     return (
         f"{end.samples} samples, RMSE {end.score.rmse:.2f} {field.unit}, NLPD {end.score.nlpd:.2f} nats, 95 % interval "
-        f"covers {end.score.coverage:.1%}; {end.fitted.model}"
+        f"covers {end.score.coverage:.1%}; {end.fitted.model}{changed}"
     )
+
+
+def flown_flights(mission: Mission, folders: dict[str, Path], field: Measured, out: Path) -> tuple[list[Flight], str]:
+    """Return the flights as they are flown over `field`, and what re-planning changed; written where it is wanted."""
+    if not mission.replan.wanted:
+        return kept_flights(folders["flight"]), ""
+    from workbench.mission.replan import Replanning  # here: most missions need none of it
+
+    assert not isinstance(field, DriftingField)  # events.py has looked
+    replanning = Replanning(mission, folders)
+    flown = replanning.flown(field, mission.sensing.seed)
+    return flown.flights, f"; {replanning.write(flown, out)}"
 
 
 def frames(last: int, count: int) -> set[int]:

@@ -13,7 +13,7 @@ from msgspec import field as key
 from formulations.limits import LARGEST_SEED, LONGEST, MOST_THREADS
 from formulations.mapping.heights import Altitude, Frame
 from instances.declared.scenario import ScenarioKeys, ScenarioTable
-from instances.declared.types import FileName, Table, Text, about
+from instances.declared.types import FileName, Table, Text, Vector, about
 from instances.formats.mavlink_items import Vehicle
 from instances.geodesy import TangentPlane
 from instances.registry import LARGEST
@@ -220,6 +220,54 @@ class MapSettings(Table, frozen=True, kw_only=True):
     frames: Annotated[Annotated[int, Meta(ge=2, le=MOST)], about("maps that are kept for the report")] = 30
 
 
+class EventTable(Table, frozen=True, kw_only=True):
+    """Something that happens in flight."""
+
+    time: Annotated[Positive, about("when it happens, after take-off", "s", example=120.0)]
+    kind: Annotated[
+        Literal["lost-uav", "no-fly", "wind"], about("what: lost-uav, no-fly (a new zone) or wind", example="lost-uav")
+    ]
+    uav: Annotated[
+        Annotated[int, Meta(ge=0)] | None, about("of lost-uav: number of the UAV that flies no more", example=0)
+    ] = None
+    polygon: Annotated[
+        Annotated[list[Vector], Meta(min_length=3)] | None,
+        about(
+            "of no-fly: corners of the zone in the local plane; or give file",
+            "m",
+            example=[[8000.0, 8000.0], [9000.0, 8000.0], [9000.0, 9000.0]],
+        ),
+    ] = None
+    file: Annotated[FileName | None, about("of no-fly: its polygons from a file, as no_fly", example="closed.kml")] = (
+        None
+    )
+    velocity: Annotated[
+        Vector | None, about("of wind: one for the whole region, in place of the wind", "m/s", example=[5.0, 0.0])
+    ] = None
+
+
+class ReplanSettings(Table, frozen=True, kw_only=True):
+    """Plans that change in flight, by what was measured and by what happens."""
+
+    every: Annotated[
+        Annotated[int, Meta(ge=1, le=MOST)] | None,
+        about("measuring rounds between re-plans; none but at events unless given", example=10),
+    ] = None
+    event: Annotated[
+        list[EventTable],
+        about(
+            "what happens in flight; each is re-planned for",
+            example=[{"time": 120.0, "kind": "lost-uav", "uav": 0}],
+            words="tables",
+        ),
+    ] = key(default_factory=list)
+
+    @property
+    def wanted(self) -> bool:
+        """Whether anything is re-planned."""
+        return self.every is not None or bool(self.event)
+
+
 class CompareSettings(Table, frozen=True, kw_only=True):
     """What else is flown over the same fields."""
 
@@ -261,6 +309,7 @@ class Mission:
     flight: FlightSettings
     sensing: SensingSettings
     map: MapSettings
+    replan: ReplanSettings
     compare: CompareSettings
     export: ExportSettings
 
@@ -307,6 +356,7 @@ class MissionTable(ScenarioKeys, frozen=True, kw_only=True):
     flight: Annotated[FlightSettings, about("how the tours are flown")] = FlightSettings()
     sensing: Annotated[SensingSettings, about("measurements")] = SensingSettings()
     map: Annotated[MapSettings, about("the map")] = MapSettings()
+    replan: Annotated[ReplanSettings, about("re-planning in flight")] = ReplanSettings()
     compare: Annotated[CompareSettings, about("what else is flown")] = CompareSettings()
     export: Annotated[ExportSettings, about("who flies the plans")] = ExportSettings()
 
@@ -330,6 +380,7 @@ TABLES: dict[str, type[Table]] = {
     "flight": FlightSettings,
     "sensing": SensingSettings,
     "map": MapSettings,
+    "replan": ReplanSettings,
     "compare": CompareSettings,
     "export": ExportSettings,
 }

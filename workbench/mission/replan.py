@@ -1,0 +1,190 @@
+"""Re-planning of a mission in flight, from the plan at take-off, which the flight stage made and exported.
+
+Each plan is within the endurance of each UAV, counted along the track, turns included; where the mission gives none, no
+UAV spends more than the longest tour at take-off. What may be flown is said by the rules that the mission's flights are
+refused by: of borders and zones for what is still to be flown, of heights for the whole flight from the depot on.
+
+Products, in the folder of the map: replans.json, and flights.json, flown.csv and flight-check.csv as they were flown in
+the end. There the reference path is the polyline of the waypoints that were flown.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from formulations.kernel import SquaredExponential
+from formulations.mapping.flight import Flight
+from formulations.mapping.flight_check import FlightCheck, check_flight
+from formulations.mapping.map_model import MapModel
+from formulations.mapping.survey import Field
+from formulations.replanning.aloft import Allowed, Aloft, World
+from formulations.replanning.in_flight import Event, fly_replanned
+from formulations.replanning.replan import Planner, Replan
+from formulations.replanning.spending import track_cost
+from formulations.replanning.ways import Ways
+from instances.arrays import Floats
+from instances.disk import read_text, write_aside
+from instances.environment.terrain import Terrain
+from instances.environment.wind import Uniform
+from instances.errors import InputError
+from instances.moving_cost import CostMeasure
+from instances.scenario import Scenario
+from instances.scenario_folder import kept_scenario, kept_terrain
+from reports.numbers import counted
+from workbench.mission.baselines import beyond, too_low
+from workbench.mission.belief import belief_of, map_kernel
+from workbench.mission.events import scenarios_after, words_of
+from workbench.mission.flight import heights_flown, kept_flights, write_flights
+from workbench.mission.place import kept_off, widened, zones_of
+from workbench.mission.safety import room_to_fly
+from workbench.mission.settings import Mission
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """Flights as they were flown in the end, the fleet that flew them, and the re-plans."""
+
+    flights: list[Flight]
+    fleet: Aloft
+    replans: list[Replan]
+
+
+class Replanning:
+    """Flies a mission from take-off; `folders` are those of its stages."""
+
+    def __init__(self, mission: Mission, folders: dict[str, Path]) -> None:
+        self.mission = mission
+        self.scenario, self.ground = kept_scenario(folders["environment"]), kept_terrain(folders["environment"])
+        self.plan = kept_flights(folders["flight"])
+        self.tasks = _tasks(folders["flight"], len(self.plan))
+        self.world = world_of(mission, self.scenario, self.ground)
+        self.events = [
+            Event(event.time, words_of(event), event.uav, None if event.kind == "lost-uav" else self._world(after))
+            for event, after in scenarios_after(mission, self.scenario)
+        ]
+        self.planner = Planner(
+            MapModel(map_kernel(mission, SquaredExponential)),
+            mission.sensing.noise_sd,
+            mission.sensing.period,
+            self.scenario.region.cell_centres(*mission.place.tests),
+            belief_of(mission, folders["environment"]).offered.trends,
+            polish=mission.place.polish,
+        )
+        costs = np.array([track_cost(flight, self.world.measure) for flight in self.plan])
+        given = self.scenario.fleet.endurance
+        endurance = np.full(len(costs), math.inf) if given is None else given
+        endurance = np.minimum(endurance, mission.flight.endurance or math.inf)
+        self.budgets: Floats = np.where(np.isfinite(endurance), endurance, costs.max())
+        self.endurance_given = bool(np.isfinite(endurance).all())
+
+    def _world(self, scenario: Scenario) -> World:
+        return world_of(self.mission, scenario, self.ground)
+
+    def flown(self, field: Field, seed: int) -> Flown:
+        """Fly and re-plan over `field`, the noise drawn by `seed`."""
+        fleet = Aloft(list(self.plan), list(self.tasks), self.scenario.depots, self.budgets)
+        every = self.mission.replan.every or 0
+        flights, made = fly_replanned(
+            fleet, field, self.planner, self.world, every=every, events=self.events, seed=seed
+        )
+        if max(flight.duration for flight in flights) < self.planner.period:
+            raise InputError("replan.event: all UAVs are lost before anything is measured")
+        return Flown(flights, fleet, made)
+
+    def write(self, flown: Flown, out: Path) -> str:
+        """Write the products; return what was changed, in words."""
+        heights = heights_flown(self.mission, flown.flights, self.ground)
+        write_flights(flown.flights, self._checks(flown), heights, out)
+        landed = max(flight.duration for flight in flown.flights)
+        told: dict[str, Any] = {
+            "every": self.mission.replan.every,
+            "budgets": self.budgets.tolist(),
+            "endurance_given": self.endurance_given,
+            "late": [f"{event.words} at {event.time:g} s" for event in self.events if event.time >= landed],
+            "replans": [_row(replan) for replan in flown.replans],
+        }
+        write_aside(out / "replans.json", json.dumps(told, indent=1))
+        accepted = sum(replan.accepted for replan in flown.replans)
+        late = "".join(f"; after the last landing: {words}" for words in told["late"])
+        return f"{counted(len(flown.replans), 're-plan')}, {accepted} accepted{late}"
+
+    def _checks(self, flown: Flown) -> list[FlightCheck]:
+        scenario, fleet = self.scenario, flown.fleet
+        return [
+            check_flight(
+                flight, [_line(flight)], np.empty((0, 2)) if k in fleet.lost else tasks, scenario.region,
+                zones_of(scenario),
+            )
+            for k, (flight, tasks) in enumerate(zip(flown.flights, fleet.tasks, strict=True))
+        ]  # fmt: skip
+
+
+def world_of(mission: Mission, scenario: Scenario, ground: Terrain | None) -> World:
+    """Return what holds for flights of a mission while `scenario` does."""
+    free = widened(scenario, mission.clearance).free
+    wind = Uniform((0.0, 0.0)) if scenario.wind is None else scenario.wind
+    sites = kept_off(free, scenario.region, mission.clearance) or free
+    ways = Ways(free, CostMeasure(scenario.cost, wind, scenario.speed))
+    return World(ways, sites, room_to_fly(mission, scenario), rules_of(mission, scenario, ground))
+
+
+def rules_of(mission: Mission, scenario: Scenario, ground: Terrain | None) -> Allowed:
+    """Return what says why nobody may fly on so, by the rules that a mission's own flights are refused by."""
+
+    def allowed(flights: Sequence[Flight], rests: Sequence[Flight]) -> str:
+        for uav, (flight, rest) in enumerate(zip(flights, rests, strict=True)):
+            if rest.length == 0.0:
+                continue
+            why = beyond(mission, scenario, rest)
+            if why := why or too_low(mission, mission.altitude_at(flight.fastest), ground, flight):
+                return f"UAV {uav} would {why}"
+        return ""
+
+    return allowed
+
+
+def _tasks(folder: Path, uavs: int) -> list[Floats]:
+    """Return the tasks (k, 2) [m] of each UAV at take-off: where polish moved them, or else the ends of its legs."""
+    polished = folder / "polished.csv"
+    if polished.exists():
+        table = pd.read_csv(io.StringIO(read_text(polished)))
+        kept = table[table["task"] >= 0]
+    else:
+        table = pd.read_csv(io.StringIO(read_text(folder / "reference.csv")))
+        kept = table.groupby(["uav", "leg"], as_index=False).last()
+        kept = kept[kept["leg"] < kept.groupby("uav")["leg"].transform("max")]  # the last leg leads home
+    return [kept.loc[kept["uav"] == k, ["x", "y"]].to_numpy(dtype=float) for k in range(uavs)]
+
+
+def _line(flight: Flight) -> Floats:
+    """Return the waypoints that were flown, and the end, (k, 2) [m]."""
+    return np.concatenate([flight.starts[:, :2], flight.poses(flight.length)[:, :2]])
+
+
+def _row(replan: Replan) -> dict[str, Any]:
+    """Return a re-plan as JSON values; sd_before and sd_after are null where no such plan may be flown."""
+    kernel = replan.model.kernel
+    before, after = (None if math.isnan(value) else math.sqrt(value) for value in (replan.before, replan.after))
+    return {
+        "time": replan.time,
+        "reason": replan.reason,
+        "samples": replan.samples,
+        "signal_sd": kernel.signal_sd,
+        "length_scales": list(kernel.length_scales),
+        "sd_before": before,
+        "sd_after": after,
+        "accepted": replan.accepted,
+        "why": replan.why,
+        "tried": [[count, words] for count, words in replan.tried],
+        "left_before": [flight.length for flight in replan.old],
+        "left_after": [flight.length for flight in replan.new],
+    }

@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -53,10 +54,14 @@ NUMBERS: dict[str, tuple[str, ...]] = {
     "tracks.csv": ("uav", "x", "y"),
     "calm.csv": ("longest", "total"),
     "calm-paths.csv": ("uav", "x", "y"),
+    "unpolished.csv": ("uav", "x", "y"),
+    "polished.csv": ("uav", "x", "y", "task"),
 }  # fmt: skip
 """Table → its columns of numbers that are read."""
 NAMED = ("compare.csv", "compare-draws.csv", "compare-ticks.csv", "tracks.csv")
 """Tables of several plans, whose `name` says which."""
+POLISHED = ("costs_before", "costs_after", "budgets", "lengths_before", "lengths_after")
+"""Of ``polish.json``, a number of each UAV."""
 WHOLE = ("uav", "draw", "draws")
 """Columns of whole numbers from 0."""
 ENDLESS = ("least_radius", "flight_time")
@@ -253,6 +258,30 @@ class Products:
     def flown(self) -> pd.DataFrame:
         """The tracks as they were flown in the end: re-planned, or as at take-off."""
         return self.table("flight" if self.replans is None else "map", "flown.csv")
+
+    @cached_property
+    def polish(self) -> dict[str, Any] | None:
+        """What path polish did, as ``polish.json`` says, a list's entries being UAVs; None where tours stayed."""
+        path = self.folders["flight"] / "polish.json"
+        if not path.exists():
+            return None
+        with reading(path, "a path polish"):
+            said: dict[str, Any] = read_json(path)
+            lists = [said[name] for name in POLISHED]
+            single = [said[name] for name in ("rms_sd_before", "rms_sd_after", "bound", "samples_after")]
+            if not all(is_number(value) for value in (*single, *chain.from_iterable(lists))):
+                raise InputError("must hold finite numbers")
+            if not said["rms_sd_before"] > 0 or len({len(each) for each in (*lists, said["endurance_given"])}) != 1:
+                raise InputError("must hold a positive rms_sd_before and as many values of each UAV")
+            return said
+
+    @cached_property
+    def flown_tasks(self) -> Floats:
+        """Where tasks are as they are flown (n, 2) [m]: moved by path polish, or as they were placed."""
+        if self.polish is None:
+            return self.table("place", "tasks.csv")[["x", "y"]].to_numpy()
+        waypoints = self.table("flight", "polished.csv")
+        return waypoints.loc[waypoints["task"] >= 0, ["x", "y"]].to_numpy()
 
     @cached_property
     def field_tau(self) -> float | None:

@@ -28,6 +28,7 @@ from reports.pages.exported import exported
 from reports.pages.film import film, player
 from reports.pages.map_model import map_model
 from reports.pages.page import Page, write_page
+from reports.pages.polish import path_polish
 from reports.pages.replans import replanned
 from reports.products import Products
 from reports.verdicts import MISSION, Verdict, difference, sentence, verdicts
@@ -47,7 +48,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     wind = [] if scenario.wind is None else [draw_wind(scenario.wind, scenario.region)]
     source = tuple(scenario.radio["position"]) if scenario.radio else None
     given = [draw_field(products.field, scenario.region, products.terrain, source), *wind]
-    flight = draw_flight(scenario, scenario_tasks(products), products.table("flight", "reference.csv"), planned_tracks)
+    flight = draw_flight(scenario, products.flown_tasks, products.table("flight", "reference.csv"), planned_tracks)
     heights = draw_heights(planned_tracks, products.terrain)
     stages = draw_stages(products.maps, scenario.region, scenario.depots, flown, samples, unit)
     judged = [draw_judged(products.maps, scenario.region, unit), draw_progress(ticks, unit)]
@@ -61,7 +62,8 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     told = draw_value_maps(products.value_maps, scenario.region, scenario_tasks(products), unit)
     maps = [] if told is None else [told]
     planned: list[Block] = [_placed(products), *maps, _routed(products), *_tours(products), *_laps(products)]
-    planned += [flight, heights]
+    moved, polished = path_polish(products, scenario_tasks(products))
+    planned += [*moved, flight, heights]
     planned += [_checks(products), exported(folders)]
     worth, twin = calm_twin(products, scenario_tasks(products))
     plans = _plans(table, judged_plans, unit)
@@ -78,7 +80,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     ]
     about = _about(products, ticks, table)
     write_page(Page(said["title"], about, blocks, "Lengths in metres, costs in seconds.", "film.js", data), path)
-    return [*given, *maps, flight, heights, stages, *judged, *compared, *twin]
+    return [*given, *maps, *polished, flight, heights, stages, *judged, *compared, *twin]
 
 
 WORDS = [

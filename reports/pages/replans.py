@@ -37,7 +37,7 @@ def replanned(said: dict[str, Any] | None, unit: str) -> list[Section]:
 
 def _budget(said: dict[str, Any]) -> str:
     if said["endurance_given"]:
-        return "No plan takes a UAV beyond its endurance."
+        return "No plan takes a UAV beyond its endurance, but for straight ways home where nothing else can be flown."
     return f"No endurance is given: no UAV is to spend more than {max(said['budgets']):.1f} s, the longest at take-off."
 
 

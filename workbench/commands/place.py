@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 
 @click.command("place")
-@click.argument("region_file", metavar="[REGION.geojson]", required=False, type=click.Path(path_type=Path))
+@click.argument(
+    "region_file", metavar="[REGION.geojson | SCENARIO.toml]", required=False, type=click.Path(path_type=Path)
+)
 @click.option("--tasks", type=COUNT, default=40, show_default=True, help="How many tasks, n.")
 @click.option(
     "--method",
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
     "--sd-limit", type=POSITIVE, default=3.0, show_default=True, help="--study: a place with a larger sd is uncovered."
 )
 @click.option("--max-sd", type=POSITIVE, help="Fewest tasks that leave a posterior sd of at most this everywhere.")
+@click.option("--polish", is_flag=True, help="Route the tasks of a scenario or mission file, and move its waypoints.")
 @COLUMNS
 @JSON
 @click.option("--out", type=click.Path(path_type=Path), help="Write .geojson, .json or .csv; with --study a folder.")
@@ -72,6 +75,7 @@ def command(
     plot: Path | None,
     weights: Path | None,
     prior_sd: Path | None,
+    polish: bool,
     **setting: Any,
 ) -> None:
     """Choose task locations of most information in REGION, by default a 20 km square.
@@ -85,7 +89,14 @@ def command(
       workbench place area.geojson --tasks 40 --method nlp --out tasks.geojson
       workbench place area.geojson --criterion j --weights roads.geojson
       workbench place --study n=5..40:5 --out study
+      workbench place --polish mission.toml --out waypoints.csv
     """
+    if polish:
+        _refuse_beside_polish()
+        from workbench.commands.place_polish import run_polish
+
+        run_polish(region_file, out, as_json)
+        return
     from formulations.limits import Limits
     from formulations.task_location.placement_files import ENDINGS
     from formulations.task_location.registry import make_method
@@ -114,6 +125,15 @@ def command(
         run_fewest(region, criterion, max_sd, asked)
     else:
         _place(region, criterion, tasks, method, chosen, limits, certificate, asked)
+
+
+def _refuse_beside_polish() -> None:
+    """InputError where a flag is typed whose answer stands in the file that is polished."""
+    context = click.get_current_context()
+    for name in set(context.params) - {"polish", "region_file", "out", "as_json"}:
+        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            flag = {"options": "--option"}.get(name, f"--{name.replace('_', '-')}")
+            raise InputError(f"{flag}: cannot be given with --polish, which takes its settings from the file")
 
 
 def _refuse_unused(study: bool, fewest: bool) -> None:

@@ -24,6 +24,7 @@ TYPED = {
     "select": "select small.json --endurance 900 --information --method subset-dp",
     "place": "place --tasks 2 --method greedy --tests 4x4",
     "place --study": "place --study n=2..3 --method greedy --tests 4x4",
+    "place --polish": "place --polish wind.toml",
     "costs": "costs wind.toml --option samples=300 --out wind.json",
     "bound": "bound small.json --routes a.sol",
     "mission": "mission m.toml --out m --stage environment",

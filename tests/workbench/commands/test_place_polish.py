@@ -1,0 +1,97 @@
+"""`workbench place --polish`: a random small mission with a zone, kept within what is allowed, and what is refused."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import shapely
+
+from formulations.mapping.flight import plan_flight
+
+MISSION = """
+airspeed = 50.0
+size = [6000, 5000]
+no_fly = "zones.geojson"
+depots = [[500, 500], [5500, 500]]
+task_points = {tasks}
+{more}
+
+[wind]
+kind = "rotation"
+rate = 1e-3
+centre = [3000, 2500]
+
+[radio]
+position = [3000, 2500]
+
+[place]
+tests = [6, 6]
+length_scale = 1500.0
+
+[costs]
+method = "dijkstra"
+
+[routes]
+solver = "greedy"
+time_limit = 1.0
+"""
+ZONE = shapely.box(2600, 1800, 3400, 3000)
+RADIUS = 50.0
+
+
+@pytest.fixture
+def mission(tmp_path):
+    rng = np.random.default_rng(7)
+    tasks = [p for p in rng.uniform([300, 300], [5700, 4700], (12, 2)) if ZONE.distance(shapely.Point(p)) > 250][:6]
+    (tmp_path / "zones.geojson").write_text(shapely.to_geojson(ZONE))
+
+    def write(more=""):
+        text = MISSION.format(tasks=[p.round(1).tolist() for p in tasks], more=more).replace("task_points", "tasks")
+        (tmp_path / "m.toml").write_text(text)
+        return "m.toml"
+
+    return write
+
+
+def test_less_stays_unknown_within_budget_radius_and_borders(cli, mission, tmp_path):
+    code, out, err = cli("place", "--polish", mission(), "--out", "w.csv", "--json")
+    assert code == 0, err
+    said = json.loads(out)
+    assert said["bound"] <= said["rms_sd_after"] < said["rms_sd_before"]
+    assert (np.array(said["costs_after"]) <= said["budgets"]).all()
+    assert pd.read_csv(tmp_path / "w.csv").to_dict("records") == said["waypoints"]
+    for uav, path in pd.DataFrame(said["waypoints"]).groupby("uav"):
+        points = path[["x", "y"]].to_numpy()
+        flight = plan_flight([points], speed=50.0, radius=RADIUS)
+        track = flight.poses(np.linspace(0, flight.length, 4000))
+        turned = np.abs(np.angle(np.exp(1j * np.diff(track[:, 2]))))
+        assert (turned <= 1.001 * flight.length / 3999 / RADIUS).all()
+        line = shapely.linestrings(track[:, :2])
+        assert shapely.box(-0.1, -0.1, 6000.1, 5000.1).covers(line)
+        assert shapely.intersection(line, ZONE.buffer(-0.1)).is_empty
+        assert flight.length == pytest.approx(said["lengths_after"][int(str(uav))], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ("place --polish", "place --polish: needs a scenario or mission file (.toml), got none"),
+        ("place --polish m.toml --tasks 4", "--tasks: cannot be given with --polish"),
+        ("place --polish m.toml --out w.geojson", "origin: is not given, so w.geojson cannot be in degrees"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(cli, mission, words, sentence):
+    mission()
+    code, _, err = cli(*words.split())
+    assert code == 2
+    assert sentence in err
+
+
+def test_waypoints_in_degrees(cli, mission, tmp_path):
+    assert cli("place", "--polish", mission("origin = [47.0, 8.0]"), "--out", "w.geojson")[0] == 0
+    lines = json.loads((tmp_path / "w.geojson").read_text())["features"]
+    assert [line["properties"]["uav"] for line in lines] == [0, 1]
+    assert np.abs(np.array(lines[0]["geometry"]["coordinates"][0]) - [8.0, 47.0]).max() < 0.1

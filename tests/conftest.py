@@ -14,7 +14,10 @@ settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
 
 
-KERNELS = (("memetic", "ruin-recreate", "ga"), ("exact", "branch-and-price", "branch-and-cut", "costs", "map"))
+KERNELS = (
+    ("memetic", "ruin-recreate", "ga", "clocks", "fleets"),
+    ("exact", "branch-and-price", "branch-and-cut", "costs", "map", "states"),
+)
 """What two processes compile before the whole suite begins: two workers of it would each compile all of them."""
 
 

@@ -45,7 +45,9 @@ METHODS: Complete = _methods
 
 
 def _warm(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    groups = [CompletionItem(name) for name in ("costs", "select", "map") if name.startswith(incomplete)]
+    from workbench.warming import FAMILIES
+
+    groups = [CompletionItem(name) for name in ("costs", "select", "map", *FAMILIES) if name.startswith(incomplete)]
     return SOLVER(context, parameter, incomplete) + COST_METHOD(context, parameter, incomplete) + groups
 
 

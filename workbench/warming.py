@@ -11,13 +11,16 @@ from instances.errors import InputError, suggestion
 
 SIZES = (6, 20)
 """Tasks of what solvers are warmed on: `exact` solves few and many tasks by different methods."""
+FAMILIES = {"fleets": "mixed-fleet", "clocks": "wind-turning", "states": "dense-survey"}
+"""What instances with more than one matrix are called here → a family of such."""
 
 
 def warmers(names: tuple[str, ...]) -> dict[str, Callable[[], None]]:
     """Return what warms each of `names`, of all that is there where none is named; InputError for an unknown name.
 
     Names are those of solvers and of moving-cost methods, and ``select`` and ``map``; ``costs`` is all moving-cost
-    methods. Placement compiles nothing.
+    methods. ``fleets``, ``clocks`` and ``states`` are the kernels of all solvers for such instances, which few need:
+    they are warmed where they are named. Placement compiles nothing.
     """
     from formulations.moving_cost.registry import METHODS as COSTS
 
@@ -28,8 +31,10 @@ def warmers(names: tuple[str, ...]) -> dict[str, Callable[[], None]]:
     }
     costs = {name: lambda name=name: _moving_cost(name) for name in COSTS.built_in}
     known |= costs | {"select": _selection, "map": _mapping}
+    usual = tuple(known)
+    known |= {name: lambda family=family: _axis(family) for name, family in FAMILIES.items()}  # type: ignore[misc]
     wanted: dict[str, Callable[[], None]] = {}
-    for name in names or known:
+    for name in names or usual:
         if name == "costs":
             wanted |= costs
         elif name in known:
@@ -37,8 +42,8 @@ def warmers(names: tuple[str, ...]) -> dict[str, Callable[[], None]]:
         elif ":" in name:
             wanted[name] = lambda name=name: _solver(name)  # type: ignore[misc]
         else:
-            near = suggestion(name, (*known, "costs"))
-            raise InputError(f"warmup: '{name}' is no solver, no moving-cost method, costs, select or map{near}")
+            near, groups = suggestion(name, (*known, "costs")), ", ".join(("costs", "select", "map", *FAMILIES))
+            raise InputError(f"warmup: '{name}' is no solver, no moving-cost method and none of {groups}{near}")
     return wanted
 
 
@@ -50,6 +55,16 @@ def _solver(name: str) -> None:
     for n_tasks in SIZES:
         instance = generate("uniform", n_tasks, 2, 0)
         if refusal(solver, instance) is None:
+            solver.prepare(instance)
+
+
+def _axis(family: str) -> None:
+    from formulations.moving_cost.families import generate
+    from formulations.routing.solver import refusal
+
+    instance = generate(family, SIZES[0], 2, 0)
+    for name in SOLVERS.built_in:
+        if SOLVERS.why_unavailable(name) is None and refusal(solver := make_solver(name), instance) is None:
             solver.prepare(instance)
 
 

@@ -18,7 +18,9 @@ def command(names: tuple[str, ...], as_json: bool) -> None:
     """Compile the kernels of NAMES, once for this version of the code.
 
     NAMES are solvers, moving-cost methods, costs (all of these), select and
-    map; by default all that is there. What is compiled lies in your cache
+    map; by default all of these. fleets, clocks and states, which must be
+    named, are the kernels of all solvers for UAVs that differ, for winds that
+    change and for turns between headings. What is compiled lies in your cache
     folder; a method that is not warm compiles when it is first used, before
     its clock starts.
 

@@ -16,7 +16,7 @@ settings.load_profile("repeatable")
 
 KERNELS = (
     ("memetic", "ruin-recreate", "ga", "clocks", "fleets"),
-    ("exact", "branch-and-price", "branch-and-cut", "costs", "map", "states"),
+    ("exact", "branch-and-price", "branch-and-cut", "costs", "map", "states", "select"),
 )
 """What two processes compile before the whole suite begins: two workers of it would each compile all of them."""
 

@@ -40,7 +40,7 @@ def name_of(page: Path) -> str:
     return str(page.relative_to(ROOT))
 
 
-SLOW = ("comparing.md", "papers.md", "index.md")
+SLOW = ("clocks.md", "comparing.md", "papers.md", "index.md")
 """Pages whose blocks take more than five seconds each."""
 RUN = [
     pytest.param(page, id=name_of(page), marks=[pytest.mark.slow] if page.name in SLOW else [])

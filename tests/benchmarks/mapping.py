@@ -17,8 +17,10 @@ from threadpoolctl import threadpool_limits
 from formulations.kernel import SquaredExponential
 from formulations.mapping import dubins
 from formulations.mapping.gaussian_process import GaussianProcess
+from formulations.mapping.map_model import EVERY_KERNEL
 from instances.environment.radio import RadioMap
 from workbench.mission.baselines import Baselines, Plan
+from workbench.mission.belief import Belief, map_model_of
 from workbench.mission.file import mission_of
 from workbench.mission.map import survey_of
 from workbench.mission.place import place_tasks
@@ -128,10 +130,12 @@ def random_fields(count: int, time_limit: float) -> None:
     with ThreadPoolExecutor(1) as pool:
         own = Plan("mission", 40, Baselines(mission, scenario, None, 0.0).routed(pool, tasks)())
     (other,) = Baselines(mission, scenario, None, own.length).lawnmower()
+    belief = Belief(map_model_of(mission), EVERY_KERNEL, KERNEL)
     rows = []
     for seed in range(count):
         drawn = field(seed)
-        ends = [survey_of(mission, scenario.region, drawn, plan.flights).ticks[-1].score for plan in (own, other)]
+        last = [survey_of(mission, belief, scenario.region, drawn, plan.flights).ticks[-1] for plan in (own, other)]
+        ends = [tick.score for tick in last]
         rows.append([ends[0].rmse, ends[1].rmse, ends[0].nlpd, ends[1].nlpd, ends[0].coverage])
     table = np.array(rows)
     ratio = table[:, 0].mean() / table[:, 1].mean()

@@ -77,6 +77,7 @@ def test_the_best_lawnmower_is_the_one_of_least_worth() -> None:
     assert steps_north(most) > 0.6
 
 
+@pytest.mark.slow
 def test_more_depots_than_lanes_are_tried_still_fly() -> None:
     depots = np.column_stack([np.linspace(100, 11_900, 61), np.full(61, 100.0)])
     count, flights = best_lawnmower(SQUARE, depots, 1.0, lengths_of, speed=50.0, radius=50.0)

@@ -38,6 +38,7 @@ def test_endurance_is_never_exceeded_and_all_come_home(seed, wind):
         assert not one.accepted or one.after < one.before
 
 
+@pytest.mark.slow
 def test_the_survey_along_the_flights_measures_what_was_re_planned_on():
     _, flights, made = replanned(0, every=8)
     survey = fly_survey(flights, field, SQUARE.cell_centres(5, 5), model=planner().model, period=5.0, seed=0)

@@ -46,6 +46,7 @@ def test_nine_of_ten_are_certified_within_one_and_a_half_percent() -> None:
     assert close >= 9
 
 
+@pytest.mark.slow
 def test_more_sectors_are_tried_while_there_is_time_and_none_where_nobody_says_how_uavs_turn() -> None:
     instance = generate("dense-survey", 5, 2, 0, headings=8)
     counts, values = zip(*heading_bounds(instance, 1e9, 5.0), strict=True)

@@ -106,6 +106,7 @@ def test_circulation_around_a_point_vortex_is_its_strength() -> None:
     assert wind.line_integral(a + 500, np.roll(a, -1, axis=0) + 500).sum() == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_turbulence_has_the_stated_rms_and_no_divergence() -> None:
     wind = Turbulence(5.0, 2000.0, seed=7)
     grid = sampled(wind, (0.0, 0.0, 40_000.0, 40_000.0), 801, 801)

@@ -188,6 +188,7 @@ class TestEveryProblem:
         assert {path: path.read_bytes() for path in kept} == kept
         assert cli("check", "runs")[0] == 0
 
+    @pytest.mark.slow
     def test_a_cluster_gives_the_same_rows(self, case, cli, tmp_path):
         distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
         study = written(case, "Honest", "Crashes")

@@ -2,5 +2,6 @@
 
 A state is a heading at a node; a leg leads from heading to heading and costs its Dubins length over the speed
 (`travel`). `headings` says which headings a node has, `interval` how short a leg between sectors of headings is, `wind`
-how long it takes in a steady wind, and `spacing` whether turns matter at all.
+how long it takes in a steady wind, `refinement` with which headings given routes are flown, and `spacing` whether turns
+matter at all.
 """

@@ -42,9 +42,12 @@ def _inside(heading: float, low: float, width: float) -> bool:
 
 
 @njit(cache=True)
-def _to_free_heading(dx: float, dy: float, heading: float, low: float, width: float) -> float:
-    """Return the least length of turn and line, or turn and turn, from `heading` at 0 to (dx, dy), ending inside."""
-    best = math.inf
+def _to_free_heading(dx: float, dy: float, heading: float, low: float, width: float) -> tuple[float, float]:
+    """Return the least length of turn and line, or turn and turn, from `heading` at 0 to (dx, dy), ending inside.
+
+    And the heading it ends with.
+    """
+    best, reached = math.inf, heading
     for side in (1.0, -1.0):  # the right turns are the left turns of the mirror image
         x, y, h = dx, side * dy, side * heading
         first = low if side > 0.0 else -(low + width)
@@ -53,16 +56,18 @@ def _to_free_heading(dx: float, dy: float, heading: float, low: float, width: fl
         if away >= 1.0:
             straight = math.sqrt(away * away - 1.0)
             end = bearing + math.atan2(1.0, straight)
-            if _inside(end, first, width):
-                best = min(best, _turn(end - h) + straight)
+            length = _turn(end - h) + straight
+            if length < best and _inside(end, first, width):
+                best, reached = length, side * end
         cosine = (away * away + 3.0) / (4.0 * max(away, 1e-300))
         if cosine <= 1.0:
             for which in (1.0, -1.0):
                 apex = bearing + which * math.acos(cosine)
                 around = math.atan2(vy - 2.0 * math.sin(apex), vx - 2.0 * math.cos(apex))
-                if _inside(around - 0.5 * math.pi, first, width):
-                    best = min(best, _turn(apex + 0.5 * math.pi - h) + _turn(apex + math.pi - around))
-    return best
+                length = _turn(apex + 0.5 * math.pi - h) + _turn(apex + math.pi - around)
+                if length < best and _inside(around - 0.5 * math.pi, first, width):
+                    best, reached = length, side * (around - 0.5 * math.pi)
+    return best, reached
 
 
 @njit(cache=True)
@@ -98,14 +103,19 @@ def interval_length(
     for a in range(2 if width0 > 0.0 else 1):
         h0 = low0 + a * width0
         if width1 > 0.0:
-            best = min(best, _to_free_heading(x, y, h0, low1, width1))
+            best = min(best, _to_free_heading(x, y, h0, low1, width1)[0])
         for b in range(2 if width1 > 0.0 else 1):
             best = min(best, dubins_length(0.0, 0.0, h0, x, y, low1 + b * width1, 1.0))
     if width0 > 0.0:  # backwards from the other end
         for b in range(2 if width1 > 0.0 else 1):
             back = low1 + b * width1 + math.pi
-            best = min(best, _to_free_heading(-x, -y, back, low0 + math.pi, width0))
+            best = min(best, _to_free_heading(-x, -y, back, low0 + math.pi, width0)[0])
     return best * radius
+
+
+def free_end(dx: float, dy: float, heading: float, radius: float) -> float:
+    """Return the heading [rad] in which the shortest path from `heading` reaches (dx, dy) [m] if any will do."""
+    return float(_to_free_heading(dx / radius, dy / radius, heading, 0.0, _TURN)[1])
 
 
 @njit(cache=True)

@@ -6,12 +6,20 @@ front keeps it text (OWASP, CSV injection). Only texts are touched, never number
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 from pandas.api.types import is_numeric_dtype
 
+from instances.disk import write_aside
+
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
+
+
+def write_csv(frame: pd.DataFrame, path: Path | str, *, raw: bool = False) -> None:
+    """Write `frame` as `csv_text` to `path`."""
+    write_aside(path, csv_text(frame, raw))
 
 
 def csv_text(frame: pd.DataFrame, raw: bool = False) -> str:

@@ -12,7 +12,6 @@ import pandas as pd
 from instances import InputError
 from instances.disk import write_aside
 from reports.columns import INSTANCES, SUMMARY, shown, texts
-from reports.csv_text import csv_text
 from reports.metrics import instance_table, summary, with_gaps
 from reports.tex import tex
 
@@ -26,16 +25,16 @@ RUN_COLUMNS = [
 """Columns of ``results.csv``; those from `elapsed` on differ between two executions of the same runs."""
 
 
-def write_csv(runs: pd.DataFrame, path: Path | str, *, raw: bool = False) -> None:
-    """Write a row a run; the same runs give the same file but for the columns from `elapsed` on. raw : `csv_text`."""
-    write_aside(path, csv_text(with_gaps(runs)[RUN_COLUMNS], raw))
+def run_table(runs: pd.DataFrame) -> pd.DataFrame:
+    """Return a row a run: RUN_COLUMNS; the same runs give the same rows but for the columns from `elapsed` on."""
+    return with_gaps(runs)[RUN_COLUMNS]
 
 
 def write_parquet(runs: pd.DataFrame, path: Path | str) -> None:
     """Write the columns of the CSV as Parquet; InputError where pyarrow is not installed."""
     if importlib.util.find_spec("pyarrow") is None:
         raise InputError(f"{path}: writing Parquet needs pyarrow, which is not installed (pip install pyarrow)")
-    write_aside(path, with_gaps(runs)[RUN_COLUMNS].to_parquet(index=False))
+    write_aside(path, run_table(runs).to_parquet(index=False))
 
 
 def write_markdown(runs: pd.DataFrame, path: Path | str) -> None:

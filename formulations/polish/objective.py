@@ -19,8 +19,8 @@ import shapely
 from shapely.geometry import Polygon
 
 from formulations.average_variance import AverageVariance
-from formulations.polish.legs import Costed, Legs
 from formulations.polish.sampling import Samples, count_of
+from formulations.polish.straight_legs import Costed, StraightLegs
 from instances.arrays import Floats, Ints
 
 WATCHED = np.arange(1, 8) / 8
@@ -41,7 +41,7 @@ class Objective:
     """
 
     judged: AverageVariance
-    legs: Legs
+    legs: StraightLegs
     period: float
     paths: Sequence[Floats]
     budgets: Floats

@@ -27,9 +27,9 @@ from shapely.geometry import Polygon
 
 from formulations.average_variance import AverageVariance
 from formulations.blas import one_thread
-from formulations.polish.legs import Legs
 from formulations.polish.objective import Objective
 from formulations.polish.sampling import Samples, count_of
+from formulations.polish.straight_legs import StraightLegs
 from formulations.task_location.boundary import box, is_rectangle
 from instances.arrays import Bools, Floats
 from instances.environment.region import Region
@@ -68,7 +68,7 @@ class PolishProblem:
     """
 
     judged: AverageVariance
-    legs: Legs
+    legs: StraightLegs
     period: float
     paths: Sequence[Floats]
     budgets: Floats

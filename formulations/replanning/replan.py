@@ -26,8 +26,8 @@ from formulations.mapping.flight import Flight
 from formulations.mapping.gaussian_process import GaussianProcess
 from formulations.mapping.map_model import MapModel, Offered, choose_model
 from formulations.mapping.trend import CONSTANT, Trend
-from formulations.polish.legs import Legs as StraightLegs
 from formulations.polish.path_polish import PolishProblem, polish
+from formulations.polish.straight_legs import StraightLegs
 from formulations.replanning.aloft import Aloft, World
 from formulations.replanning.conditional import ConditionalInformation, place_remaining
 from formulations.replanning.onward import fly_on

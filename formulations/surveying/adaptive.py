@@ -18,8 +18,8 @@ from formulations.average_variance import AverageVariance
 from formulations.kernel import SquaredExponential
 from formulations.limits import Limits
 from formulations.mapping.map_model import MapModel, Offered, choose_model
-from formulations.polish.legs import Legs
 from formulations.polish.path_polish import PolishProblem, polish
+from formulations.polish.straight_legs import StraightLegs
 from formulations.surveying.polished import Polished
 from formulations.surveying.problem import Sensor, SurveyProblem, Tours, length_of, readings, travelled
 from instances.arrays import Floats
@@ -60,7 +60,7 @@ def bent(problem: SurveyProblem, tours: Sequence[Floats], flown: float, model: M
     noise_sd = float(np.hypot(problem.noise_sd, model.nugget_sd))
     judged = AverageVariance(model.kernel, noise_sd, problem.targets, known=known)
     budgets = [max(0.0, problem.length - length_of(head)) for head in heads]
-    wanted = PolishProblem(judged, Legs(1.0, 1.0), problem.spacing, rests, np.array(budgets), problem.region)
+    wanted = PolishProblem(judged, StraightLegs(1.0, 1.0), problem.spacing, rests, np.array(budgets), problem.region)
     spacing = max(problem.spacing, 0.5 * min(model.kernel.length_scales))
     found = polish(wanted, spacing=spacing, warm=True).paths
     return [np.concatenate([head, rest[1:]]) for head, rest in zip(heads, found, strict=True)]

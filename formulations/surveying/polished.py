@@ -13,8 +13,8 @@ import numpy as np
 
 from formulations.average_variance import AverageVariance
 from formulations.limits import Limits
-from formulations.polish.legs import Legs
 from formulations.polish.path_polish import PolishProblem, polish
+from formulations.polish.straight_legs import StraightLegs
 from formulations.surveying.placed import Workbench
 from formulations.surveying.problem import Sensor, SurveyProblem, Tours
 from instances.arrays import Floats
@@ -33,4 +33,4 @@ def polished(problem: SurveyProblem, tours: Sequence[Floats]) -> Tours:
     """Return `tours` polished; speed is 1 m/s, so that costs are lengths [m]."""
     judged = AverageVariance(problem.kernel, problem.noise_sd, problem.targets)
     budgets = np.full(len(tours), problem.length)
-    return polish(PolishProblem(judged, Legs(1.0, 1.0), problem.spacing, tours, budgets, problem.region)).paths
+    return polish(PolishProblem(judged, StraightLegs(1.0, 1.0), problem.spacing, tours, budgets, problem.region)).paths

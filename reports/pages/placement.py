@@ -58,14 +58,13 @@ def placement_summary(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def write_placement_page(
-    runs: Sequence[dict[str, Any]], path: Path | None, title: str, figures: Path | None = None
-) -> pd.DataFrame:
-    """Write the page about `runs` (from `read_placements`) to `path`, if given; return the frame it is made from.
+    runs: Sequence[dict[str, Any]], frame: pd.DataFrame, path: Path | None, title: str, figures: Path | None = None
+) -> None:
+    """Write the page about `runs` (from `read_placements`), whose `placement_frame` is `frame`, to `path`, if given.
 
     figures : folder for its figures as files (`write_figures`), None for none.
     """
-    frame = placement_frame(runs)
-    blocks = _blocks(runs, frame) if path is not None or figures is not None else []
+    blocks = _blocks(runs, frame)
     if figures is not None:
         write_figures(figures_in(blocks), figures)
     if path is not None:
@@ -76,7 +75,6 @@ def write_placement_page(
         )
         units = "Information in nats, times in seconds."
         write_page(Page(title, about, blocks, units), path)
-    return frame
 
 
 def _blocks(runs: Sequence[dict[str, Any]], frame: pd.DataFrame) -> list[Block]:

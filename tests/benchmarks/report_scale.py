@@ -31,9 +31,10 @@ BARS = {"time": 30.0, "memory": 1e9, "page": 4e6}
 REPORT = """
 import sys
 from reports.pages.study import write_report
-from reports.tables import write_csv
+from reports.csv_text import write_csv
+from reports.tables import run_table
 report = write_report([sys.argv[1]], sys.argv[2])
-write_csv(report.runs, sys.argv[3])
+write_csv(run_table(report.runs), sys.argv[3])
 assert report.contradictions.empty, report.contradictions.sentence.head(3).tolist()
 print(len(report.runs))
 """

@@ -13,13 +13,13 @@ import pytest
 from matplotlib import rc_context
 
 from reports import load
-from reports.csv_text import csv_text
+from reports.csv_text import csv_text, write_csv
 from reports.figures.style import RC, new_figure
 from reports.figures.svg import Drawn, inline_svg, save_figure
 from reports.pages.blocks import Section
 from reports.pages.page import Page, embedded, write_page
 from reports.pages.study import write_report
-from reports.tables import write_csv, write_latex, write_markdown
+from reports.tables import run_table, write_latex, write_markdown
 from workbench.terminal import TextTable, print_table, say
 
 HOSTILE = "=[/b] \x1b[31m\a <!--<script>alert(1)</script> $x_{ |`a` \\ \u202e\ud800\n* [l](u)"
@@ -120,7 +120,7 @@ def test_a_formula_is_text_in_a_spreadsheet_and_numbers_stay(start):
 
 def test_exports_keep_their_rows(root, tmp_path):
     runs = load(root)
-    write_csv(runs, tmp_path / "a.csv")
+    write_csv(run_table(runs), tmp_path / "a.csv")
     assert len(pd.read_csv(tmp_path / "a.csv")) == len(runs)
     assert {text[:2] for text in pd.read_csv(tmp_path / "a.csv")["message"].dropna()} == {"'="}
     write_markdown(runs, tmp_path / "a.md")

@@ -10,8 +10,9 @@ import pytest
 import reports.tables
 from instances import InputError
 from reports import load, numbers
+from reports.csv_text import write_csv
 from reports.metrics import summary
-from reports.tables import RUN_COLUMNS, write_csv, write_latex, write_markdown, write_parquet
+from reports.tables import RUN_COLUMNS, run_table, write_latex, write_markdown, write_parquet
 
 
 @pytest.fixture
@@ -20,12 +21,12 @@ def root(make_store):
 
 
 def test_csv_is_the_same_for_the_same_runs_but_for_times(root, tmp_path):
-    write_csv(load(root), tmp_path / "a.csv")
+    write_csv(run_table(load(root)), tmp_path / "a.csv")
     for path in root.glob("*/*-s*-t*.json"):
         record = json.loads(path.read_text())
         again = {"wall_elapsed": 1.2, "cpu_seconds": 9.9, "peak_memory": 1, "created": "2030-01-01T00:00:00Z"}
         path.write_text(json.dumps(record | again))
-    write_csv(load(root), tmp_path / "b.csv")
+    write_csv(run_table(load(root)), tmp_path / "b.csv")
     rows = [list(csv.reader(io.StringIO((tmp_path / name).read_text()))) for name in ("a.csv", "b.csv")]
     assert rows[0][0] == RUN_COLUMNS
     steady = RUN_COLUMNS.index("elapsed")
@@ -35,7 +36,7 @@ def test_csv_is_the_same_for_the_same_runs_but_for_times(root, tmp_path):
 
 def test_csv_reads_back(root, tmp_path):
     runs = load(root)
-    write_csv(runs, tmp_path / "a.csv")
+    write_csv(run_table(runs), tmp_path / "a.csv")
     back = pd.read_csv(tmp_path / "a.csv")
     assert len(back) == len(runs)
     pd.testing.assert_series_equal(back["value"], runs["value"], rtol=0, atol=0)
@@ -74,7 +75,7 @@ def test_latex_escapes_and_balances(root, tmp_path):
 
 def test_an_unwritable_target_is_one_sentence(root, tmp_path):
     with pytest.raises(InputError, match="cannot be written"):
-        write_csv(load(root), tmp_path / "nowhere" / "a.csv")
+        write_csv(run_table(load(root)), tmp_path / "nowhere" / "a.csv")
 
 
 def test_summary_is_the_same_whatever_the_order_of_runs(root):

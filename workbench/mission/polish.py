@@ -23,8 +23,8 @@ from shapely.geometry import Polygon
 
 from formulations.average_variance import AverageVariance
 from formulations.mapping.flight import STRAY_RADII, Flight, plan_flight, reference_waypoints
-from formulations.polish.legs import Legs
 from formulations.polish.path_polish import PolishProblem, polish, split
+from formulations.polish.straight_legs import StraightLegs
 from formulations.task_location.criterion import Convention
 from instances import Instance, Routes
 from instances.arrays import Floats
@@ -63,7 +63,7 @@ class Judge:
         self.unknown = AverageVariance(criterion.kernel, criterion.noise_sd, criterion.tests, criterion.weights)
         wind = scenario.wind
         self.measure = None if wind is None else CostMeasure(scenario.cost, wind, scenario.speed)
-        self.legs = Legs.of(self.measure, scenario.region, scenario.speed, mission.speed)
+        self.legs = StraightLegs.of(self.measure, scenario.region, scenario.speed, mission.speed)
 
     @property
     def room(self) -> Region:

@@ -30,11 +30,12 @@ from instances.paths import Paths, check_paths
 from instances.scenario import Scenario, read_scenario
 from instances.scenario_folder import keep_scenario, kept_scenario
 from reports.damage import reading
-from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
+from reports.record import ITEM_FILES, Run, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.study_table import listed
 from workbench.making import make_elsewhere
+from workbench.problems.publishing import published, without
 from workbench.problems.routing import family_grid
 from workbench.problems.tables import MovingCostTable
 from workbench.sources import plugin_family
@@ -216,26 +217,22 @@ class MovingCostStudy(Problem[MovingCostItem]):
 
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
         """Put the methods side by side on each scenario."""
-        from reports.csv_text import csv_text
         from reports.moving_costs import moving_cost_frame, moving_cost_summary
         from reports.pages.moving_cost import write_moving_cost_page
         from reports.stores import read_runs
 
         runs, damaged = read_runs(*folders, problem=self.name)
         items = _items(runs, damaged)
-        frame = moving_cost_frame(runs)
-        if outputs.table is not None:
-            write_aside(outputs.table, csv_text(frame, outputs.raw_table))
-        figures = outputs.extra.get("figures")
-        if outputs.page is not None or figures is not None:
-            title = f"Moving costs: {study_title(folders)}"
-            write_moving_cost_page(_cases(items, runs, frame), frame, runs, outputs.page, title, figures)
-        summaries = [Summary(self.name, self.columns(), moving_cost_summary(frame), 2)] if len(frame) else []
-        note = code_note(run.code for run in runs.values())
-        failed = int(frame["mean_cost"].isna().sum())
-        problems = [*damaged, *([f"{failed} runs ended without paths"] if failed else [])]
-        written = [path for path in (outputs.table, outputs.page) if path]
-        return Published(written, problems, len(damaged), summaries=summaries, notes=[note] if note else [])
+        frame, title = moving_cost_frame(runs), f"Moving costs: {study_title(folders)}"
+        return published(
+            outputs,
+            frame,
+            frame["code"],
+            lambda: [Summary(self.name, self.columns(), moving_cost_summary(frame), 2)],
+            without("paths", frame["mean_cost"].isna()),
+            damaged,
+            lambda page, to: write_moving_cost_page(_cases(items, runs, frame), frame, runs, page, title, to),
+        )
 
 
 MOVING_COST = MovingCostStudy()

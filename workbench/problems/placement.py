@@ -36,10 +36,11 @@ from formulations.task_location.variance_reduction import information_of
 from instances.disk import write_aside
 from instances.environment.region import Region, single_polygon
 from reports.damage import reading
-from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
+from reports.record import ITEM_FILES, Run, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.study_table import listed
+from workbench.problems.publishing import published, without
 from workbench.problems.tables import PlacementTable
 from workbench.summary import Summary
 
@@ -208,22 +209,21 @@ class PlacementStudy(Problem[PlacementItem]):
 
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
         """Put the methods side by side on each problem."""
-        from reports.csv_text import csv_text
-        from reports.pages.placement import placement_summary, write_placement_page
+        from reports.pages.placement import placement_frame, placement_summary, write_placement_page
         from reports.placement_store import placement_contradictions, read_placements
 
         runs, damaged = read_placements(*folders)
-        title, figures = f"Task locations: {study_title(folders)}", outputs.extra.get("figures")
-        frame = write_placement_page(runs, outputs.page, title, figures)
-        if outputs.table is not None:
-            write_aside(outputs.table, csv_text(frame, outputs.raw_table))
-        summaries = [Summary(self.name, self.columns(), placement_summary(frame), 2)] if len(frame) else []
-        problems = [*damaged, *(sentence for _, sentence in placement_contradictions(runs))]
-        if failed := int(frame["mutual_information"].isna().sum()):
-            problems.append(f"{failed} runs ended without a placement")
-        note = code_note([run["code"] for run in runs])
-        written = [path for path in (outputs.table, outputs.page) if path]
-        return Published(written, problems, len(damaged), summaries=summaries, notes=[note] if note else [])
+        frame, title = placement_frame(runs), f"Task locations: {study_title(folders)}"
+        false = [sentence for _, sentence in placement_contradictions(runs)]
+        return published(
+            outputs,
+            frame,
+            [run["code"] for run in runs],
+            lambda: [Summary(self.name, self.columns(), placement_summary(frame), 2)],
+            [*false, *without("a placement", frame["mutual_information"].isna())],
+            damaged,
+            lambda page, figures: write_placement_page(runs, frame, page, title, figures),
+        )
 
 
 PLACEMENT = PlacementStudy()

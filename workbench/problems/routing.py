@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +20,12 @@ from instances import InputError, Instance, as_routes, check_routes, makespan, t
 from instances.best_known import best_known
 from instances.files import read_instance, write_instance
 from reports.numbers import counted
-from reports.record import ITEM_FILES, Run, code_note
+from reports.record import ITEM_FILES, Run
 from reports.tolerances import RELATIVE_ROUNDING, WIDEST_TOLERANCE
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.study_table import FamilyTable, listed, seeds_of
 from workbench.jobs.tables import combined, grid
+from workbench.problems.publishing import published
 from workbench.problems.tables import RoutingTable
 from workbench.sources import FamilySource, FileSource, instance_files
 from workbench.summary import Summary
@@ -179,19 +181,17 @@ class Routing(Problem[Instance]):
         for flag, write in writers.items():
             if flag in outputs.extra:
                 write(runs, outputs.extra[flag])
-        if outputs.table:
-            tables.write_csv(runs, outputs.table, raw=outputs.raw_table)
         false = contradictions(runs)[["instance", "method", "seed", "sentence"]].itertuples(index=False)
-        problems = [*stores.warnings, *(f"{item} {method} seed {seed}: {told}" for item, method, seed, told in false)]
-        written = [path for path in (outputs.table, outputs.page) if path]
-        own = code_note(runs.loc[~runs["foreign"], "code"])
-        notes = [note for note in (own, *foreign_notes(runs, stores.claims)) if note]
-        comparable = comparison is None or comparison.pairs > 0
+        problems = [*stores.remarks, *(f"{item} {method} seed {seed}: {told}" for item, method, seed, told in false)]
+        notes = foreign_notes(runs, stores.claims)
         if comparison:
-            (notes if comparable else problems).extend([*comparison.regressions, *comparison.remarks])
-        regressed = bool(comparison and comparison.regressed)
-        summaries = _summaries(runs, comparison)
-        return Published(written, problems, len(stores.damaged), regressed, comparable, summaries, notes)
+            (notes if comparison.pairs else problems).extend([*comparison.regressions, *comparison.remarks])
+        table, codes = tables.run_table(runs), runs.loc[~runs["foreign"], "code"]
+        told = published(
+            outputs, table, codes, lambda: _summaries(runs, comparison), problems, stores.damaged, notes=notes
+        )
+        compared = comparison is None or comparison.pairs > 0
+        return replace(told, regressed=bool(comparison and comparison.regressed), comparable=compared)
 
 
 ROUTING = Routing()

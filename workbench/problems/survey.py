@@ -31,10 +31,11 @@ from instances.environment.radio import RadioMap
 from instances.environment.region import Region, single_polygon
 from instances.errors import InputError
 from reports.damage import reading
-from reports.record import ITEM_FILES, Run, code_note, read_json, study_title
+from reports.record import ITEM_FILES, Run, read_json, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.study_table import listed
+from workbench.problems.publishing import published, without
 from workbench.problems.survey_fields import fields_of
 from workbench.problems.tables import SurveyTable
 from workbench.summary import Summary
@@ -248,25 +249,24 @@ class SurveyStudy(Problem[SurveyItem]):
 
     def publish(self, folders: list[Path], outputs: Outputs) -> Published:
         """Put the plans side by side over the fields of each name and endurance."""
-        from reports.csv_text import csv_text
         from reports.pages.survey import write_survey_page
         from reports.stores import read_runs
         from reports.surveys import survey_frame, survey_summary, survey_verdicts
 
         runs, damaged = read_runs(*folders, problem=self.name)
         frame = survey_frame(runs)
-        if outputs.table is not None:
-            write_aside(outputs.table, csv_text(frame, outputs.raw_table))
-        verdicts, figures = survey_verdicts(frame), outputs.extra.get("figures")
-        if outputs.page is not None or figures is not None:
-            title = f"Surveys: {study_title(folders)}"
-            write_survey_page(_cases(runs, damaged), frame, verdicts, runs, outputs.page, title, figures)
-        summaries = [Summary(self.name, self.columns(), survey_summary(frame, verdicts), 3)] if len(frame) else []
-        note = code_note(run.code for run in runs.values())
-        failed = int((frame["rmse"].isna() & (frame["stopped_by"] != "declined")).sum())
-        problems = [*damaged, *([f"{failed} runs ended without tours"] if failed else [])]
-        written = [path for path in (outputs.table, outputs.page) if path]
-        return Published(written, problems, len(damaged), summaries=summaries, notes=[note] if note else [])
+        verdicts = survey_verdicts(frame)
+        title = f"Surveys: {study_title(folders)}"
+        failed = frame["rmse"].isna() & (frame["stopped_by"] != "declined")
+        return published(
+            outputs,
+            frame,
+            frame["code"],
+            lambda: [Summary(self.name, self.columns(), survey_summary(frame, verdicts), 3)],
+            without("tours", failed),
+            damaged,
+            lambda page, figures: write_survey_page(_cases(runs, damaged), frame, verdicts, runs, page, title, figures),
+        )
 
 
 SURVEY = SurveyStudy()

@@ -10,8 +10,8 @@ from shapely.geometry import Polygon
 from formulations.average_variance import AverageVariance
 from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import plan_flight
-from formulations.polish.legs import Legs
 from formulations.polish.path_polish import PolishProblem, polish, split
+from formulations.polish.straight_legs import StraightLegs
 from instances.environment.region import Region
 from instances.environment.wind import Rotation
 from instances.errors import InputError
@@ -20,7 +20,7 @@ from instances.moving_cost import CostKind, CostMeasure
 SQUARE = Region.rectangle(20_000, 20_000)
 HOLED = Region(Polygon(SQUARE.polygon.exterior, [[(6000, 4000), (14_000, 4000), (14_000, 9000), (6000, 9000)]]))
 KERNEL = SquaredExponential(30.0, (4000.0, 4000.0))
-CALM = Legs(100.0, 100.0)
+CALM = StraightLegs(100.0, 100.0)
 DEPOTS = np.array([[1000.0, 1000.0], [19_000.0, 1000.0]])
 TOURS = [
     np.array([DEPOTS[0], [3000, 8000], [8000, 12_000], [4000, 3000], DEPOTS[0]]),
@@ -71,7 +71,7 @@ def test_zones_are_not_entered_and_what_cannot_be_flown_is_not():
 @pytest.mark.parametrize("kind", CostKind)
 def test_in_a_wind_the_cost_is_what_is_kept(kind):
     measure = CostMeasure(kind, Rotation(2e-3, (10_000.0, 10_000.0)), 100.0)
-    legs = Legs.of(measure, SQUARE, 100.0, 100.0)
+    legs = StraightLegs.of(measure, SQUARE, 100.0, 100.0)
     found = polish(problem(legs=legs), spacing=5000.0, warm=True)
     exact = [measure.segments(path[:-1], path[1:]).sum() for path in found.paths]
     assert found.after < found.before

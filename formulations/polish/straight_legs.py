@@ -42,7 +42,7 @@ class Costed(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Legs:
+class StraightLegs:
     """What straight legs cost.
 
     speed : v0 [m/s], held constant: ground speed where the cost is energy, airspeed where it is time.
@@ -56,7 +56,7 @@ class Legs:
     wind: Wind | None = None
 
     @classmethod
-    def of(cls, measure: CostMeasure | None, region: Region, speed: float, flying_speed: float) -> Legs:
+    def of(cls, measure: CostMeasure | None, region: Region, speed: float, flying_speed: float) -> StraightLegs:
         """Return legs costed by `measure`, whose wind is sampled over `region`; in calm air where it is None."""
         if measure is None:
             return cls(speed, flying_speed)

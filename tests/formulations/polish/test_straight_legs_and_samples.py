@@ -8,9 +8,9 @@ from shapely.geometry import Polygon
 
 from formulations.average_variance import AverageVariance
 from formulations.kernel import SquaredExponential
-from formulations.polish.legs import Legs
 from formulations.polish.objective import Objective
 from formulations.polish.sampling import Samples, count_of
+from formulations.polish.straight_legs import StraightLegs
 from instances.environment.region import Region
 from instances.environment.wind import Rotation, Shear, Uniform
 from instances.moving_cost import CostKind, CostMeasure
@@ -40,7 +40,7 @@ def differences(function, places, step=0.01):
 @pytest.mark.parametrize("wind", WINDS.values(), ids=list(WINDS))
 def test_costs_are_those_of_the_wind_and_slopes_those_of_the_costs(kind, wind):
     measure = CostMeasure(kind, wind, 40.0)
-    legs = Legs.of(measure, SQUARE, 40.0, 30.0)
+    legs = StraightLegs.of(measure, SQUARE, 40.0, 30.0)
     costed = legs(PATH)
     assert costed.cost == pytest.approx(measure.segments(PATH[:-1], PATH[1:]), rel=1e-6)
     flown = costed.cost if kind is CostKind.TIME else np.hypot(*np.diff(PATH, axis=0).T) / 30.0
@@ -54,13 +54,13 @@ def test_costs_are_those_of_the_wind_and_slopes_those_of_the_costs(kind, wind):
 
 
 def test_legs_without_length_cost_nothing_and_slope_nowhere():
-    costed = Legs(100.0, 100.0)(np.array([[5.0, 5.0], [5.0, 5.0]]))
+    costed = StraightLegs(100.0, 100.0)(np.array([[5.0, 5.0], [5.0, 5.0]]))
     assert costed.cost == pytest.approx(0.0, abs=1e-9)
     assert not costed.cost_slopes.any()
 
 
 def test_samples_are_a_period_apart_along_the_path_and_end_with_it():
-    legs = Legs(100.0, 100.0)
+    legs = StraightLegs(100.0, 100.0)
     durations = legs(PATH).duration
     count = count_of(durations.sum(), 10.0)
     places = Samples.along(PATH, durations, 10.0, count + 2).places
@@ -76,7 +76,7 @@ def test_samples_are_a_period_apart_along_the_path_and_end_with_it():
 @pytest.mark.parametrize("wind", [None, *WINDS.values()], ids=["calm", *WINDS])
 def test_slopes_of_the_objective(wind, held):
     measure = None if wind is None else CostMeasure(CostKind.TIME, wind, 40.0)
-    legs = Legs.of(measure, SQUARE, 40.0, 40.0)
+    legs = StraightLegs.of(measure, SQUARE, 40.0, 40.0)
     judged = AverageVariance(SquaredExponential(30.0, (3000.0, 4000.0)), 1.0, SQUARE.cell_centres(8, 8))
     paths = [PATH, PATH[::-1] + np.array([8000.0, 9000.0])]
     budgets = np.array([0.8, 1.2]) * [legs(path).cost.sum() for path in paths]

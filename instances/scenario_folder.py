@@ -15,6 +15,7 @@ from instances.environment.radio import RadioMap
 from instances.environment.raster import node_axes
 from instances.environment.terrain import Terrain
 from instances.environment.value_map import ValueMap
+from instances.environment.wind_forecast import Forecast
 from instances.environment.wind_grid import Grid
 from instances.errors import InputError, naming
 from instances.formats.netcdf import Variable, read_grids, write_grids
@@ -26,7 +27,7 @@ from instances.toml_text import toml_text
 def keep_scenario(scenario: Scenario, folder: Path) -> None:
     """Write ``scenario.toml`` into `folder`; beside it a gridded wind as ``wind.nc``, polygons as ``.json``."""
     path = folder / "scenario.toml"
-    grid = scenario.wind if isinstance(scenario.wind, Grid) else None
+    grid = scenario.wind if isinstance(scenario.wind, Grid | Forecast) else None
     write_scenario(scenario if grid is None else replace(scenario, wind=None), path)
     table = read_toml(path)
     for key in ("region", "no_fly"):  # in metres, which are no GeoJSON to those who read the folder
@@ -34,14 +35,37 @@ def keep_scenario(scenario: Scenario, folder: Path) -> None:
             given = folder / table[key]
             table[key] = given.rename(given.with_suffix(".json")).name
     if grid is not None:
-        x, y = node_axes(grid.origin, grid.spacing, grid.u.shape)
-        components = {
-            name: Variable(("y", "x"), values, {"units": "m s-1", "standard_name": standard})
-            for name, values, standard in (("u", grid.u, "x_wind"), ("v", grid.v, "y_wind"))
-        }
-        write_grids(folder / "wind.nc", {"x": x, "y": y}, components, scenario.plane)
+        _keep_wind(grid, folder, scenario.plane)
         table["wind"] = {"kind": "grid", "file": "wind.nc"}
     write_aside(path, toml_text(table))
+
+
+def _keep_wind(wind: Grid | Forecast, folder: Path, plane: TangentPlane | None) -> None:
+    """Write ``wind.nc`` into `folder`: over y and x or, of a forecast, over its times since take-off, y and x."""
+    x, y = node_axes(wind.origin, wind.spacing, wind.u.shape[-2:])
+    over: tuple[str, ...] = ("y", "x")
+    axes = {"x": x, "y": y}
+    if isinstance(wind, Forecast):
+        over, axes["time"] = ("time", *over), wind.times - wind.take_off
+    components = {
+        name: Variable(over, values, {"units": "m s-1", "standard_name": standard})
+        for name, values, standard in (("u", wind.u, "x_wind"), ("v", wind.v, "y_wind"))
+    }
+    write_grids(folder / "wind.nc", axes, components, plane)
+
+
+def _kept_wind(path: Path) -> Grid | Forecast:
+    """Read what `_keep_wind` wrote."""
+    over: tuple[str, ...] = ("y", "x")
+    if "time" in read_grids(path)[0]:
+        over = ("time", *over)
+    axes, values = read_grids(path, {"u": over, "v": over})
+    with naming(path):
+        u, v = values["u"].values, values["v"].values
+        if len(over) == 2:
+            return Grid(*_origin_spacing(axes), u, v, path.name)
+        first = float(axes["time"][0])
+        return Forecast(axes["time"] - first, *_origin_spacing(axes), u, v, path.name, take_off=-first)
 
 
 def kept_scenario(folder: Path) -> Scenario:
@@ -54,10 +78,7 @@ def kept_scenario(folder: Path) -> Scenario:
         scenario = scenario_of({k: v for k, v in table.items() if k != "wind" or not gridded}, folder, path.stem)
     if not gridded:
         return scenario
-    axes, values = read_grids(folder / "wind.nc", {"u": ("y", "x"), "v": ("y", "x")})
-    with naming(folder / "wind.nc"):
-        grid = Grid(*_origin_spacing(axes), values["u"].values, values["v"].values, "wind.nc")
-    return replace(scenario, wind=grid)
+    return replace(scenario, wind=_kept_wind(folder / "wind.nc"))
 
 
 def keep_terrain(terrain: Terrain, folder: Path, plane: TangentPlane | None = None) -> None:

@@ -69,12 +69,16 @@ class TurbulenceTable(WindTable, frozen=True, kw_only=True, tag="turbulence"):
 
 
 class GridTable(WindTable, frozen=True, kw_only=True, tag="grid"):
-    """A file of gridded wind."""
+    """A file of gridded wind; a forecast where it holds several times, with cost = "time"."""
 
     file: Annotated[FileName, about("NetCDF, or WindNinja's _vel.asc beside its _ang.asc", example="wind.nc")]
     units: Annotated[
         Literal["m/s", "mph", "kph", "knots"] | None,
         about("of a WindNinja file, m/s unless given; NetCDF states its own", example="m/s"),
+    ] = None
+    take_off: Annotated[
+        NotNegative | None,
+        about("of a forecast: when is taken off, after its first time; then unless given", "s", example=1800.0),
     ] = None
 
 

@@ -213,16 +213,31 @@ def netcdf_raster(data: xarray.Dataset, field: xarray.DataArray, path: Path) -> 
     return Raster((x0, y0), spacing, field.values.astype(np.float64), crs, str(field.attrs.get("units", "")))
 
 
+SINCE = "seconds since 2000-01-01"
+"""Unit of times that are written: CF wants an instant to count from, and take-off is at none."""
+
+
 def write_netcdf(
-    path: Path, x: Floats, y: Floats, fields: Mapping[str, tuple[Floats, dict[str, str]]], about: Mapping[str, str]
+    path: Path,
+    x: Floats,
+    y: Floats,
+    fields: Mapping[str, tuple[Floats, dict[str, str]]],
+    about: Mapping[str, str],
+    times: Floats | None = None,
 ) -> None:
-    """Write values (rows, columns) and attributes by name over the nodes x, y [m] as CF NetCDF, aside and renamed."""
+    """Write values (rows, columns) and attributes by name over the nodes x, y [m] as CF NetCDF, aside and renamed.
+
+    times : where given, values are (times, rows, columns), at so many seconds.
+    """
     xarray = geo("xarray", path, "writing NetCDF")
     axes = {
         name: (name, values, {"standard_name": f"projection_{name}_coordinate", "units": "m"})
         for name, values in (("x", x), ("y", y))
     }
-    variables = {name: (("y", "x"), *field) for name, field in fields.items()}
+    over: tuple[str, ...] = ("y", "x")
+    if times is not None:
+        over, axes["time"] = ("time", *over), ("time", times, {"standard_name": "time", "units": SINCE})
+    variables = {name: (over, *field) for name, field in fields.items()}
     dataset = xarray.Dataset(variables, coords=axes, attrs={"Conventions": "CF-1.8", **about})
     try:
         with TemporaryDirectory() as folder:

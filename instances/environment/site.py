@@ -44,7 +44,7 @@ class Site:
     region: Region
     plane: TangentPlane | None = None
 
-    def local(self, raster: Raster, path: Path, finer: int = FINER) -> Raster:
+    def local(self, raster: Raster, path: Path | str, finer: int = FINER) -> Raster:
         """Return `raster` on a grid of the local plane [m], no value missing; InputError names `path`.
 
         finer : nodes along each of its cells; less where they would be more than MANY_NODES.

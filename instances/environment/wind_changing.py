@@ -17,14 +17,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.wind import TableWind, WindField, number, pair, points_of
+from instances.environment.wind import TableWind, Uniform, WindField, number, pair, points_of
 from instances.environment.wind_vortices import Vortices
 from instances.errors import InputError
 
@@ -35,6 +35,10 @@ class ChangingWind(WindField, Protocol):
 
     def velocities(self, points: Floats, times: Floats) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m], each at its time (k,) [s] after take-off, shape (k, 2)."""
+        ...
+
+    def at(self, time: float) -> WindField:
+        """Return the wind of `time` [s] after take-off, as if it stayed."""
         ...
 
 
@@ -57,6 +61,11 @@ class _Everywhere(TableWind):
     def velocities(self, points: Floats, times: Floats) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m], each at its time (k,) [s], shape (k, 2)."""
         return self.velocity_at(times)
+
+    def at(self, time: float) -> Uniform:
+        """Return the wind of `time` [s], as if it stayed."""
+        u, v = self.velocity_at(np.array([time]))[0].tolist()
+        return Uniform((u, v))
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m] at take-off."""
@@ -163,6 +172,10 @@ class Front(TableWind):
         passed = 0.5 * (1.0 + np.tanh(self._depth(points, times)))
         return np.array(self.before) + passed[:, None] * (np.array(self.after) - np.array(self.before))
 
+    def at(self, time: float) -> Front:
+        """Return the wind of `time` [s], as if it stayed: one called as a wind field is the one at take-off."""
+        return replace(self, position=self.position + self.speed * time)
+
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m] at take-off."""
         p = points_of(points)
@@ -211,6 +224,11 @@ class Drifting(TableWind):
     def velocities(self, points: Floats, times: Floats) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m], each at its time (k,) [s], shape (k, 2)."""
         return np.array(self.velocity) + self._vortices()(points - times[:, None] * np.array(self.drift))
+
+    def at(self, time: float) -> Drifting:
+        """Return the wind of `time` [s], as if it stayed: one called as a wind field is the one at take-off."""
+        moved = np.array(self.centres) + time * np.array(self.drift)
+        return replace(self, centres=tuple((x, y) for x, y in moved.tolist()))
 
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m] at take-off."""

@@ -3,7 +3,8 @@
 NetCDF follows the CF conventions: wind components are found by ``standard_name`` (eastward_wind, x_wind, …) or by
 their usual names (ERA5, WRF, …), in m/s, on one-dimensional x and y in metres of a map projection or, for a site whose
 place on Earth is known, in degrees or metres of any projection. Components named eastward are along the parallels, all
-others along the axes of the grid; both are turned into those of the local plane.
+others along the axes of the grid; both are turned into those of the local plane. A file of several times is a forecast:
+a frame each, at any steps.
 WindNinja writes ESRI ASCII grids: ``*_vel.asc`` speed, in a unit the file does not state, and ``*_ang.asc``, the
 direction the wind blows *from*, degrees clockwise from north.
 """
@@ -18,6 +19,7 @@ import numpy as np
 
 from instances.arrays import Floats
 from instances.environment.raster import Raster, netcdf_raster, node_axes, open_netcdf, read_ascii_grid
+from instances.environment.raster_times import is_time, seconds
 from instances.environment.site import Site, check_metres
 from instances.errors import InputError, naming, shown, suggestion
 from instances.geodesy import WGS84
@@ -32,6 +34,8 @@ COMPONENTS = (
 """For u and v: CF standard names, then usual variable names."""
 
 METRES_PER_SECOND = ("m/s", "m s-1", "m s**-1", "ms-1", "m.s-1", "meter second-1", "metre second-1", "m s^-1")
+MOST_VALUES = 30_000_000
+"""Of a component, over all frames."""
 SPEED = {"m/s": 1.0, "mps": 1.0, "mph": 0.44704, "kph": 1 / 3.6, "km/h": 1 / 3.6, "knots": 1852 / 3600}
 """Unit of a WindNinja file → m/s."""
 
@@ -48,28 +52,48 @@ class WindData(NamedTuple):
 
 
 def read_wind(path: Path | str, units: str | None = None, site: Site | None = None) -> WindData:
-    """Read a wind grid by the ending of its name, for `site`; InputError names the file and what is wrong.
+    """Read a wind grid of one time, as `read_frames` does."""
+    times, (first, *more) = read_frames(path, units, site)
+    if more:
+        raise InputError(f"{path}: holds {len(times)} times, where a wind that stays is wanted")
+    return first
+
+
+def read_frames(path: Path | str, units: str | None = None, site: Site | None = None) -> tuple[Floats, list[WindData]]:
+    """Read wind grids by the ending of the file's name, for `site`: times [s] after the first, and a grid at each.
 
     `units` applies to WindNinja's ``.asc`` files only: NetCDF states its own.
+    InputError names the file, where it has several frames the frame, and what is wrong.
     """
     path = Path(path)
-    u, v, axes = _components(path, units)
+    times, frames, axes = _components(path, units)
+    made: list[WindData] = []
+    for number, (u, v) in enumerate(frames):
+        made.append(_placed(u, v, axes, f"{path}: frame {number}" if len(frames) > 1 else str(path), site))
+        if len(frames) * made[0].u.size > MOST_VALUES:
+            raise InputError(f"{path}: {len(frames)} frames of {made[0].u.size} nodes are more than can be used")
+    return times, [frame._replace(source=str(path)) for frame in made]
+
+
+def _placed(u: Raster, v: Raster, axes: str, label: str, site: Site | None) -> WindData:
+    """Return the components of a frame on a grid of the plane of `site`, along its axes; InputError names `label`."""
     if site is None:
-        with naming(path):
+        with naming(label):
             check_metres(u.crs)
-        return WindData(u.origin, u.spacing, u.values, v.values, str(path), u.crs)
-    u, v = site.local(u, path), site.local(v, path)
+        return WindData(u.origin, u.spacing, u.values, v.values, label, u.crs)
+    u, v = site.local(u, label), site.local(v, label)
     x, y = node_axes(u.origin, u.spacing, u.values.shape)
     east = site.axes_east(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2), axes).reshape(*u.values.shape, 2)
     along_x = u.values * east[..., 0] - v.values * east[..., 1]
     along_y = u.values * east[..., 1] + v.values * east[..., 0]
-    return WindData(u.origin, u.spacing, along_x, along_y, str(path), u.crs)
+    return WindData(u.origin, u.spacing, along_x, along_y, label, u.crs)
 
 
-def _components(path: Path, units: str | None) -> tuple[Raster, Raster, str]:
-    """Return both components [m/s] of a file, and the reference system along whose axes they are."""
+def _components(path: Path, units: str | None) -> tuple[Floats, list[tuple[Raster, Raster]], str]:
+    """Return the times [s] of a file, both components [m/s] at each, and the system along whose axes they are."""
     if path.suffix == ".asc":
-        return read_windninja(path, units or "m/s")
+        u, v, axes = read_windninja(path, units or "m/s")
+        return np.zeros(1), [(u, v)], axes
     if path.suffix not in (".nc", ".nc4", ".cdf", ".h5"):
         raise InputError(f"{path}: a wind file must be NetCDF (.nc) or a WindNinja grid (.asc)")
     if units is not None:
@@ -77,8 +101,8 @@ def _components(path: Path, units: str | None) -> tuple[Raster, Raster, str]:
     return read_netcdf(path)
 
 
-def read_netcdf(path: Path) -> tuple[Raster, Raster, str]:
-    """Read a CF NetCDF wind grid."""
+def read_netcdf(path: Path) -> tuple[Floats, list[tuple[Raster, Raster]], str]:
+    """Read a CF NetCDF wind grid, or several over time."""
     with open_netcdf(path) as data:
         u, v = (_component(data, path, *names) for names in COMPONENTS)
         if u.dims != v.dims:
@@ -87,9 +111,15 @@ def read_netcdf(path: Path) -> tuple[Raster, Raster, str]:
         for w, unit in zip((u, v), units, strict=True):
             if unit not in METRES_PER_SECOND:
                 raise InputError(f"{path}: variable '{w.name}' must be in m/s, its units are '{unit or 'not stated'}'")
-        east, north = (netcdf_raster(data, w, path) for w in (u, v))
         eastward = u.attrs.get("standard_name") == "eastward_wind"
-        return east, north, WGS84 if eastward and east.crs else east.crs
+        along = next((dimension for dimension in u.dims if is_time(u, dimension)), None)
+        times = np.zeros(1) if along is None else seconds(u[along], path)
+        slices = [(u, v)] if along is None else [(u.isel({along: k}), v.isel({along: k})) for k in range(len(times))]
+        frames = []
+        for pair in slices:
+            east, north = (netcdf_raster(data, w, path) for w in pair)
+            frames.append((east, north))
+        return times, frames, WGS84 if eastward and frames[0][0].crs else frames[0][0].crs
 
 
 def _component(data: xarray.Dataset, path: Path, standard: tuple[str, ...], usual: tuple[str, ...]) -> xarray.DataArray:
@@ -100,9 +130,12 @@ def _component(data: xarray.Dataset, path: Path, standard: tuple[str, ...], usua
         have = ", ".join(f"'{name}'" for name in data.data_vars) or "none"
         raise InputError(f"{path}: no variable with standard_name {standard[0]} or named {usual[0]} (it has: {have})")
     w = found[0].squeeze(drop=True)
-    if w.ndim != 2:
+    if w.ndim - sum(is_time(w, dimension) for dimension in w.dims) != 2:
         extra = ", ".join(f"{d} ({n})" for d, n in w.sizes.items())
-        raise InputError(f"{path}: variable '{w.name}' must be one horizontal slice, its dimensions are {extra}")
+        raise InputError(
+            f"{path}: variable '{w.name}' must be one horizontal slice, its dimensions are {extra}, or one at each of "
+            "the times since an instant that its coordinate states"
+        )
     return w
 
 

@@ -8,7 +8,6 @@ field continues constant.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,9 +17,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.raster import check_grid, node_axes, node_bounds, write_netcdf
-from instances.environment.site import Site
 from instances.environment.wind import points_of
-from instances.environment.wind_files import read_wind
 from instances.errors import InputError
 from instances.kernels import njit
 
@@ -28,7 +25,7 @@ GAUSS = 0.5 / math.sqrt(3.0)
 
 
 @njit(cache=True)
-def _at(fx: float, fy: float, u: Floats, v: Floats) -> tuple[float, float]:
+def velocity_at(fx: float, fy: float, u: Floats, v: Floats) -> tuple[float, float]:
     """Velocity at grid coordinates (column, row), constant outside."""
     rows, columns = u.shape
     fx = min(max(fx, 0.0), columns - 1.0)
@@ -72,7 +69,7 @@ def _line_integrals(a: Floats, b: Floats, x0: float, y0: float, dx: float, dy: f
                 then = 1.0
             middle, half = 0.5 * (now + then), GAUSS * (then - now)
             for t in (middle - half, middle + half):
-                wu, wv = _at(fx + t * dfx, fy + t * dfy, u, v)
+                wu, wv = velocity_at(fx + t * dfx, fy + t * dfy, u, v)
                 total += 0.5 * (then - now) * (wu * gx + wv * gy)
             now = max(then, now + 1e-13)
         out[k] = total
@@ -83,7 +80,7 @@ def _line_integrals(a: Floats, b: Floats, x0: float, y0: float, dx: float, dy: f
 def _velocities(p: Floats, x0: float, y0: float, dx: float, dy: float, u: Floats, v: Floats) -> Floats:
     out = np.empty((len(p), 2))
     for k in range(len(p)):
-        out[k, 0], out[k, 1] = _at((p[k, 0] - x0) / dx, (p[k, 1] - y0) / dy, u, v)
+        out[k, 0], out[k, 1] = velocity_at((p[k, 0] - x0) / dx, (p[k, 1] - y0) / dy, u, v)
     return out
 
 
@@ -139,11 +136,3 @@ class Grid:
         axes = node_axes(self.origin, self.spacing, self.u.shape)
         write_netcdf(Path(folder) / name, *axes, fields, {"source": self.source, "crs": self.crs})
         return {"kind": "grid", "file": name}
-
-    @classmethod
-    def from_toml(cls, table: Mapping[str, Any], folder: Path, site: Site | None = None) -> Grid:
-        """Read the file of a ``[wind]`` table: NetCDF, or WindNinja's ``*_vel.asc`` beside its ``*_ang.asc``.
-
-        `units` says what a WindNinja file holds ("m/s", "mph", "kph" or "knots"; "m/s" where it is not given).
-        """
-        return cls(*read_wind(folder / table["file"], units=table.get("units"), site=site))

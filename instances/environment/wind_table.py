@@ -29,7 +29,7 @@ KINDS = {
     "sum": "instances.environment.wind_table:Sum",
     "vortices": "instances.environment.wind_vortices:Vortices",
     "turbulence": "instances.environment.wind_turbulence:Turbulence",
-    "grid": "instances.environment.wind_grid:Grid",
+    "grid": "instances.environment.wind_forecast:Forecast",
     "terrain": "instances.environment.wind_terrain:TerrainWind",
     "turning": "instances.environment.wind_changing:Turning",
     "valley": "instances.environment.wind_changing:Valley",

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from workbench.completing import FAMILY
 from workbench.options import COUNT, JSON, SEED
 from workbench.terminal import print_json
+
+if TYPE_CHECKING:
+    from instances import Instance
+    from instances.scenario import Scenario
+
+FORECAST_CELLS = 40
+"""Of the grid of a forecast, along the longer side of the region."""
 
 
 @click.command("generate")
@@ -19,6 +28,12 @@ from workbench.terminal import print_json
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the first.")
 @click.option("--set", "settings", multiple=True, metavar="KEY=VALUE", help="A parameter of the family; repeatable.")
 @click.option("--out", type=click.Path(path_type=Path), default=Path(), show_default="this folder", help="Folder.")
+@click.option(
+    "--forecast",
+    type=click.FloatRange(min=1e-3),
+    metavar="SECONDS",
+    help="Write the scenario, too, in a folder with its changing wind as a forecast: a frame every so many seconds.",
+)
 @JSON
 def command(
     family: str,
@@ -28,6 +43,7 @@ def command(
     seed: int,
     settings: tuple[str, ...],
     out: Path,
+    forecast: float | None,
     as_json: bool,
 ) -> None:
     """Make instances of FAMILY, one file each, and print their paths (workbench families lists families).
@@ -40,6 +56,7 @@ def command(
       workbench generate uniform --tasks 20 --uavs 3 --out instances
       workbench generate corridor --tasks 12 --count 5 --set wind=shear
       workbench generate wind-vortices --set vortices=2 --json
+      workbench generate wind-front --tasks 12 --forecast 600
     """
     from formulations.moving_cost.families import costed
     from instances.families import FAMILIES, check_family, make_scenario
@@ -62,8 +79,29 @@ def command(
             require_confirmed(instance, paths, scenario)
             write_scenario(scenario, path.with_suffix(".toml"))
             write_plan(instance, paths, path, path.with_suffix(".toml"))
-        made.append({"seed": number, "file": path, **instance.about()})
+        files = {"file": path}
+        if forecast is not None:
+            files["scenario"] = _as_forecast(scenario, instance, forecast, path.with_suffix(""))
+        made.append({"seed": number, **files, **instance.about()})
         if not as_json:
             click.echo(str(path))
     if as_json:
         print_json({"family": family, "parameters": parameters, "instances": made})
+
+
+def _as_forecast(scenario: Scenario, instance: Instance, step: float, folder: Path) -> Path:
+    """Write the scenario with its wind as a forecast, as far as the instance's clock reaches, and return its file."""
+    import numpy as np  # here: click must not wait for it
+
+    from instances.environment.wind_changing import ChangingWind
+    from instances.environment.wind_forecast import sampled
+    from instances.errors import InputError
+    from instances.scenario import write_scenario
+    from workbench.settings import make_folder
+
+    if instance.travel is None or not isinstance(scenario.wind, ChangingWind):
+        raise InputError(f"--forecast: the wind of {scenario.name} does not change with time")
+    times = np.arange(0.0, float(instance.travel.departures[-1]) + step, step)
+    path = make_folder(folder) / "scenario.toml"
+    write_scenario(replace(scenario, wind=sampled(scenario.wind, scenario.region, times, FORECAST_CELLS)), path)
+    return path

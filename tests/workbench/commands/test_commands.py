@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 
 from instances import Instance, makespan, tour_costs
+from instances.environment.wind_forecast import Forecast
 from instances.files import endings, read_instance, read_routes, write_instance, write_routes
+from instances.scenario import read_scenario
 from workbench.cli import main
 
 KEYS = (
@@ -215,6 +217,17 @@ def test_generate_is_reproducible(cli, tmp_path):
         drawn = read_instance(path)
         assert (drawn.n_tasks, drawn.n_depots) == (5, 2)
         assert drawn.asymmetry > 0
+
+
+def test_generate_writes_a_changing_wind_as_a_forecast(cli, tmp_path):
+    pytest.importorskip("xarray")
+    asked = ("--tasks", 4, "--depots", 2, "--forecast", 600, "--out", "given")
+    assert cli("generate", "wind-front", *asked)[0] == 0
+    wind = read_scenario(tmp_path / "given" / "wind-front-n4-m2-s0" / "scenario.toml").wind
+    assert isinstance(wind, Forecast)
+    assert wind.times[1] == 600.0
+    code, _, err = cli("generate", "uniform", *asked)
+    assert (code, "does not change with time" in err) == (2, True)
 
 
 def test_convert_there_and_back(cli, instance, instance_file, tmp_path):

@@ -34,32 +34,41 @@ class Fleet:
     endurance : L_k (m,) [s], +inf where unlimited, or None where all are.
     service : s_i (n,) [s] spent at each task, one number for all, or 0.
     returns : where tours end.
+    turning_radii : least turning radii (m,) [m], legs being Dubins paths between headings, or None where turns do not
+        count.
     """
 
     speeds: Floats | None = None
     endurance: Floats | None = None
     service: Floats | float = 0.0
     returns: Return = Return.OWN
+    turning_radii: Floats | None = None
 
     @property
     def alike(self) -> bool:
-        """Whether legs cost all UAVs what their paths do: one speed, no service, home to the own depot."""
-        return self.speeds is None and not np.any(self.service) and self.returns is Return.OWN
+        """Whether legs cost all UAVs what their paths do: one speed, no service, no turns, home to the own depot."""
+        plain = self.speeds is None and self.turning_radii is None and not np.any(self.service)
+        return plain and self.returns is Return.OWN
 
     def checked(self, n_tasks: int, n_depots: int) -> Fleet:
         """Return the fleet as arrays that fit a scenario of this size; InputError names what does not."""
-        speeds, endurance = (
+        speeds, endurance, radii = (
             _numbers(value, label, n_depots, "UAVs", positive=True)
-            for value, label in ((self.speeds, "speed [m/s]"), (self.endurance, "endurance [s]"))
+            for value, label in (
+                (self.speeds, "speed [m/s]"),
+                (self.endurance, "endurance [s]"),
+                (self.turning_radii, "turning_radius [m]"),
+            )
         )
-        if speeds is not None and np.isinf(speeds).any():
-            raise InputError(f"speed [m/s] must be finite, got {shown(speeds.tolist())}")
+        for finite, label in ((speeds, "speed [m/s]"), (radii, "turning_radius [m]")):
+            if finite is not None and np.isinf(finite).any():
+                raise InputError(f"{label} must be finite, got {shown(finite.tolist())}")
         one = isinstance(self.service, (int, float)) and not isinstance(self.service, bool)
         service = _numbers([self.service] if one else self.service, "service [s]", 1 if one else n_tasks, "tasks")
         assert service is not None
         if service.max() > extent.LARGEST:
             raise InputError(f"service [s] must be at most {extent.LARGEST:g}, got {shown(self.service)}")
-        return Fleet(speeds, endurance, float(service[0]) if one else service, Return(self.returns))
+        return Fleet(speeds, endurance, float(service[0]) if one else service, Return(self.returns), radii)
 
     def to_toml(self, n_depots: int) -> dict[str, Any]:
         """Return the keys of a scenario file with one depot for each UAV; none where all is as in the paper."""
@@ -68,12 +77,12 @@ class Fleet:
             table["service"] = self.service if isinstance(self.service, float) else self.service.tolist()
         if self.returns is not Return.OWN:
             table["return"] = str(self.returns)
-        if self.speeds is not None or self.endurance is not None:
+        if not (self.speeds is None and self.endurance is None and self.turning_radii is None):
             table["uav"] = [{"depot": k} | self._of_uav(k) for k in range(n_depots)]
         return table
 
     def _of_uav(self, k: int) -> dict[str, float]:
-        said = {"speed": self.speeds, "endurance": self.endurance}
+        said = {"speed": self.speeds, "endurance": self.endurance, "turning_radius": self.turning_radii}
         return {key: float(v[k]) for key, v in said.items() if v is not None and np.isfinite(v[k])}
 
 

@@ -253,11 +253,15 @@ def _fleet_of(said: ScenarioKeys, n_depots: int) -> tuple[Fleet, list[int]]:
     each = [uav for uav in uavs for _ in range(uav.count)]
     speeds = np.array([said.speed if uav.speed is None else uav.speed for uav in each])
     endurance = np.array([math.inf if uav.endurance is None else uav.endurance for uav in each])
+    radii = [uav.turning_radius for uav in each if uav.turning_radius is not None]
+    if radii and len(radii) < len(each):
+        raise InputError("[[uav]] turning_radius: give it for all UAVs or for none")
     return Fleet(
         None if (speeds == said.speed).all() else speeds,
         None if np.isinf(endurance).all() else endurance,
         np.array(said.service) if isinstance(said.service, list) else said.service,
         said.returns,
+        np.array(radii) if radii else None,
     ), at
 
 

@@ -43,11 +43,9 @@ def costed(scenario: Scenario, legs: Legs) -> tuple[Instance, Paths | None]:
 
 
 def _between_headings(scenario: Scenario) -> Instance:
-    """Return the instance of a dense survey: turning radius and headings are among the family's parameters."""
-    from formulations.moving_cost.turns.headings import headings  # here: numba takes its time
-    from formulations.moving_cost.turns.travel import Turns, turning_instance
+    """Return the instance of a dense survey: its headings are among the family's parameters."""
+    from formulations.moving_cost.turns.scenario import HeadingOptions, between_headings  # here: numba takes its time
 
-    said, points, n = scenario.provenance["parameters"], scenario.points, scenario.n_tasks
-    states = headings(points, n, uniform=said["headings"], sights=said["sights"])
-    turns = Turns(said["radius"], scenario.speed)
-    return turning_instance(scenario.name, points, n, turns, states, provenance=scenario.provenance)
+    said = scenario.provenance["parameters"]
+    options = HeadingOptions(said["headings"], said["sights"], depots=said["depot_headings"])
+    return between_headings(scenario, options)

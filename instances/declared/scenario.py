@@ -51,6 +51,14 @@ class UavTable(Table, frozen=True, kw_only=True):
     endurance: Annotated[
         Positive | None, about("of its battery, in seconds of cost; unlimited unless given", "s", example=3600.0)
     ] = None
+    turning_radius: Annotated[
+        Positive | None,
+        about(
+            "least radius of its turns: legs are then Dubins paths between headings; for all UAVs or for none",
+            "m",
+            example=120.0,
+        ),
+    ] = None
 
 
 class ScenarioKeys(Table, frozen=True, kw_only=True):
@@ -121,7 +129,8 @@ class ScenarioKeys(Table, frozen=True, kw_only=True):
     uav: Annotated[
         list[UavTable] | None,
         about(
-            "UAVs that differ: depot counts from 0, speed instead of the scenario's, endurance in seconds of cost",
+            "UAVs that differ: depot counts from 0, speed instead of the scenario's, endurance in seconds of cost, "
+            "turning_radius in metres",
             example=[{"depot": 0, "speed": 25.0, "endurance": 3600.0, "count": 1}],
             words="tables",
             given=False,

@@ -25,7 +25,7 @@ class Legs(Enum):
     OPEN = "the cheapest paths over open country, which may leave the region"
     STRAIGHT = "straight lines, whatever the wind"
     INSIDE = "the cheapest paths inside the region, around its no-fly zones"
-    TURNS = "Dubins paths between headings, in calm air"
+    TURNS = "Dubins paths between headings, in calm air or a steady wind"
 
 
 @dataclass(frozen=True)

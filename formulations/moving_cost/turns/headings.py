@@ -45,7 +45,14 @@ class HeadingStates:
 
 
 def headings(
-    points: Floats, n_tasks: int, *, uniform: int = 16, sights: int = 0, tangents: int = 0, free_depots: bool = True
+    points: Floats,
+    n_tasks: int,
+    *,
+    uniform: int = 16,
+    sights: int = 0,
+    tangents: int = 0,
+    free_depots: bool = True,
+    drift: tuple[float, float] = (0.0, 0.0),
 ) -> HeadingStates:
     """Return the heading states of tasks and depots.
 
@@ -54,6 +61,7 @@ def headings(
     sights : nearest nodes whose lines of sight are headings, there and back.
     tangents : nearest nodes the chords between any two of which are headings, there and back.
     free_depots : whether depots have one state, any heading; else they have headings as tasks do.
+    drift : a steady wind over the airspeed: headings are those of the air, by which sights and chords are flown along.
     """
     if uniform < 0 or sights < 0 or tangents < 0 or uniform + sights + (tangents > 1) == 0:
         raise InputError(f"a task needs a heading: uniform, sights and tangents are {uniform}, {sights} and {tangents}")
@@ -66,7 +74,9 @@ def headings(
         away = points - points[node]
         near = np.argsort(np.hypot(*away.T), kind="stable")
         near = near[np.hypot(*away[near].T) > 0]
-        found = np.concatenate([grid, _along(away[near[:sights]]), _along(_chords(points[near[:tangents]]))])
+        found = np.concatenate(
+            [grid, _along(away[near[:sights]], drift), _along(_chords(points[near[:tangents]]), drift)]
+        )
         each.append(_distinct(found) if len(found) else np.zeros(1))
     widths = [
         np.full(len(lows), 2 * np.pi if node >= n_tasks and free_depots else 0.0) for node, lows in enumerate(each)
@@ -90,10 +100,11 @@ def _states(lows: list[Floats], widths: list[Floats]) -> HeadingStates:
     return HeadingStates(nodes, np.concatenate(lows), np.concatenate(widths))
 
 
-def _along(vectors: Floats) -> Floats:
-    """Return the directions [rad] of vectors (k, 2), and the opposite ones."""
+def _along(vectors: Floats, drift: tuple[float, float]) -> Floats:
+    """Return the headings [rad] by which a UAV that drifts flies along vectors (k, 2), and back along them."""
     there = np.arctan2(vectors[:, 1], vectors[:, 0])
-    return np.concatenate([there, there + np.pi])
+    both = np.concatenate([there, there + np.pi])
+    return both - np.arcsin(drift[1] * np.cos(both) - drift[0] * np.sin(both))  # the wind triangle
 
 
 def _chords(points: Floats) -> Floats:

@@ -2,6 +2,8 @@
 
     c[(i, a), (j, b)] = L((P_i, h_a) → (P_j, h_b)) / v
 
+In a steady wind headings are those of the air, v is the airspeed and L the way through the air (`wind`).
+
 With headings the instance is the discretised problem: its routes can be flown in the time that they cost. With sectors
 that cover all headings the same legs at interval lengths are a relaxation: its optimum is below that of every choice
 of headings (Manyam & Rathinam, arXiv 1506.08752), and reaches it like 1/H in the number H of sectors.
@@ -9,6 +11,7 @@ of headings (Manyam & Rathinam, arXiv 1506.08752), and reaches it like 1/H in th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +20,7 @@ import numpy as np
 
 from formulations.moving_cost.turns.headings import HeadingStates, sectors
 from formulations.moving_cost.turns.interval import interval_lengths
+from formulations.moving_cost.turns.wind import wind_lengths
 from instances import Instance, Travel
 from instances.arrays import Floats
 from instances.errors import InputError
@@ -28,14 +32,35 @@ KEY = "turns"
 
 @dataclass(frozen=True)
 class Turns:
-    """How a UAV turns: its least turning radius [m] and its speed [m/s]."""
+    """How a UAV turns: its least turning radius [m], its speed through the air [m/s] and the steady wind [m/s]."""
 
     radius: float
     speed: float
+    wind: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         positive(self.radius, "radius [m]")
         positive(self.speed, "speed [m/s]")
+        if not (strength := math.hypot(*self.wind)) < self.speed:
+            raise InputError(
+                f"wind: it blows with {strength:.3g} m/s, not less than the airspeed of {self.speed:.3g} m/s: nobody "
+                "gets everywhere in it"
+            )
+
+    @property
+    def drift(self) -> tuple[float, float]:
+        """The wind over the airspeed."""
+        return self.wind[0] / self.speed, self.wind[1] / self.speed
+
+    @property
+    def calm(self) -> bool:
+        """Whether there is no wind."""
+        return self.wind == (0.0, 0.0)
+
+    def lengths(self, points: Floats, states: HeadingStates) -> Floats:
+        """Return the lengths [m] through the air of the quickest legs between states at `points` [m], (S, S)."""
+        said = np.asarray(points, dtype=float), states.nodes, states.lows, states.widths, self.radius
+        return interval_lengths(*said) if self.calm else wind_lengths(*said, *self.drift)
 
 
 def turning_instance(
@@ -50,24 +75,34 @@ def turning_instance(
 ) -> Instance:
     """Return the instance of tasks, then depots at `points` [m], (N, 2), flown over with `states`.
 
-    closed : whether a UAV must land with the heading it took off with.
+    closed : whether a UAV must land with the heading it took off with. In wind states have one heading or any.
     """
-    length = interval_lengths(np.asarray(points, dtype=float), states.nodes, states.lows, states.widths, turns.radius)
+    length = turns.lengths(points, states)
     m = len(points) - n_tasks
     travel = Travel((length / turns.speed)[None, None], np.zeros(m, dtype=np.int64), nodes=states.nodes, closed=closed)
+    return Instance.of_travel(
+        name, travel, n_tasks, coordinates=points, provenance={**(provenance or {}), **said_of(turns, states)}
+    )
+
+
+def said_of(turns: Turns, states: HeadingStates) -> dict[str, Any]:
+    """Return what an instance's provenance says of its turns and headings, for `turns_of`."""
     free = states.widths > 0
     said = {
         "radius": turns.radius,
         "speed": turns.speed,
         "headings": [None if any_ else heading for heading, any_ in zip(states.lows.tolist(), free, strict=True)],
     }
-    return Instance.of_travel(name, travel, n_tasks, coordinates=points, provenance={**(provenance or {}), KEY: said})
+    return {KEY: said | ({} if turns.calm else {"wind": list(turns.wind)})}
 
 
 def turns_of(instance: Instance) -> tuple[Turns, HeadingStates] | None:
-    """Return how the UAVs of an instance turn and the headings of its states; None where it does not say so."""
+    """Return how the UAVs of an instance turn in calm air and the headings of its states; None where not told.
+
+    That is what bounds start from, which know no wind yet: None in wind, too.
+    """
     said = instance.provenance.get(KEY)
-    if not isinstance(said, Mapping) or instance.travel is None or instance.coordinates is None:
+    if not isinstance(said, Mapping) or "wind" in said or instance.travel is None or instance.coordinates is None:
         return None
     try:
         turns = Turns(said["radius"], said["speed"])

@@ -35,7 +35,7 @@ import numpy as np
 from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.columns.fixing import fix_legs
-from formulations.routing.columns.labelling import keep_best, make_store
+from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pool import Pool, list_tours
@@ -89,7 +89,7 @@ class BranchAndPrice(RecordedSolver):
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (about a minute the first time, then cached): use each once, on six tasks in a circle."""
         Memetic().prepare(instance)
-        keep_best(make_store(3, 8), 2, 0, 4)
+        make_store(3, 8).keep_best(2, 0, 4)
         angle = np.arange(7.0)
         place = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         place[6] = 0.0

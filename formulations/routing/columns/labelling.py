@@ -13,7 +13,7 @@ Sets are rows of ⌈n/64⌉ unsigned words, so n has no limit. (V, last) are fou
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,7 @@ _LESS = 2.0  # how much less than there will be is projected, for tours of ten t
 
 
 class Store(NamedTuple):
-    """Room for labels, used again by every search; `slots` is the hash table."""
+    """Room for labels, used again by every search; `slots` is the hash table. The methods are those of `Labels`."""
 
     visited: NDArray[np.uint64]
     last: NDArray[np.int16]
@@ -48,6 +48,47 @@ class Store(NamedTuple):
     bound: Floats
     parent: NDArray[np.int32]
     slots: NDArray[np.int32]
+
+    @property
+    def room(self) -> int:
+        """How many labels there may be."""
+        return self.last.size
+
+    def of_uav(self, k: int) -> Store:
+        """Return the room for labels of UAV k."""
+        return self
+
+    def depart(self, problem: Subproblem, threshold: float) -> int:
+        """Make the labels of one task and return how many there are."""
+        return int(_depart(problem, self, threshold))
+
+    def expand(
+        self, problem: Subproblem, threshold: float, low: int, high: int, free: int, room: int
+    ) -> tuple[bool, int]:
+        """Extend labels low..high−1 by every task; return whether `room` labels are too few, and the next free one."""
+        full, free = _expand(problem, self, threshold, low, high, free, room)
+        return full, free
+
+    def keep_best(self, beam: int, begin: int, end: int) -> int:
+        """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
+        return int(_keep(self, beam, begin, end, _limit(self.bound, beam, begin, end)))
+
+    def tours(self, problem: Subproblem, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
+        """Return where tours below the threshold end in a layer, their reduced costs and costs [s]."""
+        ends, values, costs = _tours(problem, self, threshold, begin, end)
+        return ends, values, costs
+
+    def clear(self, begin: int, end: int) -> None:
+        """Take the labels begin..end−1, which are all that is in it, out of the hash table."""
+        _clear(self.visited, self.last, self.slots, begin, end)
+
+    def sets(self, ends: Ints) -> NDArray[np.uint64]:
+        """Return the tasks visited by tours that end there, (p, words)."""
+        return self.visited[ends]
+
+    def orders(self, found: Found) -> tuple[Orders, Ints]:
+        """Return the flying orders of what was found, and where in them its tours end."""
+        return Orders(self.last[: found.labels], self.parent[: found.labels]), found.ends
 
 
 class Subproblem(NamedTuple):
@@ -76,12 +117,54 @@ class Orders(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Tours found: the labels they end in and their reduced costs [s], labels used, whether nothing was cut off."""
+    """Tours found: where they end, reduced costs and costs [s], sets (p, words), labels used, whether these are all."""
 
     ends: Ints
     values: Floats
+    costs: Floats
+    visited: NDArray[np.uint64]
     labels: int
     complete: bool
+
+    def best(self, most: int) -> Found:
+        """Return the `most` tours of least reduced cost, the least first."""
+        chosen = np.argsort(self.values, kind="stable")[:most]
+        kept = self.ends[chosen], self.values[chosen], self.costs[chosen], self.visited[chosen]
+        return Found(*kept, self.labels, self.complete)
+
+
+class Labels(Protocol):
+    """Labels of one kind and what is done with them in a search, layer by layer: `Store` describes each method."""
+
+    @property
+    def room(self) -> int:
+        """How many labels there may be."""
+
+    def of_uav(self, k: int) -> Labels:
+        """Return the room for labels of UAV k."""
+
+    def depart(self, problem: Subproblem, threshold: float) -> int:
+        """Make the labels of one task and return how many there are."""
+
+    def expand(
+        self, problem: Subproblem, threshold: float, low: int, high: int, free: int, room: int
+    ) -> tuple[bool, int]:
+        """Extend labels low..high−1 by every task."""
+
+    def keep_best(self, beam: int, begin: int, end: int) -> int:
+        """Keep the `beam` labels of smallest bound of a layer."""
+
+    def tours(self, problem: Subproblem, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
+        """Return where tours below the threshold end in a layer, their reduced costs and costs [s]."""
+
+    def clear(self, begin: int, end: int) -> None:
+        """Empty the hash table."""
+
+    def sets(self, ends: Ints) -> NDArray[np.uint64]:
+        """Return the tasks visited by tours that end there."""
+
+    def orders(self, found: Found) -> tuple[Orders, Ints]:
+        """Return the flying orders of what was found, and where in them its tours end."""
 
 
 def make_store(n_tasks: int, room: int) -> Store:
@@ -103,7 +186,7 @@ def path(labels: Orders | Store, label: int) -> tuple[int, ...]:
 
 def search(
     problem: Subproblem,
-    store: Store,
+    store: Labels,
     threshold: float,
     out_of_time: Clock,
     *,
@@ -116,36 +199,34 @@ def search(
     Not all of them where a layer is cut off at `beam` labels, or `labels` in all or `tours` are too few. Where `labels`
     are clearly not going to be enough it ends at once.
     """
-    room = min(labels or store.last.size, store.last.size)
-    ends, values, listed, complete = [], [], 0, True
-    begin, end = 0, _depart(problem, store, threshold)
+    room = min(labels or store.room, store.room)
+    layers_found, listed, complete = [], 0, True
+    begin, end = 0, store.depart(problem, threshold)
     layers = [end]
     while end > begin:
         if beam is not None and end - begin > beam:
             complete = False
-            end = keep_best(store, beam, begin, end)
-        layer_ends, layer_values = _tours(problem, store, threshold, begin, end)
-        ends.append(layer_ends)
-        values.append(layer_values)
-        listed += layer_ends.size
+            end = store.keep_best(beam, begin, end)
+        layers_found.append(store.tours(problem, threshold, begin, end))
+        listed += layers_found[-1][0].size
         free, stopped = end, listed > tours
         for low in range(begin, end, _CHUNK):
             if stopped or out_of_time():
                 stopped = True
                 break
-            stopped, free = _expand(problem, store, threshold, low, min(low + _CHUNK, end), free, room)
-        _clear(store, end, free)
+            stopped, free = store.expand(problem, threshold, low, min(low + _CHUNK, end), free, room)
+        store.clear(end, free)
         layers.append(free - end)
         if stopped or (labels is not None and end + _LESS * _projected(layers) > room):
             complete = False
             break
         begin, end = end, free
-    if not ends:
-        return Found(np.zeros(0, np.int64), np.zeros(0), 0, True)
-    at, value = np.concatenate(ends), np.concatenate(values)
-    slots = _cheapest_of_each_set(at, value, store.visited)
+    none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
+    at, value, cost = (np.concatenate(parts) for parts in zip(none, *layers_found, strict=True))
+    visited = store.sets(at)
+    slots = _cheapest_of_each_set(cost, visited)
     chosen = np.sort(slots[slots >= 0])
-    return Found(at[chosen], value[chosen], end, complete)
+    return Found(at[chosen], value[chosen], cost[chosen], visited[chosen], end, complete)
 
 
 def _projected(layers: list[int]) -> float:
@@ -292,24 +373,24 @@ def _expand(
 
 
 @njit(cache=True)
-def _clear(store: Store, begin: int, end: int) -> None:
+def _clear(
+    visited: NDArray[np.uint64], last: NDArray[np.int16], slots: NDArray[np.int32], begin: int, end: int
+) -> None:
     """Take the labels begin..end−1, which are all that is in it, out of the hash table."""
-    slots = store.slots
     mask = slots.size - 1
     if (end - begin) * 8 > slots.size:
         slots[:] = -1
         return
     for label in range(begin, end):
-        slot = _hash(store.visited[label], store.last[label], mask)
+        slot = _hash(visited[label], last[label], mask)
         while slots[slot] >= 0:
             slots[slot] = -1
             slot = (slot + 1) & mask
 
 
-def keep_best(store: Store, beam: int, begin: int, end: int) -> int:
-    """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
-    limit = float(np.partition(store.bound[begin:end], beam - 1)[beam - 1])
-    return _keep(store, beam, begin, end, limit)
+def _limit(bound: Floats, beam: int, begin: int, end: int) -> float:
+    """Return the bound [s] that the `beam` best labels of a layer do not pass."""
+    return float(np.partition(bound[begin:end], beam - 1)[beam - 1])
 
 
 @njit(cache=True)
@@ -328,30 +409,30 @@ def _keep(store: Store, beam: int, begin: int, end: int, limit: float) -> int:
 
 
 @njit(cache=True)
-def _tours(problem: Subproblem, store: Store, threshold: float, begin: int, end: int) -> tuple[Ints, Floats]:
-    """Return the labels of a layer that can fly home for less than the threshold, and at what reduced cost."""
-    ends, values, found = np.empty(end - begin, np.int64), np.empty(end - begin), 0
+def _tours(problem: Subproblem, store: Store, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
+    """Return the labels of a layer that can fly home for less than the threshold, their reduced costs and costs [s]."""
+    ends, values, costs, found = np.empty(end - begin, np.int64), np.empty(end - begin), np.empty(end - begin), 0
     for label in range(begin, end):
         whole = store.cost[label] + problem.legs.home[store.last[label]]
         value = problem.sigma * whole - store.gain[label]
         if whole <= problem.cap and value < threshold:
-            ends[found], values[found] = label, value
+            ends[found], values[found], costs[found] = label, value, whole
             found += 1
-    return ends[:found].copy(), values[:found].copy()
+    return ends[:found].copy(), values[:found].copy(), costs[:found].copy()
 
 
 @njit(cache=True)
-def _cheapest_of_each_set(labels: Ints, values: Floats, visited: NDArray[np.uint64]) -> Ints:
-    """Return a table of the positions in `labels` of the tour of least value of every set visited, and of −1."""
+def _cheapest_of_each_set(costs: Floats, visited: NDArray[np.uint64]) -> Ints:
+    """Return a table of the tours of least cost of every set visited, and of −1."""
     size = 16
-    while size < 2 * labels.size:
+    while size < 2 * costs.size:
         size *= 2
     slots = np.full(size, -1, np.int64)
-    for t in range(labels.size):
-        words = visited[labels[t]]
+    for t in range(costs.size):
+        words = visited[t]
         slot = _hash(words, 0, size - 1)
-        while slots[slot] >= 0 and not _same(visited[labels[slots[slot]]], words):
+        while slots[slot] >= 0 and not _same(visited[slots[slot]], words):
             slot = (slot + 1) & (size - 1)
-        if slots[slot] < 0 or values[t] < values[slots[slot]]:
+        if slots[slot] < 0 or costs[t] < costs[slots[slot]]:
             slots[slot] = t
     return slots

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from formulations.routing.columns.cuts import Cut
-from formulations.routing.columns.labelling import Store
+from formulations.routing.columns.labelling import Labels
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool
@@ -33,7 +33,7 @@ class Workspace:
     """
 
     out_of_time: Callable[[], bool]
-    store: Store
+    store: Labels
     tours_room: int
     plain: Efforts
     cutting: Efforts

@@ -200,15 +200,14 @@ def list_tours(pool: Pool, pricer: Pricer, at: DualBound, labels: int, room: int
 
     It ends at the first UAV that takes more than `labels` labels, or at `room` tours in all.
     """
-    s, allowed = pricer.store, at.allowed(pricer.cap)
+    allowed = at.allowed(pricer.cap)
     n_legs = np.isfinite(pricer.legs.between).sum(axis=(1, 2))
     for k in sorted(np.flatnonzero(~pool.listed).tolist(), key=lambda k: int(n_legs[k])):
         problem, threshold = pricer.subproblem(k, at.duals), float(allowed[k])
-        found = search(problem, s, threshold, pricer.out_of_time, labels=labels, tours=room - pool.size)
+        store = pricer.store.of_uav(k)
+        found = search(problem, store, threshold, pricer.out_of_time, labels=labels, tours=room - pool.size)
         if not found.complete:
             return pool, found.labels
-        ends = found.ends
-        cost = s.cost[ends] + problem.legs.home[s.last[ends]]
-        orders = Orders(s.last[: found.labels].copy(), s.parent[: found.labels].copy())
-        pool = pool.listing(k, s.visited[ends], cost, ends, orders)
+        orders, ends = store.orders(found)
+        pool = pool.listing(k, found.visited, found.costs, ends, Orders(orders.last.copy(), orders.parent.copy()))
     return pool, 0

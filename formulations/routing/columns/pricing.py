@@ -22,7 +22,7 @@ import numpy as np
 
 from formulations.routing.columns.completion import Bins, Memory, completion
 from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task, incidence
-from formulations.routing.columns.labelling import Clock, Store, Subproblem, least_of_all, never, path, search
+from formulations.routing.columns.labelling import Clock, Labels, Subproblem, least_of_all, never, path, search
 from formulations.routing.columns.legs import Legs
 from instances.arrays import Floats
 
@@ -148,7 +148,7 @@ class Pricer:
     wanted = 40
     """Columns of a UAV worth adding at once."""
 
-    def __init__(self, legs: Legs, cap: float, effort: Effort, store: Store, out_of_time: Clock = never) -> None:
+    def __init__(self, legs: Legs, cap: float, effort: Effort, store: Labels, out_of_time: Clock = never) -> None:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
         self.n_uavs, self.caps = legs.n_uavs, legs.caps(cap)
         self._bins: dict[int, Bins] = {}
@@ -186,16 +186,14 @@ class Pricer:
         least = least_of_all(problem)
         if least >= threshold:
             return Priced(least, [], True)
-        found = search(problem, self.store, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
+        labels = self.store.of_uav(k)
+        found = search(problem, labels, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
         if found.complete:
             least = max(least, float(found.values.min(initial=threshold)))
-        chosen = np.argsort(found.values, kind="stable")[: self.wanted]
-        return Priced(least, [self.column(k, int(found.ends[t])) for t in chosen], found.complete)
-
-    def column(self, k: int, label: int) -> Column:
-        """Return the tour that ends with `label`."""
-        s = self.store
-        return Column(k, path(s, label), float(s.cost[label] + self.legs.home[k, s.last[label]]))
+        best = found.best(self.wanted)
+        orders, ends = labels.orders(best)
+        columns = [Column(k, path(orders, int(e)), float(c)) for e, c in zip(ends, best.costs, strict=True)]
+        return Priced(least, columns, found.complete)
 
 
 class Efforts(NamedTuple):

@@ -25,7 +25,7 @@ from instances.utilisation import endurance_margins, utilisation
 from reports.foreign import claim_without_routes, is_mere_claim
 from reports.order import naturally
 from reports.proofs import holds
-from reports.record import ITEM_FILES, RUN, Run, described, read_json, read_run
+from reports.record import ITEM_FILES, PART_FILES, RUN, Run, described, read_json, read_run
 from reports.tolerances import RELATIVE_ROUNDING
 
 FRAME = (
@@ -130,8 +130,9 @@ def read_runs(*folders: Path | str, problem: str) -> tuple[dict[Path, Run], list
 
 
 def _runs_in(folder: Path, names: list[str], problem: str, damaged: list[str]) -> Iterator[tuple[Path, Run]]:
+    others = {*ITEM_FILES[problem], *PART_FILES.get(problem, ()), "study.json"}
     for name in names:
-        if not name.endswith(".json") or name in (*ITEM_FILES[problem], "study.json"):
+        if not name.endswith(".json") or name in others:
             continue
         try:
             run = read_run(folder / name)

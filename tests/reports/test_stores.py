@@ -6,12 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from shapely.geometry import Polygon, box
 
 from instances import InputError, Instance, makespan, tour_costs
+from instances.environment.region import Region
 from instances.files import read_instance
+from instances.scenario import Scenario
 from reports import load
 from reports.columns import listed_runs
-from reports.stores import COLUMNS, read_stores, short_labels
+from reports.stores import COLUMNS, read_runs, read_stores, short_labels
+from workbench.jobs.job import folder_of
+from workbench.problems.moving_cost import MOVING_COST, MovingCostItem
 
 
 def test_a_row_a_run_with_recomputed_value(make_store):
@@ -98,6 +103,20 @@ def test_several_limits_make_several_methods(make_store):
     record = json.loads(path.read_text()) | {"time_limit": 60.0}
     path.with_name("ga-default-s0-t60.json").write_text(json.dumps(record))
     assert {"ga @ 10 s", "ga @ 60 s", "greedy"} <= set(load(root)["method"])
+
+
+def test_region_and_zones_of_a_scenario_are_part_of_it_and_no_damaged_runs(tmp_path):
+    region, zone = Region(Polygon([(0, 0), (900, 50), (400, 800)])), box(390, 200, 420, 230)
+    depots, tasks = np.array([[100.0, 20.0]]), np.array([[400.0, 500.0]])
+    scenario = Scenario("s", region, depots, 20.0, tasks=tasks, no_fly=[zone])
+    item = MovingCostItem(scenario, None)
+    (tmp_path / folder_of(item)).mkdir()
+    MOVING_COST.write(item, tmp_path / folder_of(item))
+    assert {"scenario-region.json", "scenario-no-fly.json"} <= {path.name for path in tmp_path.glob("*/*")}
+    assert read_runs(tmp_path, problem="moving-cost") == ({}, [])
+    assert MOVING_COST.check(tmp_path)[1] == []
+    (tmp_path / folder_of(item) / "other.json").write_text("{}")
+    assert "other.json" in read_runs(tmp_path, problem="moving-cost")[1][0]
 
 
 def test_missing_folder_is_an_input_error(tmp_path):

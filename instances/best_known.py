@@ -29,9 +29,14 @@ class BestKnown:
     bound: float | None
     source: str
 
+    @property
+    def rounding(self) -> float:
+        """By how much the value may have been rounded [s]: half a unit of the third decimal that sources give."""
+        return 5e-4 + 1e-9 * abs(self.best_known)
+
     def reached(self, objective: float) -> bool:
-        """Return whether `objective` is as good, within the half unit of the third decimal sources round to."""
-        return objective <= self.best_known + 5e-4 + 1e-9 * abs(self.best_known)
+        """Return whether `objective` is as good, within the rounding."""
+        return objective <= self.best_known + self.rounding
 
 
 def best_known(digest: str) -> BestKnown | None:
@@ -43,10 +48,11 @@ def best_known(digest: str) -> BestKnown | None:
 def table() -> Mapping[str, BestKnown]:
     """Return the whole table by digest."""
     text = files("instances").joinpath("data/best_known.csv").read_text(encoding="utf-8")
-    return MappingProxyType({row["digest"]: _row(row) for row in csv.DictReader(text.splitlines())})
+    return MappingProxyType({row["digest"]: entry(row) for row in csv.DictReader(text.splitlines())})
 
 
-def _row(row: dict[str, str]) -> BestKnown:
+def entry(row: Mapping[str, str]) -> BestKnown:
+    """Return what a row of the table says; KeyError or ValueError where it says nothing."""
     return BestKnown(
         row["instance"],
         row["digest"],

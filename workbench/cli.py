@@ -34,6 +34,7 @@ COMMANDS = {
     "mission": "run the paper's whole chain",
     "figures": "draw the paper's Figs. 1 and 2",
     "import": "take results of other programs into a store",
+    "record": "keep a record book of best known values",
     "status": "say how far a study has got",
     "watch": "serve a local page of a study as it runs",
     "solvers": "list solvers and their options",

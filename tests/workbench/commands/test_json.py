@@ -37,6 +37,7 @@ TYPED = {
     "init": "init study",
     "warmup": "warmup greedy",
     "import": "import a.sol --into runs --instance r4-2-0 --solver LKH --elapsed 1 --time-limit 5",
+    "record": "record runs --book records --add",
     "schema": "schema study",
     "completion": "completion bash",
 }

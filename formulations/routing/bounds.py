@@ -10,8 +10,8 @@ destructive    the largest cap found at which that relaxation is impossible (``c
 straight, headings
                in place of the last four where nodes have several states (``state_bounds.py``)
 
-Where costs change with time all are those of the instance whose legs are minimised over time windows
-(``time_windows.py``), which no routes better than those known take less than.
+Where costs change with time the last three carry the clock; the others are those of the instance whose legs are
+minimised over time windows (``time_windows.py``), which no routes better than those known take less than.
 """
 
 from __future__ import annotations
@@ -63,9 +63,7 @@ class Bound:
 def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0) -> Iterator[Bound]:
     """Yield every bound of `instance` as it is ready; `time_limit` [s] is that of each."""
     upper = _upper(instance)
-    if "time" in instance.axes:
-        instance = windowed(instance, upper)
-    plain = stateless(instance)
+    plain = stateless(windowed(instance, upper) if "time" in instance.axes else instance)
     for name, bound in SIMPLE.items():
         began = time.perf_counter()
         value = bound(plain, upper)
@@ -77,7 +75,9 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
         yield from _of_states(instance, upper, time_limit, seed)
         return
     for solver in ROOTS:
-        root, upper = _root(solver, instance, upper, time_limit, seed)
+        given = instance if refusal(make_solver(solver), instance) is None else plain
+        root, found = _root(solver, given, upper, time_limit, seed)
+        upper = found if given is instance else upper
         yield root
     if refusal(BranchAndPrice(), instance) is None:
         yield from _columns(instance, upper, time_limit)

@@ -16,7 +16,8 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 
 UAVs may differ in costs and endurance L_k: P_k are then the tours that UAV k can fly, of cost ≤ L_k. While no routes
 are known the cap is a cost that no routes pass (`simple_bounds.worst_makespan`), and a tree that ends without routes
-proves that there are none.
+proves that there are none. Where costs change with time, they are the clock: labels keep arrivals, and legs in bins are
+those of their time (`columns/courses.py`).
 
 Strong where tours are short (n/m up to about 20). Sources: Baldacci, Mingozzi, Roberti (Oper. Res. 59, 2011) for
 ng-routes and enumeration; Contardo & Martinelli (Discrete Optim. 12, 2014) for cutting over a listed pool.
@@ -46,13 +47,16 @@ from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.simple_bounds import SIMPLE, worst_makespan
 from formulations.routing.solver import Result
-from instances import InputError, Instance, tour_costs
+from formulations.routing.time_windows import windowed
+from instances import InputError, Instance, Travel, tour_costs
 
 TOLERANCE = 1e-7
 """Of the longest tour: routes better by less are neither looked for nor excluded."""
 
 MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
+_MOST_LEGS_BY_CLOCK = 50_000
+"""The same where costs change with time: their legs are kept for every bin, which fills about 1 GB."""
 _WIDE = 0.05  # gap left after a third of the time above which bisection gets the next third
 
 
@@ -72,7 +76,7 @@ class BranchAndPrice(RecordedSolver):
     tours: int = 3_000_000
 
     proves: ClassVar[bool] = True
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time"})
 
     def __post_init__(self) -> None:
         for label, least in (("starts", 0), ("bins", 1), ("labels", 1000), ("tours", 100)):
@@ -82,9 +86,10 @@ class BranchAndPrice(RecordedSolver):
     def accepts(self, instance: Instance) -> str | None:
         """Refuse instances whose completion bounds take longer than a time limit may be overrun, or much memory."""
         n, m = instance.n_tasks, instance.n_depots
-        if n <= MOST_TASKS and m * n * n <= _MOST_LEGS:
+        most = _MOST_LEGS_BY_CLOCK if "time" in instance.axes else _MOST_LEGS
+        if n <= MOST_TASKS and m * n * n <= most:
             return None
-        return f"columns take at most {MOST_TASKS} tasks and {_MOST_LEGS} legs (m·n²), not {n} and {m * n * n}"
+        return f"columns take at most {MOST_TASKS} tasks and {most} legs (m·n²), not {n} and {m * n * n}"
 
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (about a minute the first time, then cached): use each once, on six tasks in a circle."""
@@ -96,6 +101,9 @@ class BranchAndPrice(RecordedSolver):
         circle = Instance("circle", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 6, 1)
         if instance.axes:
             Memetic().prepare(circle)  # part of a fleet may be alike, for which other kernels are compiled
+        if "time" in instance.axes:
+            travel = Travel(np.repeat(circle.cost[None, None], 2, axis=1), np.array([0]), np.array([0.0, 1.0]))
+            circle = Instance.of_travel("circle", travel, 6)
         cap, tours = 10.0, [(0, 1, 2), (2, 3, 4), (0, 4, 5)]
         cuts = tuple(separate(tours, np.full(3, 0.9), 6, set(), 5)) or ((0, 2, 4),)
         duals = Duals(np.ones(6), np.ones(1), np.zeros(1), np.full(len(cuts), 0.1), cuts)
@@ -120,16 +128,19 @@ class BranchAndPrice(RecordedSolver):
         "proof" without routes proves that there are none. The incumbent may also be improved from outside meanwhile,
         whenever the recorder is asked for the time left.
         """
-        most = worst_makespan(recorder.instance) if recorder.instance.restricted else np.inf
+        instance = recorder.instance
+        most = worst_makespan(instance) if instance.restricted else np.inf
+        upper = min(recorder.objective, most)
+        plain = windowed(instance, upper) if "time" in instance.axes else instance
         for simple_bound in SIMPLE.values():
-            recorder.raise_bound(simple_bound(recorder.instance, min(recorder.objective, most)))
+            recorder.raise_bound(simple_bound(plain, upper))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
             return StoppedBy.PROOF.value, {}
-        n, limits = recorder.instance.n_tasks, recorder.limits
+        n, limits = instance.n_tasks, recorder.limits
         store = make_store(n, min(self.labels, max(1000, n << min(n, 40))))  # no more than all sets and last tasks
-        legs = Legs.of(recorder.instance)
+        legs = Legs.of(instance)
         patience = _Patience(recorder)
-        far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=recorder.instance.cost.max())
+        far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
         work = Workspace(patience.over, store, self.tours, *efforts(n, self.bins), far)
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
@@ -142,7 +153,7 @@ class BranchAndPrice(RecordedSolver):
                 # the tree has far to go from a gap as wide as this
                 patience.share(1 / 2)
                 lower, upper = recorder.bound, min(recorder.objective, most)
-                for bound in destructive_bounds(recorder.instance, lower, upper, patience.over, from_top=False):
+                for bound in destructive_bounds(instance, lower, upper, patience.over, from_top=False):
                     recorder.raise_bound(bound)
             patience.share(1)
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])

@@ -165,7 +165,7 @@ class Solver(Protocol):
 ABLE = {
     "fleet": "memetic and exact can",
     "endurance": "memetic and exact can",
-    "time": "subset-dp, memetic, ruin-recreate, ga and greedy can",
+    "time": "branch-and-price, subset-dp, memetic, ruin-recreate, ga and greedy can",
     "states": "memetic and subset-dp can",
 }
 """Who to turn to, for each axis of an instance."""

@@ -66,7 +66,7 @@ class Pricer:
         """Return the pricing problem of group g, completion bounds included."""
         legs, cap = self.groups[g].legs, self.groups[g].cap
         watch = Watch.of(self.memory.near, duals.cuts, duals.rho, self.effort.watch)
-        best = completion(legs, self._bins[g], self.memory, watch, duals.price, 0.0)
+        best = completion(self._bins[g], self.memory, watch, duals.price, 0.0)
         return Subproblem(legs, cap, self._bins[g], self.memory, watch, duals.price, 0.0, duals.by_task, best)
 
     def price(self, g: int, duals: Duals, threshold: float) -> Priced:

@@ -1,11 +1,12 @@
 """Plans that know no clock against plans that do, and the speed of the searches by the clock.
 
-    python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss] [speed] [optima]
+    python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss] [speed] [optima] [proofs]
 
 Sections: loss (40 tasks, 3 UAVs at the paper's depots, winds that turn: what the plan for the wind of take-off
 promised, what it takes, what it takes with every tour in its better direction, what `memetic` by the clock finds;
 losses against the latter, beside those once measured), speed (steps a second of the annealing by the clock and of the
-static one), optima (`memetic` against `subset-dp`). One thread; seconds are those of each search.
+static one), optima (`memetic` against `subset-dp`), proofs (`branch-and-price` in turning winds). One thread; seconds
+are those of each search.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.schedule import Schedule
 from formulations.routing.search.tours import duplicate, sum_costs
+from formulations.routing.solver import Status
 from instances import Instance, Routes, makespan
 
 Case = tuple[float, float, float]
@@ -117,7 +119,27 @@ def optima(args: argparse.Namespace) -> None:
     print(f"optimum found in {hits} of 20, bar: 20")
 
 
-SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {"loss": loss, "speed": speed, "optima": optima}
+def proofs(args: argparse.Namespace) -> None:
+    """Print what branch-and-price takes to a proof, 60 s at most."""
+    for n, m in ((20, 2), (20, 3), (20, 4), (30, 3), (40, 3)):
+        seconds, proved = [], 0
+        for seed in range(max(args.seeds, 10)):
+            instance, solver = generate("wind-turning", n, m, seed), make_solver("branch-and-price")
+            solver.prepare(instance)
+            began = time.process_time()
+            result = solver.solve(instance, limits=Limits(time=60), seed=0)
+            seconds.append(time.process_time() - began)
+            proved += result.status is Status.OPTIMAL
+        shown = f"{np.median(seconds):.1f} s of CPU in the middle, {max(seconds):.1f} at most"
+        print(f"{n} tasks, {m} UAVs: {proved} of {len(seconds)} proved, {shown}", flush=True)
+
+
+SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {
+    "loss": loss,
+    "speed": speed,
+    "optima": optima,
+    "proofs": proofs,
+}
 
 
 def main() -> None:

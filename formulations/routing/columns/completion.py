@@ -11,6 +11,10 @@ where ⌊·⌋ counts whole bins (rounded *down*, hence never forbidding what fi
 the few tasks whose visit is remembered at j (Baldacci, Mingozzi, Roberti, "New route relaxation and pricing strategies
 for the vehicle routing problem", Oper. Res. 59, 2011). Only time is rounded, never the reduced cost.
 
+Where costs change with time, the bins left are a clock: legs and their costs are those of bin b alone (`courses.py`).
+Rounding makes the true clock later than bins say, and later may be cheaper, hence there B(i, b, M) is closed besides:
+it is never above B(i, b − 1, M), as it is by itself where costs do not change.
+
 Legs of zero bins make B depend on itself at the same b: they are relaxed in rounds. No tour has more than n − 1
 legs in a row, so n rounds always suffice for a valid bound, and usually two converge.
 """
@@ -22,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.columns.courses import Courses, WholeBins, bins_ahead, bins_behind, still
 from formulations.routing.columns.cuts import Watch
 from formulations.routing.columns.legs import UavLegs
 from instances.arrays import Floats, Ints
@@ -76,28 +81,43 @@ def _memory_steps(near: Ints) -> NDArray[np.int16]:
 class Bins(NamedTuple):
     """The time of one UAV's legs in `most` bins of `width` [s], which make up the cap.
 
-    legs, home : whole bins of each leg, rounded down, shape (n, n) and (n,); most + 1 where it is forbidden.
-    order, degree : the successors of each task in order of bins, shape (n, n), and how many there are, (n,).
+    legs, cost : whole bins of each leg, rounded down, most + 1 where it is forbidden, and its cost [s], home last,
+        shape (R, n, n+1); R = 1, or most + 1 where costs change with time: then of legs begun with so many bins left.
+    fewest (n, n) : the fewest bins of each leg; order (n, n), degree (n,) : the successors of each task in the order of
+        these, and how many there are; courses : what labels take.
     """
 
     width: float
     most: int
-    legs: Ints
-    home: Ints
+    legs: WholeBins
+    cost: Floats
+    fewest: WholeBins
     order: Ints
     degree: Ints
+    courses: Courses
 
     @classmethod
-    def of(cls, legs: UavLegs, cap: float, most: int) -> Bins:
-        """Cut `cap` [s] into `most` bins."""
-        width = cap / most
+    def of(
+        cls, legs: UavLegs, cap: float, most: int, courses: Courses | None = None, *, backwards: bool = False
+    ) -> Bins:
+        """Cut `cap` [s] into `most` bins; legs flown the other way round, the way home being the way out, if asked.
 
-        def whole(cost: Floats) -> Ints:
-            bins = np.minimum(np.floor(cost / width - _SLACK), most + 1)
-            return np.maximum(bins, 0).astype(np.int64)
+        courses : those of legs that change with time; reversed, their bins are those of time flown, not left.
+        """
+        if courses is not None and courses.lines.shape[0] > 1:
+            rows = bins_behind if backwards else bins_ahead
+            whole, cost = rows(courses, legs.between, legs.out if backwards else legs.home, cap, most)
+            return cls._ordered(cap, most, whole, cost, courses)
+        between, home = (legs.between.T, legs.out) if backwards else (legs.between, legs.home)
+        cost = np.column_stack([between, home])[None]
+        whole = np.maximum(np.minimum(np.floor(cost / (cap / most) - _SLACK), most + 1), 0).astype(np.int32)
+        return cls._ordered(cap, most, whole, cost, still(cost[0]))
 
-        between = whole(legs.between)
-        return cls(width, most, between, whole(legs.home), *_successors(between, most))
+    @classmethod
+    def _ordered(cls, cap: float, most: int, legs: WholeBins, cost: Floats, courses: Courses) -> Bins:
+        fewest = np.ascontiguousarray(legs[:, :, :-1].min(axis=0))
+        order, degree = np.argsort(fewest, axis=1, kind="stable"), (fewest <= most).sum(axis=1)
+        return cls(cap / most, most, legs, cost, fewest, order, degree, courses)
 
 
 @njit(cache=True)
@@ -106,36 +126,37 @@ def bins_left(time: float, bins: Bins) -> np.int64:
     return min(np.int64(bins.most), np.int64(np.floor(time / bins.width + 1e-9)))
 
 
-def _successors(legs: Ints, most: int) -> tuple[Ints, Ints]:
-    return np.argsort(legs, axis=1, kind="stable"), (legs <= most).sum(axis=1)
-
-
 @njit(cache=True)
-def completion(uav: UavLegs, bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: float) -> Floats:
+def completion(bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: float) -> Floats:
     """Return B, shape (n, most + 1, 2^q (2^g + 1)): for each state of the cuts watched (`cuts.py`) one block.
 
     The last entry of a block is infinite, for forbidden steps.
     """
-    between, home, step, turn, charge = uav.between, uav.home, memory.step, watch.turn, watch.charge
-    legs, home_bins, order, degree = bins.legs, bins.home, bins.order, bins.degree
-    n, states, blocks = home.size, step.shape[2], turn.shape[2]
+    step, turn, charge = memory.step, watch.turn, watch.charge
+    fewest, order, degree = bins.fewest, bins.order, bins.degree
+    n, states, blocks, by_clock = price.size, step.shape[2], turn.shape[2], bins.legs.shape[0] > 1
     best = np.full((n, bins.most + 1, blocks * (states + 1)), np.inf)
     zero_legs = False
     for i in range(n):
-        zero_legs = zero_legs or (degree[i] > 0 and legs[i, order[i, 0]] == 0)
+        zero_legs = zero_legs or (degree[i] > 0 and fewest[i, order[i, 0]] == 0)
     for b in range(bins.most + 1):
+        legs, cost = bins.legs[b if by_clock else 0], bins.cost[b if by_clock else 0]
         for i in range(n):
             row = best[i, b]
-            if home_bins[i] <= b:
+            if by_clock and b > 0:
+                row[:] = best[i, b - 1]
+            if legs[i, n] <= b:
                 for block in range(blocks):
-                    row[block * (states + 1) : block * (states + 1) + states] = sigma * home[i]
+                    for memory_there in range(states):
+                        at = block * (states + 1) + memory_there
+                        row[at] = min(row[at], sigma * cost[i, n])
             for a in range(degree[i]):
                 j = order[i, a]
-                used = legs[i, j]
-                if used > b:
+                if fewest[i, j] > b:
                     break
-                if used > 0:
-                    weight = sigma * between[i, j] - price[j]
+                used = legs[i, j]
+                if 0 < used <= b:
+                    weight = sigma * cost[i, j] - price[j]
                     _relax(row, best[j, b - used], step[i, j], turn[i, j], charge[i, j], weight, states)
         if zero_legs:
             for _ in range(n):
@@ -143,9 +164,11 @@ def completion(uav: UavLegs, bins: Bins, memory: Memory, watch: Watch, price: Fl
                 for i in range(n):
                     for a in range(degree[i]):
                         j = order[i, a]
-                        if legs[i, j] > 0:
+                        if fewest[i, j] > 0:
                             break
-                        weight = sigma * between[i, j] - price[j]
+                        if legs[i, j] > 0:
+                            continue
+                        weight = sigma * cost[i, j] - price[j]
                         row = best[i, b]
                         changed = (
                             _relax(row, best[j, b], step[i, j], turn[i, j], charge[i, j], weight, states) or changed

@@ -5,6 +5,8 @@ least L − r_k + r_k(leg), where r_k(leg) bounds the reduced cost of k's tours 
 to the leg (completion bounds of the reversed graph), the leg, and the best way home, together within the cap. Where it
 reaches the cap, only routes without the leg can be better. L, r_k and r_k(leg) are all taken at the same duals.
 Cuts are charged in either part on their own, which is never more than the whole tour pays: ⌊a/2⌋ + ⌊b/2⌋ ≤ ⌊(a+b)/2⌋.
+Where costs change with time, the leg begins with some number b of bins left, of `most`: the way to it ends when at most
+most − b bins are flown, and the leg costs what it does then.
 """
 
 from __future__ import annotations
@@ -28,9 +30,8 @@ def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
         if pricer.out_of_time():
             break
         problem = pricer.subproblem(k, at.duals)
-        back = problem.legs.backwards()
-        bins = Bins.of(back, problem.cap, problem.bins.most)
-        behind = completion(back, bins, problem.memory, problem.watch, problem.price, problem.sigma)
+        bins = Bins.of(problem.legs, problem.cap, problem.bins.most, problem.bins.courses, backwards=True)
+        behind = completion(bins, problem.memory, problem.watch, problem.price, problem.sigma)
         _fix(legs.of_uav(k), problem, behind, allowed[k])
     return legs
 
@@ -42,24 +43,37 @@ def _fix(legs: UavLegs, problem: Subproblem, behind: Floats, allowed: float) -> 
     behind : the completion bounds of the reversed graph.
     """
     out, between, home = legs.out, legs.between, legs.home
-    cap, bins, step, ahead = problem.cap, problem.bins, problem.memory.step, problem.best
-    price, sigma = problem.price, problem.sigma
+    cap, bins, ahead, price, sigma = problem.cap, problem.bins, problem.best, problem.price, problem.sigma
     n = home.size
     for i in range(n):
         if out[i] <= cap:
             value = sigma * out[i] - price[i] + ahead[i, bins_left(cap - out[i], bins), 0]
             if value > allowed:
                 out[i] = np.inf
-        if home[i] <= cap:
-            value = sigma * home[i] - price[i] + behind[i, bins_left(cap - home[i], bins), 0]
-            if value > allowed:
-                home[i] = np.inf
+        if home[i] <= cap and _least_through(problem, behind, i, n) - price[i] > allowed:
+            home[i] = np.inf
         for j in range(n):
-            if not between[i, j] <= cap:
-                continue
-            left = bins_left(cap - between[i, j], bins)
-            least = np.inf
-            for b in range(left + 1):
-                least = min(least, behind[i, b, step[j, i, 0]] + ahead[j, left - b, step[i, j, 0]])
-            if least + sigma * between[i, j] - price[i] - price[j] > allowed:
+            if between[i, j] <= cap and _least_through(problem, behind, i, j) - price[i] - price[j] > allowed:
                 between[i, j] = np.inf
+
+
+@njit(cache=True)
+def _least_through(problem: Subproblem, behind: Floats, i: int, j: int) -> float:
+    """Return the least reduced cost [s], prices of i and j left out, of tours through the leg from i to j (n: home)."""
+    cap, bins, step, ahead, sigma = problem.cap, problem.bins, problem.memory.step, problem.best, problem.sigma
+    n, least = problem.price.size, np.inf
+    if bins.legs.shape[0] > 1:
+        for b in range(bins.most + 1):
+            used = bins.legs[b, i, j]
+            if used <= b:
+                on = ahead[j, b - used, step[i, j, 0]] if j < n else 0.0
+                before = behind[i, bins.most - b, step[j, i, 0] if j < n else 0]
+                least = min(least, before + sigma * bins.cost[b, i, j] + on)
+        return least
+    cost = bins.cost[0, i, j]
+    left = bins_left(cap - cost, bins)
+    if j == n:
+        return sigma * cost + behind[i, left, 0]
+    for b in range(left + 1):
+        least = min(least, behind[i, b, step[j, i, 0]] + ahead[j, left - b, step[i, j, 0]])
+    return least + sigma * cost

@@ -18,7 +18,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.clocks import knot_at
 from formulations.routing.columns.completion import Bins, Memory, bins_left
+from formulations.routing.columns.courses import course_at, on_course
 from formulations.routing.columns.cuts import TaskCuts, Watch
 from formulations.routing.columns.legs import UavLegs
 from instances.arrays import Floats, Ints
@@ -328,16 +330,18 @@ def _expand(
     problem: Subproblem, store: Store, threshold: float, low: int, high: int, free: int, room: int
 ) -> tuple[bool, int]:
     """Extend the labels low..high−1 by every task; return whether `room` labels are too few, and the next free one."""
-    between, order, degree, cap = problem.legs.between, problem.bins.order, problem.bins.degree, problem.cap
+    courses, order, degree, cap = problem.bins.courses, problem.bins.order, problem.bins.degree, problem.cap
     price, sigma, best, bins = problem.price, problem.sigma, problem.best, problem.bins
     partners, rho, near, members = problem.cuts.partners, problem.cuts.rho, problem.memory.near, problem.watch.members
     mask = store.slots.size - 1
     for label in range(low, high):
         here, seen = store.last[label], store.visited[label]
-        fresh = seen.copy()
+        fresh, time = seen.copy(), store.cost[label]
+        knot = knot_at(courses, time)
+        since = time - courses.knots[knot]
         for a in range(degree[here]):
             j = order[here, a]
-            spent = store.cost[label] + between[here, j]
+            spent = (time + on_course(courses, here, j, knot, since)) * courses.rounded
             if has(seen, j) or not spent <= cap:
                 continue
             earned = store.gain[label] + price[j]
@@ -412,8 +416,12 @@ def _keep(store: Store, beam: int, begin: int, end: int, limit: float) -> int:
 def _tours(problem: Subproblem, store: Store, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
     """Return the labels of a layer that can fly home for less than the threshold, their reduced costs and costs [s]."""
     ends, values, costs, found = np.empty(end - begin, np.int64), np.empty(end - begin), np.empty(end - begin), 0
+    courses, home, n = problem.bins.courses, problem.legs.home, problem.price.size
     for label in range(begin, end):
-        whole = store.cost[label] + problem.legs.home[store.last[label]]
+        last, time = store.last[label], store.cost[label]
+        if not home[last] < np.inf:
+            continue
+        whole = (time + course_at(courses, last, n, time)) * courses.rounded
         value = problem.sigma * whole - store.gain[label]
         if whole <= problem.cap and value < threshold:
             ends[found], values[found], costs[found] = label, value, whole

@@ -2,15 +2,20 @@
 
 A leg that is forbidden (one its UAV cannot fly, too far under the cap on a tour, fixed away by its reduced cost, or
 branched away) costs infinity. Every UAV has its own matrix and limit, so that different aircraft need no other code.
+
+Where costs change with time the matrices hold the least of each leg over all departures (out of the depot: what it
+takes at 0), and `courses` say what it takes by the clock.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
+from formulations.routing.clocks import clocks_of
+from formulations.routing.columns.courses import Courses, by_clock
 from instances import Instance
 from instances.arrays import Bools, Floats
 from instances.routes import ENDURANCE_ROUNDING
@@ -24,22 +29,20 @@ class UavLegs(NamedTuple):
     between: Floats
     home: Floats
 
-    def backwards(self) -> UavLegs:
-        """Return the legs flown the other way: the way home becomes the way out."""
-        return UavLegs(self.home, np.ascontiguousarray(self.between.T), self.out)
-
 
 @dataclass(frozen=True)
 class Legs:
     """Costs [s] of every UAV: `out` (m, n) depot to task, `between` (m, n, n), `home` (m, n) task to depot.
 
     longest : the cost [s] that no tour of the UAV may pass whatever the cap, (m,), +inf where its endurance has no end.
+    courses : of each UAV where costs change with time, else none.
     """
 
     out: Floats
     between: Floats
     home: Floats
     longest: Floats
+    courses: tuple[Courses, ...] = ()
 
     @classmethod
     def of(cls, instance: Instance) -> Legs:
@@ -48,13 +51,20 @@ class Legs:
         Tours may be longer than the endurance by half of what `instances.check_routes` lets pass: then all that are no
         longer are priced, and none is found that it refuses, in whatever order legs are summed.
         """
-        n, costs, uavs = instance.n_tasks, instance.class_costs, instance.classes
+        n, uavs = instance.n_tasks, instance.classes
+        courses: tuple[Courses, ...] = ()
+        if "time" in instance.axes and instance.travel is not None:
+            costs, first = instance.travel.cost.min(axis=1), instance.travel.cost[:, 0]
+            clocks = clocks_of(instance)
+            courses = tuple(by_clock(clocks, k, n) for k in range(instance.n_depots))
+        else:
+            costs = first = instance.class_costs
         depots = np.array(instance.depots)
         between = np.ascontiguousarray(costs[uavs, :n, :n])
         between[:, np.arange(n), np.arange(n)] = np.inf
         longest = instance.limits * (1 + ENDURANCE_ROUNDING / 2)
-        out, home = costs[uavs, depots, :n], costs[uavs, :n, depots]
-        return cls(np.ascontiguousarray(out), between, np.ascontiguousarray(home), longest)
+        out, home = first[uavs, depots, :n], costs[uavs, :n, depots]
+        return cls(np.ascontiguousarray(out), between, np.ascontiguousarray(home), longest, courses)
 
     @property
     def n_uavs(self) -> int:
@@ -68,7 +78,7 @@ class Legs:
 
     def copy(self) -> Legs:
         """Return the same legs in arrays of their own."""
-        return Legs(self.out.copy(), self.between.copy(), self.home.copy(), self.longest)
+        return replace(self, out=self.out.copy(), between=self.between.copy(), home=self.home.copy())
 
     def of_uav(self, k: int) -> UavLegs:
         """Return UAV k's part of the arrays."""

@@ -162,7 +162,8 @@ class Pricer:
     def bins(self, k: int) -> Bins:
         """Return the time of UAV k's legs in bins (made when first asked for: some never are)."""
         if k not in self._bins:
-            self._bins[k] = Bins.of(self.legs.of_uav(k), float(self.caps[k]), self.effort.bins)
+            courses = self.legs.courses[k] if self.legs.courses else None
+            self._bins[k] = Bins.of(self.legs.of_uav(k), float(self.caps[k]), self.effort.bins, courses)
         return self._bins[k]
 
     def watch(self, duals: Duals) -> Watch:
@@ -176,7 +177,7 @@ class Pricer:
     def subproblem(self, k: int, duals: Duals) -> Subproblem:
         """Return the pricing problem of UAV k, completion bounds included."""
         legs, bins, watch, sigma = self.legs.of_uav(k), self.bins(k), self.watch(duals), float(duals.sigma[k])
-        best = completion(legs, bins, self.memory, watch, duals.price, sigma)
+        best = completion(bins, self.memory, watch, duals.price, sigma)
         cap = float(self.caps[k])
         return Subproblem(legs, cap, bins, self.memory, watch, duals.price, sigma, duals.by_task, best)
 

@@ -88,6 +88,7 @@ def search_around(recorder: Recorder, tour: Column, steps: int, seed: int, time:
 def part(instance: Instance, tasks: list[int], uavs: list[int]) -> Instance:
     """Return the instance of some of the tasks and some of the UAVs, numbered in the order given."""
     nodes = np.array(tasks + [instance.n_tasks + k for k in uavs])
-    costs = instance.class_costs[:, None, nodes[:, None], nodes]
-    travel = Travel(costs, instance.classes[uavs])
+    clock = instance.travel
+    costs, departures = (instance.cost[None, None], np.zeros(1)) if clock is None else (clock.cost, clock.departures)
+    travel = Travel(costs[:, :, nodes[:, None], nodes], instance.classes[uavs], departures)
     return Instance.of_travel(instance.name, travel, len(tasks), endurance=instance.limits[uavs])

@@ -191,7 +191,7 @@ def test_zero_legs_do_not_break_the_completion_bound() -> None:
     bins = Bins.of(legs, 25.0, 5)
     memory = Memory.nearest(between, 2)
     watch = Watch.of(memory.near, (), np.zeros(0), 0)
-    best = completion(legs, bins, memory, watch, np.full(n, 3.0), 1.0)
+    best = completion(bins, memory, watch, np.full(n, 3.0), 1.0)
     assert best[0, bins.most, 0] <= 10.0 - 3.0 * (n - 1)
 
 

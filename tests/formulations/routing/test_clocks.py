@@ -37,6 +37,9 @@ KNOWN = [
 ]
 """n, m, seed, turning [rad/s], airspeed [m/s] → optimum [s] of legs in closed form in 10 m/s of wind."""
 
+SLACK = {"subset-dp": 1e-12, "branch-and-price": 2e-7}
+"""Exact methods by the clock, and by what share routes may be longer than the optimum they prove."""
+
 
 def optimum(n: int, m: int, seed: int, turning: float, airspeed: float) -> float:
     """Held–Karp on earliest arrivals of legs by Newton's method, no knots, all sets of one size at once."""
@@ -68,7 +71,7 @@ def optimum(n: int, m: int, seed: int, turning: float, airspeed: float) -> float
         tours.append(home)
     best = tours[0]
     for home in tours[1:]:
-        best = np.array([_best_split(s, best, home) for s in sets])
+        best = np.array([_best_split(int(s), best, home) for s in sets])
     return float(best[-1])
 
 
@@ -137,9 +140,9 @@ def _clock(points: Floats, order: tuple[int, ...]) -> float:
     return float(np.hypot(*np.diff(points[[5, *order]], axis=0).T).sum() / 20)
 
 
-def compared(clocked: Clocked, oracle: Oracle, cases: range) -> list[str]:
-    """Return what subset-dp says otherwise than enumeration."""
-    solver, wrong = make_solver("subset-dp"), []
+def compared(name: str, clocked: Clocked, oracle: Oracle, cases: range) -> list[str]:
+    """Return what a solver that proves says otherwise than enumeration."""
+    solver, wrong = make_solver(name), []
     for seed in cases:
         rng = np.random.default_rng([7, seed])
         instance = clocked(int(rng.integers(2, 9 if seed % 10 == 0 else 7)), int(rng.integers(1, 4)), seed)
@@ -147,18 +150,22 @@ def compared(clocked: Clocked, oracle: Oracle, cases: range) -> list[str]:
         result = solver.solve(instance, limits=Limits(time=60))
         if np.isinf(best):
             wrong += [] if result.status is Status.INFEASIBLE else [f"{instance.name}: {result.status}, no routes"]
-        elif result.objective != pytest.approx(best, rel=1e-12) or result.bound > best:  # type: ignore[operator]
+        elif result.status is not Status.OPTIMAL or result.bound > best * (1 + 1e-12):  # type: ignore[operator]
+            wrong.append(f"{instance.name}: {result.status}, bound {result.bound}, best {best}")
+        elif not best * (1 - 1e-12) <= result.objective <= best * (1 + SLACK[name]):  # type: ignore[operator]
             wrong.append(f"{instance.name}: {result.objective}, bound {result.bound}, best {best}")
     return wrong
 
 
-def test_subset_dp_finds_what_enumeration_finds(clocked: Clocked, brute_force: Oracle) -> None:
-    assert compared(clocked, brute_force, range(1, 40)) == []
+@pytest.mark.parametrize("name", SLACK)
+def test_exact_methods_find_what_enumeration_finds(clocked: Clocked, brute_force: Oracle, name: str) -> None:
+    assert compared(name, clocked, brute_force, range(1, 30)) == []
 
 
 @pytest.mark.slow
-def test_subset_dp_finds_what_enumeration_finds_300_times(clocked: Clocked, brute_force: Oracle) -> None:
-    assert compared(clocked, brute_force, range(300)) == []
+@pytest.mark.parametrize("name", SLACK)
+def test_exact_methods_find_what_enumeration_finds_300_times(clocked: Clocked, brute_force: Oracle, name: str) -> None:
+    assert compared(name, clocked, brute_force, range(300)) == []
 
 
 def still(instance: Instance, knots: list[float]) -> Instance:

@@ -25,7 +25,7 @@ from instances.disk import read_json, write_aside
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.errors import InputError, naming, shown
-from instances.extent import check_positions
+from instances.extent import LARGEST, check_positions
 from instances.instance import Instance
 from instances.moving_cost import CostKind, moving_cost, segments
 from instances.wind_triangle import ground_speeds
@@ -51,12 +51,16 @@ class Paths:
     empty.
 
     others : the paths of further classes of UAV, where they are planned for each; these are those of class 0.
+    later, departures : in a wind that changes, paths planned for later moments [s]; of all these, whoever departs flies
+        the one that is quickest from then on (`instances.paths_clocked`).
     """
 
     n_nodes: int
     points: Floats
     offsets: Ints
     others: tuple[Paths, ...] = ()
+    later: tuple[Paths, ...] = ()
+    departures: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if (
@@ -66,6 +70,8 @@ class Paths:
             or self.offsets[-1] != len(self.points)
         ):
             raise InputError(f"paths: {self.n_nodes} nodes need {self.n_nodes**2} paths, held end to end")
+        if len(self.departures) != len(self.later):
+            raise InputError(f"paths: {len(self.later)} later ones need as many departures, got {len(self.departures)}")
 
     @classmethod
     def of(cls, n_nodes: int, paths: Sequence[Floats]) -> Paths:
@@ -98,7 +104,8 @@ class Paths:
             for a in range(n)
             for b in range(n)
         ]
-        return Paths.of(n, paths)
+        later = tuple(each.repeated(of, coordinates) for each in self.later)
+        return replace(Paths.of(n, paths), later=later, departures=self.departures)
 
 
 def check_paths(
@@ -121,30 +128,11 @@ def check_paths(
     n = paths.n_nodes
     if cost.shape != (n, n) or coordinates.shape != (n, 2):
         return [f"There are paths between {n} nodes but costs between {len(cost)} and {len(coordinates)} coordinates."]
-    faults = []
+    faults, fatal = shape_faults(paths, coordinates, region)
+    if fatal:
+        return faults
     i, j = np.divmod(np.flatnonzero(~np.eye(n, dtype=bool)), n)
     k = i * n + j
-    size = np.diff(paths.offsets)[k]
-    if (size < 2).any():
-        q = int(np.argmax(size < 2))
-        return [f"There is no path from node {i[q]} to node {j[q]} ({int((size < 2).sum())} are missing)."]
-    if np.diff(paths.offsets)[:: n + 1].any():
-        return ["A node has a path to itself."]
-    first, last = paths.points[paths.offsets[k]], paths.points[paths.offsets[k + 1] - 1]
-    for end, node, word in ((first, i, "start"), (last, j, "end")):
-        off = np.hypot(*(end - coordinates[node]).T)
-        if off.max() > NEAR:
-            q = int(np.argmax(off))
-            faults.append(f"The path from {i[q]} to {j[q]} does not {word} at node {node[q]}, but {off[q]:.3g} m away.")
-    outside = paths_outside(paths, region)
-    if len(outside):
-        p, q = divmod(int(outside[0]), n)
-        room = region.polygon.buffer(NEAR)
-        far = shapely.length(shapely.difference(shapely.linestrings(paths.between(p, q)), room))
-        faults.append(
-            f"The path from {p} to {q} runs {far:.3g} m outside the region or in a no-fly zone "
-            f"({len(outside)} of {len(k)} paths do)."
-        )
     lengths, found = _recomputed(paths, wind, v0, kind)
     tau = lengths[k] / v0
     actual = found[k] if kind is CostKind.TIME else moving_cost(tau, found[k], v0)
@@ -165,6 +153,35 @@ def check_paths(
             f"({int(wrong.sum())} of {len(k)} differ)."
         )
     return faults
+
+
+def shape_faults(paths: Paths, coordinates: Floats, region: Region) -> tuple[list[str], bool]:
+    """Return what is wrong with where `paths` lead, a sentence each, and whether nothing can be said of their costs."""
+    n, faults = paths.n_nodes, list[str]()
+    i, j = np.divmod(np.flatnonzero(~np.eye(n, dtype=bool)), n)
+    k = i * n + j
+    size = np.diff(paths.offsets)[k]
+    if (size < 2).any():
+        q = int(np.argmax(size < 2))
+        return [f"There is no path from node {i[q]} to node {j[q]} ({int((size < 2).sum())} are missing)."], True
+    if np.diff(paths.offsets)[:: n + 1].any():
+        return ["A node has a path to itself."], True
+    first, last = paths.points[paths.offsets[k]], paths.points[paths.offsets[k + 1] - 1]
+    for end, node, word in ((first, i, "start"), (last, j, "end")):
+        off = np.hypot(*(end - coordinates[node]).T)
+        if off.max() > NEAR:
+            q = int(np.argmax(off))
+            faults.append(f"The path from {i[q]} to {j[q]} does not {word} at node {node[q]}, but {off[q]:.3g} m away.")
+    outside = paths_outside(paths, region)
+    if len(outside):
+        p, q = divmod(int(outside[0]), n)
+        room = region.polygon.buffer(NEAR)
+        far = shapely.length(shapely.difference(shapely.linestrings(paths.between(p, q)), room))
+        faults.append(
+            f"The path from {p} to {q} runs {far:.3g} m outside the region or in a no-fly zone "
+            f"({len(outside)} of {len(k)} paths do)."
+        )
+    return faults, False
 
 
 def paths_outside(paths: Paths, region: Region) -> Ints:
@@ -227,14 +244,21 @@ def write_paths(paths: Paths, instance: Instance, path: Path | str, scenario: st
         "digest": instance.digest,
         "scenario": scenario,
         "n_nodes": paths.n_nodes,
-        "offsets": paths.offsets.tolist(),
-        "points": np.round(paths.points, 3).tolist(),
+        **_lines(paths),
     }
     if paths.others:
-        table["others"] = [
-            {"offsets": each.offsets.tolist(), "points": np.round(each.points, 3).tolist()} for each in paths.others
-        ]
+        table["others"] = [_lines(each) for each in paths.others]
     write_aside(path, gzip.compress(json.dumps(table, separators=(",", ":")).encode(), mtime=0))
+
+
+def _lines(paths: Paths) -> dict[str, Any]:
+    """Return the polylines of `paths`, and of those planned for later departures, as JSON values."""
+    table: dict[str, Any] = {"offsets": paths.offsets.tolist(), "points": np.round(paths.points, 3).tolist()}
+    if paths.later:
+        table["later"] = [
+            {"departure": t, **_lines(each)} for t, each in zip(paths.departures, paths.later, strict=True)
+        ]
+    return table
 
 
 def read_paths(path: Path | str, instance: Instance) -> Paths:
@@ -262,12 +286,33 @@ def paths_of(table: dict[str, Any], instance: Instance, path: Path | str) -> Pat
             raise InputError(f"{path}: the key '{key}' is missing")
     if table["n_nodes"] != instance.n_nodes:
         raise InputError(f"{path}: n_nodes must be {instance.n_nodes}, got {shown(table['n_nodes'])}")
-    others = table.get("others", [])
-    if not isinstance(others, list) or not all(isinstance(t, dict) and {"points", "offsets"} <= set(t) for t in others):
-        raise InputError(f"{path}: others must be tables of points and offsets, got {shown(others)}")
     with naming(path):
-        first, *rest = (Paths(instance.n_nodes, _points(t["points"]), _offsets(t["offsets"])) for t in (table, *others))
+        others = _tables(table, "others", {"points", "offsets"})
+        first, *rest = (_read_lines(t, instance.n_nodes) for t in (table, *others))
         return replace(first, others=tuple(rest))
+
+
+def _tables(table: dict[str, Any], key: str, needed: set[str]) -> list[dict[str, Any]]:
+    """Return the list of tables at a key, none where it is missing; InputError where one lacks a key of `needed`."""
+    found = table.get(key, [])
+    if not isinstance(found, list) or not all(isinstance(t, dict) and needed <= set(t) for t in found):
+        raise InputError(f"{key} must be tables of {' and '.join(sorted(needed, reverse=True))}, got {shown(found)}")
+    return found
+
+
+def _read_lines(table: dict[str, Any], n_nodes: int) -> Paths:
+    """Return what `_lines` wrote."""
+    later = _tables(table, "later", {"points", "offsets", "departure"})
+    departures = [t["departure"] for t in later]
+    if not all(isinstance(t, float | int) and 0 < t <= LARGEST for t in departures):
+        raise InputError(f"later: each departure must be a time [s] above 0, got {shown(departures)}")
+    return Paths(
+        n_nodes,
+        _points(table["points"]),
+        _offsets(table["offsets"]),
+        later=tuple(_read_lines(t | {"later": []}, n_nodes) for t in later),
+        departures=tuple(float(t) for t in departures),
+    )
 
 
 def _points(value: object) -> Floats:

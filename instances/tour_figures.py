@@ -1,4 +1,8 @@
-"""What chosen tours take and cost along their reference paths: time, energy, and both in calm air."""
+"""What chosen tours take and cost along their reference paths: time, energy, and both in calm air.
+
+In a wind that changes time is by the clock, every leg flown along the path that is quickest when it begins, and there
+is no energy: the paper's says nothing of when a UAV is where.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from instances.environment.wind import WindField
+from instances.environment.wind_changing import ChangingWind
 from instances.errors import InputError
 from instances.moving_cost import CostKind, CostMeasure
 from instances.paths import Paths
+from instances.paths_clocked import tour_by_clock
 from instances.routes import Routes
 
 
@@ -18,7 +24,8 @@ class TourFigures:
     """One UAV's tour at one speed v [m/s]; all 0 for a UAV that stays home.
 
     uav; tasks on it; length [m] of its reference path; flight_time [s] at the airspeed v (inf where the wind is as
-    strong); energy [s] at the ground speed v, as seconds of flight in calm air; calm [s], which both are without wind.
+    strong); energy [s] at the ground speed v, as seconds of flight in calm air, NaN in a wind that changes; calm [s],
+    which both are without wind.
     """
 
     uav: int
@@ -33,8 +40,11 @@ def tour_figures(paths: Paths, routes: Routes, n_tasks: int, wind: WindField | N
     """Return what the tours of all UAVs take and cost; `paths` between n_tasks tasks and then the depots."""
     rows = []
     for uav, route in enumerate(routes):
-        depot = n_tasks + uav
-        line = paths.along((depot, *route, depot)) if route else np.zeros((1, 2))
+        stops = (n_tasks + uav, *route, n_tasks + uav) if route else ()
+        if stops and isinstance(wind, ChangingWind):
+            rows.append(_by_clock(paths, stops, uav, wind, speed))
+            continue
+        line = paths.along(stops) if route else np.zeros((1, 2))
         offsets = np.array([0, len(line)])
         length = float(np.hypot(*np.diff(line, axis=0).T).sum())
         calm = length / speed
@@ -47,3 +57,13 @@ def tour_figures(paths: Paths, routes: Routes, n_tasks: int, wind: WindField | N
                     of_kind[kind] = np.inf
         rows.append(TourFigures(uav, len(route), length, of_kind[CostKind.TIME], of_kind[CostKind.ENERGY], calm))
     return rows
+
+
+def _by_clock(paths: Paths, stops: tuple[int, ...], uav: int, wind: ChangingWind, speed: float) -> TourFigures:
+    """Return what a tour through the nodes `stops` takes in a wind that changes."""
+    try:
+        legs, time = tour_by_clock(paths, stops, wind, speed)
+    except InputError:
+        legs, time = [paths.along(stops)], np.inf
+    length = sum(float(np.hypot(*np.diff(leg, axis=0).T).sum()) for leg in legs)
+    return TourFigures(uav, len(stops) - 2, length, time, np.nan, length / speed)

@@ -14,10 +14,12 @@ from formulations.moving_cost.costing import instance_of, query_of
 from formulations.moving_cost.fleet import classes_of, leg_costs
 from formulations.moving_cost.registry import DEFAULT
 from instances import Instance
+from instances.environment.wind_changing import ChangingWind
 from instances.errors import InputError, shown
 from instances.files import read_instance, write_instance
 from instances.moving_cost import CostKind
 from instances.paths import ENDING, Paths, check_paths, paths_file, paths_of, read_paths_table, write_paths
+from instances.paths_clocked import check_clocked
 from instances.scenario import Scenario, read_scenario
 
 CONFIRMED = "all confirmed (that they can be flown at this cost, not that none is cheaper)"
@@ -44,7 +46,6 @@ def require_confirmed(instance: Instance, paths: Paths, scenario: Scenario) -> N
 
 def refute(instance: Instance, paths: Paths, scenario: Scenario) -> list[str]:
     """Return what is wrong with the moving costs of `instance` and the paths behind them, a sentence each."""
-    query = query_of(scenario)
     made = instance.provenance.get("moving_cost")
     stated = made.get("cost", CostKind.ENERGY) if isinstance(made, dict) else scenario.cost
     if stated != scenario.cost:
@@ -54,7 +55,9 @@ def refute(instance: Instance, paths: Paths, scenario: Scenario) -> list[str]:
     speeds, classes = classes_of(scenario)
     if len(paths.others) != len(speeds) - 1:
         return [f"There are paths for {len(paths.others) + 1} speeds of UAVs, and {len(speeds)} speeds."]
-    faults = []
+    if isinstance(scenario.wind, ChangingWind):
+        return _refute_clocked(instance, paths, scenario, scenario.wind)
+    query, faults = query_of(scenario), list[str]()
     for g, speed in enumerate(speeds):
         faults += check_paths(
             paths.of_class(g),
@@ -67,6 +70,19 @@ def refute(instance: Instance, paths: Paths, scenario: Scenario) -> list[str]:
             query.kind,
             None if scenario.fleet.alike else partial(leg_costs, scenario),
         )
+    return faults
+
+
+def _refute_clocked(instance: Instance, paths: Paths, scenario: Scenario, wind: ChangingWind) -> list[str]:
+    """Return what is wrong with moving costs by departure and the paths behind them."""
+    if instance.travel is None or "time" not in instance.travel.axes:
+        return ["The wind changes with time and the instance's costs do not."]
+    service = np.zeros(instance.n_nodes)
+    service[: instance.n_tasks] = scenario.fleet.service
+    region, faults = scenario.free, list[str]()
+    for g, speed in enumerate(classes_of(scenario)[0]):
+        flown = paths.of_class(g), instance.travel, g, scenario.points, region, wind, speed, service
+        faults += check_clocked(*flown, partial(leg_costs, scenario))
     return faults
 
 

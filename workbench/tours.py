@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -55,7 +56,8 @@ def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> lis
 
 def said_of(tour: TourFigures) -> str:
     """Return the figures of a tour that is flown, in words."""
+    energy = "" if math.isnan(tour.energy) else f"energy cost {tour.energy:.6g} s at constant ground speed, "
     return (
-        f"UAV {tour.uav}: {tour.length / 1e3:.2f} km, {tour.flight_time:.6g} s of flight at constant airspeed, energy "
-        f"cost {tour.energy:.6g} s at constant ground speed, {tour.calm:.6g} s in calm air"
+        f"UAV {tour.uav}: {tour.length / 1e3:.2f} km, {tour.flight_time:.6g} s of flight at constant airspeed, {energy}"
+        f"{tour.calm:.6g} s in calm air"
     )

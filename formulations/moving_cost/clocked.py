@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from formulations.routing.greedy import greedy_routes
 from instances import Instance, Travel, makespan
 from instances.arrays import Floats
 from instances.environment.wind_changing import ChangingWind
+from instances.environment.wind_forecast import Forecast
 from instances.errors import InputError
 from instances.scenario import Scenario
 from instances.wind_arrivals import leg_times
@@ -39,6 +41,19 @@ ERROR = 2e-3
 """Share of a leg's time, or of the mean leg's, that it may be off by."""
 REACH = 1.5
 """How far knots reach, in longest tours of greedy."""
+
+
+class Clock(Protocol):
+    """What legs between all nodes of a scenario take, c(g, t, i, j) [s], at any departures."""
+
+    @property
+    def scenario(self) -> Scenario:
+        """Where it is flown."""
+        ...
+
+    def at(self, times: Floats) -> Floats:
+        """Return the costs (G, len(times), N, N) [s] of legs begun at `times` (k,) [s]."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +88,8 @@ def clocked_instance(scenario: Scenario) -> Instance:
     if scenario.no_fly:
         raise InputError(f"scenario {scenario.name}: no legs around no-fly zones are known in a wind that changes")
     legs = LegClock(scenario)
-    horizon = REACH * _longest_at_take_off(legs)
-    departures, costs, error = _knots(legs, horizon)
-    clock = {"knots": len(departures), "step": float(departures[1]), "error": error}
+    assert isinstance(scenario.wind, ChangingWind)
+    departures, costs, clock = clock_of(legs, reach_of(scenario.wind, longest_at_take_off(legs)))
     return Instance.of_travel(
         scenario.name,
         Travel(costs, classes_of(scenario)[1], departures),
@@ -86,7 +100,7 @@ def clocked_instance(scenario: Scenario) -> Instance:
     )
 
 
-def _longest_at_take_off(legs: LegClock) -> float:
+def longest_at_take_off(legs: Clock) -> float:
     """Return the longest of greedy tours [s] in the wind of take-off, or a positive time where all are in one place."""
     scenario = legs.scenario
     travel = Travel(legs.at(np.zeros(1)), classes_of(scenario)[1])
@@ -94,18 +108,30 @@ def _longest_at_take_off(legs: LegClock) -> float:
     return makespan(instance, greedy_routes(instance)) or 1.0
 
 
-def _knots(legs: LegClock, horizon: float) -> tuple[Floats, Floats, float]:
-    """Return knots (Q,) [s] up to `horizon`, costs (G, Q, N, N) [s] at them and the error [s] halfway between them."""
-    rate = getattr(legs.scenario.wind, "rate", None)
+def reach_of(wind: ChangingWind, longest: float) -> float:
+    """Return how far knots reach [s] where greedy tours take up to `longest` [s]: to a forecast's end at most."""
+    return min(REACH * longest, wind.lasts) if isinstance(wind, Forecast) else REACH * longest
+
+
+def clock_of(legs: Clock, horizon: float, most: int = MOST) -> tuple[Floats, Floats, dict[str, Any]]:
+    """Return knots (Q,) [s] up to `horizon`, costs (G, Q, N, N) [s] at them, and what an instance says of its clock.
+
+    most : knots beyond which they are not halved any more. What is said: knots, step [s]; error [s], halfway between
+    knots; lasts [s], how long a forecast does.
+    """
+    wind = legs.scenario.wind
+    rate = getattr(wind, "rate", None)
     count = FIRST if rate is None else 1 + max(1, math.ceil(rate * horizon / ANGLE))
     times = np.linspace(0.0, horizon, count)
     costs = legs.at(times)
     while True:
         between = legs.at(0.5 * (times[:-1] + times[1:]))
         off = np.abs(0.5 * (costs[:, :-1] + costs[:, 1:]) - between)
-        if 2 * len(times) > MOST or (off <= ERROR * np.maximum(between, between.mean())).all():
-            return times, costs, float(off.max())
+        if 2 * len(times) > most or (off <= ERROR * np.maximum(between, between.mean())).all():
+            break
         times = np.linspace(0.0, horizon, 2 * len(times) - 1)
         both = np.empty((len(costs), len(times), *costs.shape[2:]))
         both[:, ::2], both[:, 1::2] = costs, between
         costs = both
+    clock = {"knots": len(times), "step": float(times[1]), "error": float(off.max())}
+    return times, costs, clock | ({"lasts": wind.lasts} if isinstance(wind, Forecast) else {})

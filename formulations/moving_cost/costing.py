@@ -30,13 +30,17 @@ CALM = Uniform((0.0, 0.0))
 
 def query_of(scenario: Scenario) -> Query:
     """Return what a moving-cost method needs of `scenario`; InputError where its wind does not cover the region."""
-    region = scenario.free
     if isinstance(scenario.wind, ChangingWind):
         raise InputError(
-            f"scenario {scenario.name}: its wind changes with time; legs in it are straight or quickest ones over open "
-            "country (formulations.moving_cost.clocked), and no method plans paths around walls in it yet"
+            f"scenario {scenario.name}: its wind changes with time, which is for workbench costs, solve and mission; "
+            "here paths are planned in a wind that stays"
         )
-    wind: WindField = CALM if scenario.wind is None else scenario.wind
+    return query_in(scenario, CALM if scenario.wind is None else scenario.wind)
+
+
+def query_in(scenario: Scenario, wind: WindField) -> Query:
+    """Return what a moving-cost method needs of `scenario` in a wind that stays; InputError as `query_of`."""
+    region = scenario.free
     covered = getattr(wind, "bounds", None)
     if covered is not None:
         (x0, y0, x1, y1), (a0, b0, a1, b1) = region.bounds, covered
@@ -81,6 +85,10 @@ def instance_of(
     Raises InputError for tasks still to be placed, a wind that does not cover the region or is as strong as the speed
     that is held constant, and a node that cannot be reached.
     """
+    if isinstance(scenario.wind, ChangingWind):
+        from formulations.moving_cost.departures import instance_by_clock  # here: it needs this file
+
+        return instance_by_clock(scenario, method, options, progress)
     query, (speeds, _) = query_of(scenario), classes_of(scenario)
     found = []
     for done, speed in enumerate(speeds):

@@ -9,7 +9,7 @@ import pytest
 from shapely.geometry import box
 
 from formulations.moving_cost.clocked import ANGLE, LegClock, clocked_instance
-from formulations.moving_cost.costing import instance_of
+from formulations.moving_cost.costing import query_of
 from formulations.moving_cost.families import generate
 from instances import InputError, tour_costs
 from instances.environment.wind_changing import Turning
@@ -72,7 +72,7 @@ def test_what_is_refused() -> None:
     with pytest.raises(InputError, match="no legs around no-fly zones"):
         clocked_instance(replace(scenario, no_fly=[box(x, y, x + 1, y + 1)]))
     with pytest.raises(InputError, match="its wind changes with time"):
-        instance_of(scenario)
+        query_of(scenario)
     with pytest.raises(InputError, match="energy is no clock"):
         replace(scenario, cost="energy")
     with pytest.raises(InputError, match="not less than the airspeed of 9 m/s"):

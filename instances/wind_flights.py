@@ -1,0 +1,96 @@
+"""How long a given way over ground takes that is begun at a time, at constant airspeed in a wind that changes.
+
+On a polyline the ground speed is that of the wind triangle, dt/ds = 1/g(s, t). The track is fixed, so solutions do not
+cross: it is "first in, first out". Integrated by Kutta's rule of third order on pieces of each segment,
+
+    k₁ = 1/g(s, t),  k₂ = 1/g(s + h/2, t + h k₁/2),  k₃ = 1/g(s + h, t − h k₁ + 2 h k₂),  Δt = h (k₁ + 4 k₂ + k₃)/6,
+
+which is Simpson's where the wind does not change. Pieces are halved until the time has settled to `TOLERANCE`.
+
+Source: W. Kutta, Z. Math. Phys. 46 (1901) 435–453.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from instances.arrays import Floats, Ints
+from instances.environment.wind_changing import ChangingWind
+from instances.moving_cost import segments
+from instances.wind_triangle import ground_speeds, refuse_strong
+
+PIECE = 500.0
+"""Greatest length [m] of a piece at first."""
+HALVINGS = 8
+"""Of the pieces, at most."""
+TOLERANCE = 1e-5
+"""Share of the time by which halving the pieces may still change it; the finer value is kept."""
+
+
+def polyline_times(
+    points: Floats, offsets: Ints, which: Ints, departures: Floats, wind: ChangingWind, airspeed: float
+) -> Floats:
+    """Return the time [s] of each flight along polyline `which` (k,), begun at `departures` (k,) [s], shape (k,).
+
+    Polyline p is ``points[offsets[p]:offsets[p + 1]]`` [m]; one of no points takes no time. Raises InputError that
+    names a place where the wind is as strong as `airspeed` [m/s].
+    """
+    a, b, owner = segments(points, offsets)
+    moving = np.hypot(*(b - a).T) > 0
+    a, b, owner = a[moving], b[moving], owner[moving]
+    times = np.zeros(len(which))
+    going, rough = np.arange(len(which)), np.full(len(which), np.inf)
+    for halving in range(HALVINGS + 1):
+        pieces = _Pieces.of(a, b, owner, len(offsets) - 1, PIECE / 2**halving)
+        fine = pieces.flown(which[going], departures[going], wind, airspeed)
+        times[going] = fine
+        rest = np.abs(fine - rough[going]) > TOLERANCE * fine
+        rough[going] = fine
+        going = going[rest]
+        if not len(going):
+            break
+    return times
+
+
+class _Pieces:
+    """Pieces of polylines: starts and displacements (p, 2) [m], and where those of each polyline begin."""
+
+    def __init__(self, start: Floats, d: Floats, first: Ints) -> None:
+        self.start, self.d, self.first = start, d, first
+        self.far = np.hypot(*d.T)
+        self.tangents = d / self.far[:, None]
+
+    @classmethod
+    def of(cls, a: Floats, b: Floats, owner: Ints, count: int, longest: float) -> _Pieces:
+        """Return the segments `a` → `b` of `count` polylines in equal pieces no longer than `longest` [m]."""
+        number = np.maximum(1, np.ceil(np.hypot(*(b - a).T) / longest)).astype(np.int64)
+        which = np.repeat(np.arange(len(a)), number)
+        inner = np.arange(len(which)) - np.repeat(np.cumsum(number) - number, number)
+        d = ((b - a) / number[:, None])[which]
+        each = np.bincount(owner[which], minlength=count)
+        return cls(a[which] + inner[:, None] * d, d, np.concatenate([[0], np.cumsum(each)]).astype(np.int64))
+
+    def flown(self, which: Ints, departures: Floats, wind: ChangingWind, airspeed: float) -> Floats:
+        """Return the times [s] of the flights along polylines `which` (k,) begun at `departures` (k,) [s]."""
+        count = (self.first[1:] - self.first[:-1])[which]
+        order = np.argsort(-count, kind="stable")  # those of most pieces first: who still flies is a slice
+        first, left, times = self.first[which][order], count[order], departures[order].astype(np.float64)
+        for piece in range(int(left.max(initial=0))):
+            flying = int(np.searchsorted(-left, -piece, side="left"))
+            at = first[:flying] + piece
+            start, d, far, tangents = self.start[at], self.d[at], self.far[at], self.tangents[at]
+            now = times[:flying]
+            one = far * _slowness(start, now, tangents, wind, airspeed)
+            two = far * _slowness(start + 0.5 * d, now + 0.5 * one, tangents, wind, airspeed)
+            three = far * _slowness(start + d, now - one + 2.0 * two, tangents, wind, airspeed)
+            times[:flying] = now + (one + 4.0 * two + three) / 6.0
+        found = np.empty(len(which))
+        found[order] = times - departures[order]
+        return found
+
+
+def _slowness(points: Floats, times: Floats, tangents: Floats, wind: ChangingWind, airspeed: float) -> Floats:
+    """Return 1/g [s/m] at `points` (k, 2) [m] and `times` (k,) [s] along unit `tangents` (k, 2)."""
+    w = wind.velocities(points, times)
+    refuse_strong(points, np.hypot(*w.T), airspeed)
+    return np.asarray(1.0 / ground_speeds(w, tangents, airspeed))

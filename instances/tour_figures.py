@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from instances.arrays import Floats
 from instances.environment.wind import WindField
 from instances.environment.wind_changing import ChangingWind
 from instances.errors import InputError
@@ -45,18 +46,23 @@ def tour_figures(paths: Paths, routes: Routes, n_tasks: int, wind: WindField | N
             rows.append(_by_clock(paths, stops, uav, wind, speed))
             continue
         line = paths.along(stops) if route else np.zeros((1, 2))
-        offsets = np.array([0, len(line)])
-        length = float(np.hypot(*np.diff(line, axis=0).T).sum())
-        calm = length / speed
-        of_kind = dict.fromkeys(CostKind, calm if wind is None else 0.0)
-        if wind is not None and len(line) > 1:
-            for kind in CostKind:
-                try:
-                    of_kind[kind] = float(CostMeasure(kind, wind, speed).polylines(line, offsets)[0])
-                except InputError:
-                    of_kind[kind] = np.inf
-        rows.append(TourFigures(uav, len(route), length, of_kind[CostKind.TIME], of_kind[CostKind.ENERGY], calm))
+        rows.append(line_figures(line, uav, len(route), wind, speed))
     return rows
+
+
+def line_figures(line: Floats, uav: int, tasks: int, wind: WindField | None, speed: float) -> TourFigures:
+    """Return what a tour past so many tasks takes and costs along `line` (k, 2) [m], a single point for one at home."""
+    offsets = np.array([0, len(line)])
+    length = float(np.hypot(*np.diff(line, axis=0).T).sum())
+    calm = length / speed
+    of_kind = dict.fromkeys(CostKind, calm if wind is None else 0.0)
+    if wind is not None and len(line) > 1:
+        for kind in CostKind:
+            try:
+                of_kind[kind] = float(CostMeasure(kind, wind, speed).polylines(line, offsets)[0])
+            except InputError:
+                of_kind[kind] = np.inf
+    return TourFigures(uav, tasks, length, of_kind[CostKind.TIME], of_kind[CostKind.ENERGY], calm)
 
 
 def _by_clock(paths: Paths, stops: tuple[int, ...], uav: int, wind: ChangingWind, speed: float) -> TourFigures:

@@ -222,6 +222,37 @@ class Products:
             return said | {"left_out": [int(task) for task in said["left_out"]]}
 
     @cached_property
+    def spacing(self) -> dict[str, Any] | None:
+        """The spacing `ratio`, the turning `radius` [m], `advice` in words and whether the plan is `coupled`.
+
+        None where an older version made the flights.
+        """
+        path = self.folders["flight"] / "spacing.json"
+        if not path.exists():
+            return None
+        with reading(path, "a spacing ratio"):
+            said: dict[str, Any] = read_json(path)
+            if not (is_number(said["ratio"]) and is_number(said["radius"])):
+                raise InputError("must hold finite numbers")
+            return said | {"advice": str(said["advice"]), "coupled": bool(said["coupled"])}
+
+    @cached_property
+    def headings(self) -> dict[str, Any] | None:
+        """The longest tours [s] of the plans whose headings were chosen, `longest`, and which is flown, `by`.
+
+        A plan that cannot be flown has None. The whole is None where headings were not planned with the routes.
+        """
+        path = self.folders["routes"] / "headings.json"
+        if not path.exists():
+            return None
+        with reading(path, "headings"):
+            said: dict[str, Any] = read_json(path)
+            longest = {str(name): time for name, time in said["longest"].items()}
+            if not all(time is None or is_number(time) for time in longest.values()):
+                raise InputError("must hold finite numbers")
+            return {"longest": longest, "by": str(said["by"])}
+
+    @cached_property
     def laps(self) -> dict[str, Any] | None:
         """Laps of each UAV, `turned` saying which way round; None where each tour is flown once, as it was routed.
 

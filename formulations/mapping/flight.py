@@ -21,6 +21,7 @@ from formulations.mapping import dubins
 from formulations.mapping.headings import choose_headings
 from instances import InputError
 from instances.arrays import Floats, Ints
+from instances.environment.wind import pair
 from instances.extent import check_positions, positive
 
 HEADINGS = 16
@@ -35,14 +36,18 @@ STRAY_RADII = 0.2
 
 @dataclass(frozen=True)
 class Flight:
-    """A closed Dubins tour at constant speed over ground or, with a clock, through the air.
+    """A closed Dubins tour at constant speed over ground or, with a clock or a wind, through the air.
+
+    With a wind the segments are those of the air, in which each leg drifts (`planned.planned_flight`), headings are the
+    air's, and lengths are ways through the air.
 
     starts : pose (x [m], y [m], heading [rad]) at the start of each leg, shape (w, 3).
     words : Dubins word of each leg (row of dubins.TURNS), shape (w,).
     segments : lengths of its three segments [m], shape (w, 3).
     radius : minimum turning radius r_min [m].
-    speed : v [m/s], over ground; with a clock the airspeed.
+    speed : v [m/s], over ground; with a clock or a wind the airspeed.
     clock : times [s] at equal steps of the tour, from 0 at take-off to landing, linear between (`clock.clocked`).
+    wind : the steady wind [m/s] legs drift in, or None.
     """
 
     starts: Floats
@@ -51,10 +56,11 @@ class Flight:
     radius: float
     speed: float
     clock: Floats | None = None
+    wind: tuple[float, float] | None = None
 
     @property
     def length(self) -> float:
-        """Length of the tour [m]."""
+        """Length of the tour [m], with a wind through the air."""
         return float(self.segments.sum())
 
     @property
@@ -65,6 +71,8 @@ class Flight:
     @property
     def fastest(self) -> float:
         """Greatest ground speed [m/s]."""
+        if self.wind is not None:
+            return self.speed + float(np.hypot(*self.wind))
         if self.clock is None or self.length == 0.0:
             return self.speed
         return self.length / (len(self.clock) - 1) / float(np.diff(self.clock).min())
@@ -89,6 +97,8 @@ class Flight:
         dubins.poses_along(
             self.starts[legs], dubins.TURNS[self.words[legs]], self.segments[legs], into, self.radius, poses
         )
+        if self.wind is not None:
+            poses[:, :2] += into[:, None] * (np.array(self.wind) / self.speed)
         return poses
 
     def track(self, step: float) -> tuple[Floats, Floats]:
@@ -119,14 +129,15 @@ class Flight:
 
     def to_json(self) -> dict[str, Any]:
         """Return the flight as JSON values."""
-        table = {
+        table: dict[str, Any] = {
             "starts": self.starts.tolist(),
             "words": self.words.tolist(),
             "segments": self.segments.tolist(),
             "radius": self.radius,
             "speed": self.speed,
         }
-        return table if self.clock is None else {**table, "clock": self.clock.tolist()}
+        table |= {} if self.clock is None else {"clock": self.clock.tolist()}
+        return table if self.wind is None else {**table, "wind": list(self.wind)}
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Flight:
@@ -138,6 +149,7 @@ class Flight:
             positive(data["radius"], "radius [m]"),
             positive(data["speed"], "speed [m/s]"),
             np.array(data["clock"], dtype=float) if "clock" in data else None,
+            pair(data["wind"], "wind [m/s]") if "wind" in data else None,
         )
         if not len(flight.starts) == len(flight.words) == len(flight.segments):
             raise InputError("starts, words and segments of a flight must be equally many")

@@ -30,6 +30,11 @@ CALM = Uniform((0.0, 0.0))
 
 def query_of(scenario: Scenario) -> Query:
     """Return what a moving-cost method needs of `scenario`; InputError where its wind does not cover the region."""
+    if scenario.fleet.turning_radii is not None:
+        raise InputError(
+            f"scenario {scenario.name}: its UAVs have a turning_radius, and legs between headings are no paths of a "
+            "method: workbench costs makes them"
+        )
     if isinstance(scenario.wind, ChangingWind):
         raise InputError(
             f"scenario {scenario.name}: its wind changes with time, which is for workbench costs, solve and mission; "

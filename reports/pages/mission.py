@@ -30,6 +30,7 @@ from reports.pages.map_model import map_model
 from reports.pages.page import Page, write_page
 from reports.pages.polish import path_polish
 from reports.pages.replans import replanned
+from reports.pages.turns import coupled, spaced
 from reports.products import Products
 from reports.verdicts import MISSION, Verdict, difference, sentence, verdicts
 
@@ -62,6 +63,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     told = draw_value_maps(products.value_maps, scenario.region, scenario_tasks(products), unit)
     maps = [] if told is None else [told]
     planned: list[Block] = [_placed(products), *maps, _routed(products), *_tours(products), *_laps(products)]
+    planned += spaced(products.spacing)
     moved, polished = path_polish(products, scenario_tasks(products))
     planned += [*moved, flight, heights]
     planned += [_checks(products), exported(folders)]
@@ -110,6 +112,10 @@ COST_NAMES = {CostKind.ENERGY: "energy cost", CostKind.TIME: "flight time"}
 """What a tour's cost is called."""
 
 
+def _cost_name(products: Products) -> str:
+    return COST_NAMES[products.scenario.cost if products.headings is None else CostKind.TIME]
+
+
 def scenario_tasks(products: Products) -> Floats:
     """Return the tasks (n, 2) [m]."""
     return products.table("place", "tasks.csv")[["x", "y"]].to_numpy()
@@ -132,7 +138,7 @@ def _headline(products: Products, ticks: pd.DataFrame) -> list[tuple[str, str]]:
         ("NLPD", f"{end['nlpd']:.2f} nats"),
         ("covered by the 95 % interval", f"{end['coverage']:.1%}"),
         ("information gathered", f"{end['information']:.0f} nats"),
-        (f"longest tour, {COST_NAMES[products.scenario.cost]}", f"{products.routes.objective:.1f} s"),
+        (f"longest tour, {_cost_name(products)}", f"{products.bound['objective']:.1f} s"),
     ]
 
 
@@ -172,6 +178,8 @@ def _routed(products: Products) -> str:
         if left > 1e-4
         else "the wind is as good as a potential and changes no closed tour"
     )
+    if products.headings is not None:
+        return coupled(products.headings, run.label, bound)
     return (
         f"Routes by {run.label} ({run.status}): longest tour {run.objective:.2f} s; none can be below "
         f"{bound['bound']:.2f} s (by {bound['by']}), so that is at most {bound['gap']:.1%} too long. Costs differ by "
@@ -224,6 +232,8 @@ def _tours(products: Products) -> list[Block]:
     """Return what the chosen tours take and cost, and what the wind is worth to them."""
     tours, scenario = products.table("routes", "tours.csv"), products.scenario
     words = f"Tours are chosen by {scenario.cost.described(scenario.speed)}. Along their reference paths at this speed:"
+    if products.headings is not None:
+        words = "Tours are chosen by the time of flight, turns included. Along their tracks at this speed:"
     return [words, table_of(tours.assign(uav="UAV " + tours["uav"].astype(str)), TOURS, key="tours")]
 
 

@@ -48,6 +48,10 @@ def command(
 
     Writes the instance, and the paths beside it (NAME.paths.json.gz); prints how much the wind matters.
 
+    Where [[uav]] has a turning_radius, legs are Dubins paths between headings, in calm air or, with cost = "time", a
+    uniform wind; --option uniform=16, sights=0, tangents=0 (headings a node) and depots=own or closed. No path method
+    is used, and no paths are written.
+
     \b
     Examples:
       workbench costs scenario.toml --out a.json
@@ -56,7 +60,7 @@ def command(
     from formulations.moving_cost.effect import WindEffect
     from formulations.moving_cost.fleet import classes_of
     from formulations.moving_cost.registry import make_method
-    from instances.errors import naming
+    from instances.errors import InputError, naming
     from instances.files import endings
     from instances.paths import paths_file
     from instances.scenario import read_scenario
@@ -65,10 +69,17 @@ def command(
     from workbench.settings import check_target, key_values
 
     chosen = key_values(options, "--option")
-    make_method(method, chosen)
     for path, known in ((out, endings(written=True)), (plot, (".svg",)), (report, (".html",))):
         check_target(path, known)
     scenario = read_scenario(scenario_file)
+    if scenario.fleet.turning_radii is not None:
+        from workbench.turning import write_turning_costs  # here: others need none of it
+
+        if plot or report:
+            raise InputError("--plot and --report show planned paths; legs between headings have none")
+        write_turning_costs(scenario, chosen, scenario_file, out, as_json)
+        return
+    make_method(method, chosen)
     began = time.perf_counter()
     with naming(scenario_file):
         instance, paths = plan(scenario, method, chosen, _tell)

@@ -30,8 +30,9 @@ def check_mission(mission: Mission) -> None:
         raise InputError(f"there are more UAVs ({scenario.n_depots} depots) than tasks ({scenario.n_tasks})")
     if not scenario.fleet.alike:
         raise InputError(
-            "[[uav]] speed, service and return: a mission flies all UAVs at one speed, past its tasks without a stop "
-            "and home to their own depots; workbench costs and workbench solve take a scenario with them"
+            "[[uav]] speed and turning_radius, service and return: a mission flies all UAVs at one speed, past its "
+            "tasks without a stop and home to their own depots, with turns of flight.turning_radius; workbench costs "
+            "and workbench solve take a scenario with them"
         )
     if isinstance(scenario.wind, ChangingWind):
         raise InputError(
@@ -60,11 +61,37 @@ def check_mission(mission: Mission) -> None:
         raise InputError("place.weights: criterion ig looks at no test points, so weights say nothing; take j, b or a")
     if mission.place.polish and mission.flight.laps != 1:
         raise InputError("place.polish moves the waypoints of tours flown once: leave it or flight.laps out")
+    if mission.flight.coupled:
+        _check_coupled(mission)
     value_maps(mission)
     if mission.map.prior_sd is not None:
         value_map(mission, "map.prior_sd", mission.map.prior_sd, mission.map.signal_sd)
     check_replan(mission)
     _check_units(mission)
+
+
+def _check_coupled(mission: Mission) -> None:
+    """Raise InputError where routes and headings of this mission cannot be planned together."""
+    from formulations.moving_cost.turns.scenario import steady_wind  # here: numba takes its time
+
+    others = {
+        "flight.laps": mission.flight.laps != 1,
+        "flight.endurance": mission.flight.endurance is not None,
+        "[[uav]] endurance": mission.scenario.fleet.endurance is not None,
+        "place.polish": mission.place.polish,
+        "field.tau": mission.field.tau is not None,
+        "[replan]": mission.replan.wanted,
+    }
+    for key, asked in others.items():
+        if asked:
+            raise InputError(f"flight.coupled: headings are planned for tours flown once, as planned: leave {key} out")
+    try:
+        steady_wind(mission.scenario)
+    except InputError as error:
+        raise InputError(f"flight.coupled: {error}") from None
+    solver = mission.routes.solver
+    if solver in SOLVERS.built_in and "states" not in SOLVERS.make(solver, mission.routes.options).axes:
+        raise InputError(f"flight.coupled: routes.solver = {solver!r} takes no states; memetic and subset-dp do")
 
 
 def methods_of(mission: Mission) -> list[tuple[str, MethodRegistry[Any], str, dict[str, Any]]]:

@@ -1,8 +1,8 @@
 """Stage 5, flight: Dubins tours along the reference paths (sub-problem 4), checked, and exported for ground control.
 
 Products: flights.json, flown.csv (a pose every 0.2 s, z above mean sea level), reference.csv, flight-check.csv,
-laps.json where tours are flown more than once or turned and, where the mission has an origin, what
-`workbench.mission.export` writes.
+spacing.json (how many turning radii tasks lie apart), laps.json where tours are flown more than once or turned and,
+where the mission has an origin, what `workbench.mission.export` writes.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from formulations.mapping.clock import clocked
 from formulations.mapping.flight import Flight, plan_flight
 from formulations.mapping.flight_check import FlightCheck, check_flight
 from formulations.mapping.heights import Heights, heights_of
+from formulations.mapping.planned import planned_flight
 from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.disk import read_json, write_aside
@@ -30,9 +31,11 @@ from instances.environment.terrain import Terrain
 from instances.errors import InputError
 from instances.moving_cost import CostKind
 from instances.paths import Paths
+from instances.routes import ENDURANCE_ROUNDING
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
+from workbench.mission.coupled import HEADINGS_FILE, kept_plan
 from workbench.mission.export import export, tours_of
 from workbench.mission.laps import LAPS_FILE, Laps, directed
 from workbench.mission.place import zones_of
@@ -40,6 +43,7 @@ from workbench.mission.polish import Judge, polished_plan
 from workbench.mission.routes import kept_routes
 from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground, room_to_fly
 from workbench.mission.settings import Mission
+from workbench.mission.spacing import SPACING_FILE, spacing_of
 
 TRACK_STEP = 0.2
 """Time between the poses of a track [s]."""
@@ -77,7 +81,10 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     scenario = kept_scenario(folders["environment"])
     instance, paths = kept_costs(folders["costs"])
     routes = kept_routes(folders["routes"], instance)
-    fleet, laps = _fleet(mission, scenario, instance, paths, routes)
+    if mission.flight.coupled:
+        fleet, laps = fly_coupled(mission, scenario, instance, folders["routes"]), Laps(())
+    else:
+        fleet, laps = _fleet(mission, scenario, instance, paths, routes)
     ground, told = kept_terrain(folders["environment"]), list(laps.said())
     if mission.place.polish:
         instance, fleet, said = _polished(Judge(mission, scenario, ground), instance, routes, fleet, out, tell)
@@ -98,6 +105,8 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
             f"take {MOST_SAMPLES}"
         )
     flown = write_flights(fleet.flights, fleet.checks, heights, out)
+    spacing = spacing_of(mission, scenario, instance.n_tasks)
+    write_aside(out / SPACING_FILE, json.dumps(spacing))
     if not laps.plain or laps.sd is not None:
         write_aside(out / LAPS_FILE, json.dumps(laps.to_json()))
     write_aside(out / "reference.csv", _reference_frame(fleet.legs).to_csv(index=False))
@@ -105,7 +114,8 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         tours = tours_of(scenario.name, instance, routes, fleet.flights, heights, known=ground is not None)
         frame = mission.altitude.frame.value
         export(tours, flown, scenario, mission.origin, out, frame=frame, vehicle=mission.vehicle)
-    return "; ".join([_said(fleet.checks), *told, _said_of_heights(heights, ground)])
+    apart = f"tasks are {spacing['ratio']:.3g} turning radii apart: {spacing['advice']}"
+    return "; ".join([_said(fleet.checks), *told, _said_of_heights(heights, ground), apart])
 
 
 def write_flights(
@@ -179,6 +189,27 @@ def fly(
         flights.append(flight)
         legs.append(reference)
         tasks = instance.coordinates[sorted({task for tour in flown for task in tour})]
+        checks.append(check_flight(flight, reference, tasks, scenario.region, zones_of(scenario)))
+    return Fleet(flights, legs, checks)
+
+
+def fly_coupled(mission: Mission, scenario: Scenario, instance: Instance, planned: Path) -> Fleet:
+    """Return the flights with the headings in the folder `planned`; their references are the tracks that were planned.
+
+    InputError where a flight takes longer than its plan.
+    """
+    assert instance.coordinates is not None
+    plan = kept_plan(planned, instance, mission, scenario)
+    flights, legs, checks = [], [], []
+    for uav, (route, headings) in enumerate(zip(plan.routes, plan.headings, strict=True)):
+        flight, reference = planned_flight(plan.places(instance, uav), headings, plan.turns)
+        if not flight.duration <= plan.times[uav] * (1 + ENDURANCE_ROUNDING):
+            raise InputError(
+                f"{planned / HEADINGS_FILE}: UAV {uav} flies {flight.duration!r} s, {plan.times[uav]!r} s are planned"
+            )
+        flights.append(flight)
+        legs.append(reference)
+        tasks = instance.coordinates[list(route)]
         checks.append(check_flight(flight, reference, tasks, scenario.region, zones_of(scenario)))
     return Fleet(flights, legs, checks)
 

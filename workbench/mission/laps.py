@@ -47,7 +47,7 @@ class Laps:
     def said(self) -> list[str]:
         """Return sentences for people; none where every tour is flown once and no more is known."""
         counts = [len(turned) for turned in self.turned]
-        words = [] if max(counts) <= 1 else [f"{', '.join(map(str, counts))} laps"]
+        words = [] if max(counts, default=1) <= 1 else [f"{', '.join(map(str, counts))} laps"]
         if self.sd is not None:
             turned = sum(int(each.sum()) for each in self.turned)
             words.append(

@@ -5,7 +5,8 @@ solver routes these (`workbench.mission.selection`). Then a lower bound is sough
 tours can be better by more.
 
 Products: routes.sol, run.json, tours.csv (what each tour takes and costs along its reference path), bound.json (the
-bounds found, the best of them and the gap to it) and, where tasks are left out, selection.json.
+bounds found, the best of them and the gap to it), where tasks are left out selection.json and, where headings are
+planned with the routes, headings.json (`workbench.mission.coupled`).
 """
 
 from __future__ import annotations
@@ -43,6 +44,8 @@ def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     own = structs.asdict(mission.routes)
     flown = mission.flight
+    if flown.coupled:
+        own |= {"coupled": [mission.speed, flown.turning_radius, flown.border_clearance]}
     limited = flown.endurance is not None or flown.laps != 1
     place = structs.asdict(mission.place)
     return own | ({"endurance": flown.endurance, "laps": flown.laps, "place": place} if limited else {})
@@ -50,6 +53,10 @@ def settings(mission: Mission) -> dict[str, Any]:
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
     """Write the routes."""
+    if mission.flight.coupled:
+        from workbench.mission.coupled import route_coupled  # here: most missions need none of it
+
+        return route_coupled(mission, folders, out, tell)
     instance, paths = kept_costs(folders["costs"])
     scenario = kept_scenario(folders["environment"])
     tell(f"{mission.routes.solver} for {mission.routes.time_limit:g} s")

@@ -146,6 +146,14 @@ class FlightSettings(Table, frozen=True, kw_only=True):
 
     speed: Annotated[Positive | None, about("flying speed; the scenario's unless given", "m/s", example=100.0)] = None
     turning_radius: Annotated[Positive, about("least radius of any turn", "m")] = 50.0
+    coupled: Annotated[
+        bool,
+        about(
+            "whether routes and headings are planned together, for the least flight time, turns included, and flown "
+            "as planned: for tasks less than five turning radii apart, in calm air or, with cost = time, a uniform "
+            "wind; needs a solver that takes states"
+        ),
+    ] = False
     altitude: Annotated[NotNegative, about("flying altitude, in the frame", "m")] = 3000.0
     frame: Annotated[
         Frame, about("what the altitude is above: amsl, above-ground (the track follows the ground) or above-home")

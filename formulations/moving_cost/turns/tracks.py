@@ -18,6 +18,7 @@ from shapely.geometry import Polygon
 
 from formulations.mapping import dubins
 from formulations.moving_cost.turns.headings import HeadingStates
+from formulations.moving_cost.turns.refinement import Candidates, LegCosts
 from formulations.moving_cost.turns.travel import Turns
 from formulations.moving_cost.turns.wind import wind_path
 from instances.arrays import Bools, Floats, Ints
@@ -107,3 +108,20 @@ def kept_inside(lengths: Floats, points: Floats, states: HeadingStates, turns: T
     leaves = ~stay_inside(poses[first], poses[second], turns, room)
     kept[first[leaves], second[leaves]] = np.inf
     return kept
+
+
+def legs_inside(stops: Floats, turns: Turns, room: Polygon) -> LegCosts:
+    """Return what legs between `stops` [m], (w + 1, 2), cost [s] from each heading to each; +inf where one leaves."""
+
+    def legs(s: int, here: Candidates, there: Candidates) -> Floats:
+        assert here is not None
+        assert there is not None
+        a, b = np.indices((len(here), len(there))).reshape(2, -1)
+        starts, ends = (
+            np.column_stack([np.broadcast_to(stops[k], (a.size, 2)), h]) for k, h in ((s, here[a]), (s + 1, there[b]))
+        )
+        times = flown_legs(starts, ends, turns)[1].sum(axis=1) / turns.speed
+        times[~stay_inside(starts, ends, turns, room)] = np.inf
+        return times.reshape(len(here), -1)
+
+    return legs

@@ -35,7 +35,7 @@ BUILT_IN = {
     ),
     "dense-survey": (
         "instances.families.dense_survey:DENSE_SURVEY",
-        "tasks a few turning radii apart in a square, Dubins paths between headings in calm air",
+        "tasks a few turning radii apart in a square, Dubins paths between headings, in calm air or a steady wind",
     ),
     "wind-uniform": (
         "instances.families.wind_missions:WIND_UNIFORM",

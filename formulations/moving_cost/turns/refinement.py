@@ -8,7 +8,8 @@ Of a tour with stops s = 0 … w, each with candidate headings, the best chain i
 δ apart, and the programme is run again; where that gains nothing δ is halved. The headings known are always among the
 candidates, so no round is worse than the one before. It finds the best of its neighbourhood, not of all headings.
 
-What a leg costs is a function: the length over the speed in calm air (`calm_legs`), or whatever else is flown.
+What a leg costs is a function: its time over open country, in calm air or a steady wind (`open_legs`), or whatever else
+is flown, such as legs that must stay in a polygon (`tracks.legs_inside`).
 """
 
 from __future__ import annotations
@@ -20,9 +21,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from formulations.moving_cost.turns.headings import headings
-from formulations.moving_cost.turns.interval import free_end, interval_lengths
-from formulations.moving_cost.turns.travel import Turns, turns_of
+from formulations.moving_cost.turns.headings import HeadingStates, headings
+from formulations.moving_cost.turns.interval import free_end
+from formulations.moving_cost.turns.travel import Turns, steady_turns_of
+from formulations.moving_cost.turns.wind import wind_path_free
 from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.errors import InputError
@@ -85,30 +87,37 @@ def refine(candidates: Sequence[Candidates], legs: LegCosts, *, closed: bool = F
     return best
 
 
-def calm_legs(stops: Floats, turns: Turns) -> LegCosts:
-    """Return what legs between `stops` [m], (w + 1, 2), cost in calm air [s]."""
+def open_legs(stops: Floats, turns: Turns) -> LegCosts:
+    """Return what legs between `stops` [m], (w + 1, 2), cost over open country [s]."""
 
     def legs(s: int, here: Candidates, there: Candidates) -> Floats:
         lows, widths = zip(*((np.zeros(1), 2 * np.pi) if c is None else (c, 0.0) for c in (here, there)), strict=True)
         nodes = np.repeat([0, 1], [len(each) for each in lows])
-        lengths = interval_lengths(
-            np.ascontiguousarray(stops[s : s + 2]), nodes, np.concatenate(lows), np.array(widths)[nodes], turns.radius
-        )
+        states = HeadingStates(nodes, np.concatenate(lows), np.array(widths)[nodes])
+        lengths = turns.lengths(np.ascontiguousarray(stops[s : s + 2]), states)
         return np.asarray(lengths[: len(lows[0]), len(lows[0]) :]) / turns.speed
 
     return legs
 
 
 def flown_headings(chain: Chain, stops: Floats, turns: Turns) -> Floats:
-    """Return the headings [rad] at `stops` [m] in calm air, with those of the shortest paths at free ends."""
+    """Return the headings [rad] at `stops` [m] over open country, with those of the quickest paths at free ends."""
     flown = chain.headings.copy()
     if math.isnan(flown[0]):
-        (dx, dy), back = stops[0] - stops[1], flown[1] + math.pi
-        flown[0] = free_end(dx, dy, back, turns.radius) + math.pi
+        flown[0] = _free_heading(stops[1] - stops[0], True, flown[1], turns)
     if math.isnan(flown[-1]):
-        dx, dy = stops[-1] - stops[-2]
-        flown[-1] = free_end(dx, dy, flown[-2], turns.radius)
+        flown[-1] = _free_heading(stops[-1] - stops[-2], False, flown[-2], turns)
     return flown
+
+
+def _free_heading(away: Floats, first: bool, heading: float, turns: Turns) -> float:
+    """Return the free heading [rad] of a leg `away` [m], at its start or else its end, the other heading given."""
+    dx, dy = away.tolist()
+    if not turns.calm:
+        return float(wind_path_free(dx, dy, first, heading, turns.radius, *turns.drift)[4])
+    if first:
+        return free_end(-dx, -dy, heading + math.pi, turns.radius) + math.pi
+    return free_end(dx, dy, heading, turns.radius)
 
 
 def refined_routes(instance: Instance, routes: Routes) -> tuple[Chain | None, ...]:
@@ -117,12 +126,12 @@ def refined_routes(instance: Instance, routes: Routes) -> tuple[Chain | None, ..
     Candidates are the instance's own headings, uniform ones and lines of sight, so that no tour takes longer than it
     costs in the instance. InputError where it does not say how its UAVs turn.
     """
-    known, points, travel = turns_of(instance), instance.coordinates, instance.travel
+    known, points, travel = steady_turns_of(instance), instance.coordinates, instance.travel
     if known is None or points is None or travel is None:
         raise InputError(f"{instance.name} does not say how its UAVs turn (turns, in its provenance)")
     turns, states = known
     free = np.isin(np.arange(instance.n_nodes), states.nodes[states.widths > 0])
-    more = headings(points, instance.n_tasks, uniform=_UNIFORM, sights=_SIGHTS, free_depots=False)
+    more = headings(points, instance.n_tasks, uniform=_UNIFORM, sights=_SIGHTS, free_depots=False, drift=turns.drift)
     chains: list[Chain | None] = []
     for k, route in enumerate(routes):
         if not route:
@@ -131,5 +140,5 @@ def refined_routes(instance: Instance, routes: Routes) -> tuple[Chain | None, ..
         stops = [instance.n_tasks + k, *route, instance.n_tasks + k]
         given = [None if free[i] else np.concatenate([states.of(i), more.of(i)]) for i in stops]
         closed = travel.closed and given[0] is not None
-        chains.append(refine(given, calm_legs(points[stops], turns), closed=closed))
+        chains.append(refine(given, open_legs(points[stops], turns), closed=closed))
     return tuple(chains)

@@ -97,15 +97,22 @@ def said_of(turns: Turns, states: HeadingStates) -> dict[str, Any]:
 
 
 def turns_of(instance: Instance) -> tuple[Turns, HeadingStates] | None:
-    """Return how the UAVs of an instance turn in calm air and the headings of its states; None where not told.
+    """Return how the UAVs of an instance turn in calm air and its states' headings; None in wind or where not told.
 
-    That is what bounds start from, which know no wind yet: None in wind, too.
+    It is what bounds start from, which know no wind yet.
     """
+    known = steady_turns_of(instance)
+    return known if known is not None and known[0].calm else None
+
+
+def steady_turns_of(instance: Instance) -> tuple[Turns, HeadingStates] | None:
+    """Return how the UAVs of an instance turn, in which wind, and the headings of its states; None where not told."""
     said = instance.provenance.get(KEY)
-    if not isinstance(said, Mapping) or "wind" in said or instance.travel is None or instance.coordinates is None:
+    if not isinstance(said, Mapping) or instance.travel is None or instance.coordinates is None:
         return None
     try:
-        turns = Turns(said["radius"], said["speed"])
+        u, v = said.get("wind", (0.0, 0.0))
+        turns = Turns(said["radius"], said["speed"], (float(u), float(v)))
         free = np.array([heading is None for heading in said["headings"]])
         lows = np.array([0.0 if heading is None else float(heading) for heading in said["headings"]])
     except (KeyError, TypeError, ValueError, InputError):

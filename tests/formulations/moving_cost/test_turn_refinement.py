@@ -12,8 +12,8 @@ from formulations.mapping.dubins import dubins_length
 from formulations.moving_cost.turns.headings import headings
 from formulations.moving_cost.turns.refinement import (
     best_chain,
-    calm_legs,
     flown_headings,
+    open_legs,
     refine,
     refined_routes,
 )
@@ -32,7 +32,7 @@ def flown(stops: Floats, at: Floats, turns: Turns) -> float:
 def test_there_and_back_is_what_the_closed_form_says() -> None:
     r, stops = 1000.0, np.array([[0.0, 0.0], [4000.0, 0.0], [0.0, 0.0]])
     closed_form = 2 * (math.sqrt((4000 - r) ** 2 - r**2) + r * (math.pi - math.acos(r / (4000 - r))))
-    legs = calm_legs(stops, Turns(r, 1.0))
+    legs = open_legs(stops, Turns(r, 1.0))
     best = refine([None, np.array([0.3]), None], legs)  # the optimum is π/2, far from what is given
     assert best.cost == pytest.approx(closed_form, rel=1e-9)
     assert abs(math.sin(best.headings[1])) == pytest.approx(1.0, abs=1e-4)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -9,11 +10,14 @@ import pytest
 from shapely.geometry import Polygon, box
 
 from formulations.mapping.dubins import TURNS, _word_segments, advance, dubins_length
+from formulations.mapping.flight import Flight
+from formulations.mapping.planned import planned_flight
 from formulations.moving_cost.turns.headings import headings
+from formulations.moving_cost.turns.refinement import flown_headings, refined_routes
 from formulations.moving_cost.turns.tracks import FINE, flown_legs, kept_inside, stay_inside, tracks
-from formulations.moving_cost.turns.travel import Turns, turning_instance, turns_of
+from formulations.moving_cost.turns.travel import Turns, steady_turns_of, turning_instance, turns_of
 from formulations.moving_cost.turns.wind import wind_path, wind_path_free
-from instances import InputError
+from instances import InputError, tour_costs
 from instances.arrays import Floats
 
 Leg = tuple[float, float, float, float, float, float]
@@ -146,8 +150,32 @@ def test_an_instance_in_wind_costs_flight_times_and_has_no_calm_bounds() -> None
     assert made.cost[1, 0] == pytest.approx(200.0 / 3)
     assert made.provenance["turns"]["wind"] == [5.0, 0.0]
     assert turns_of(made) is None
+    known = steady_turns_of(made)
+    assert known is not None
+    assert known[0] == turns
+    assert known[1].lows.tolist() == states.lows.tolist()
     with pytest.raises(InputError, match="not less than the airspeed"):
         Turns(100.0, 5.0, (5.0, 0.0))
+
+
+def test_headings_of_routes_are_refined_in_wind_and_flown_as_claimed() -> None:
+    turns, points = Turns(100.0, 20.0, (6.0, 4.0)), np.random.default_rng(3).uniform(0, 1500, (7, 2))
+    for free in (True, False):
+        states = headings(points, 5, uniform=6, free_depots=free, drift=turns.drift)
+        instance = turning_instance("wind", points, 5, turns, states, closed=not free)
+        routes = ((0, 1, 2), (4, 3))
+        chains, costs = refined_routes(instance, routes), tour_costs(instance, routes)
+        for k, chain in enumerate(chains):
+            assert chain is not None
+            assert chain.cost < costs[k]
+            stops = points[[5 + k, *routes[k], 5 + k]]
+            flight, legs = planned_flight(stops, flown_headings(chain, stops, turns), turns)
+            assert flight.duration == pytest.approx(chain.cost, rel=1e-9)
+            assert [leg[-1] for leg in legs] == [pytest.approx(place, abs=1e-6) for place in stops[1:]]
+            poses = flight.poses(np.linspace(0.0, flight.length, 5))
+            assert poses[-1, :2] == pytest.approx(stops[-1], abs=1e-6)
+            again = Flight.from_json(json.loads(json.dumps(flight.to_json())))
+            assert again.poses(np.linspace(0.0, flight.length, 5)) == pytest.approx(poses)
 
 
 @pytest.mark.parametrize("wind", [(0.0, 0.0), (4.0, -3.0)])

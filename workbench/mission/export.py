@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 from shapely.geometry import LineString
 
+from formulations.mapping.dubins import TURNS
 from formulations.mapping.flight import Flight
 from formulations.mapping.heights import Heights
 from instances import Instance, Routes
@@ -30,6 +31,8 @@ from instances.scenario import Scenario
 
 SAME = 1e-3
 """Waypoints so near to one another [m] are at one place."""
+ARC = np.pi / 4
+"""Angle of a turn [rad] between waypoints along it, at most."""
 STRAY = 2.0
 """An autopilot climbs evenly from waypoint to waypoint; waypoints keep it at most so many metres above the track."""
 
@@ -42,22 +45,26 @@ def tours_of(
     heights: Mapping[int, Heights],
     *,
     known: bool,
+    turns: bool = False,
 ) -> dict[int, Tour]:
-    """Return the tour of each UAV that has heights: it flies. known : whether the ground's heights are known."""
+    """Return the tour of each UAV that has heights: it flies. known, turns : as of `tour_of`."""
     assert instance.coordinates is not None
     tours = {}
     for k, own in heights.items():
         tasks = {task: instance.coordinates[task] for task in routes[k]}
-        tours[k] = tour_of(f"{name} UAV {k}", flights[k], own, tasks, known=known)
+        tours[k] = tour_of(f"{name} UAV {k}", flights[k], own, tasks, known=known, turns=turns)
     return tours
 
 
-def tour_of(name: str, flight: Flight, heights: Heights, tasks: Mapping[int, Floats], *, known: bool) -> Tour:
+def tour_of(
+    name: str, flight: Flight, heights: Heights, tasks: Mapping[int, Floats], *, known: bool, turns: bool = False
+) -> Tour:
     """Return the waypoints of a flight: where its legs begin, and where its height bends.
 
-    tasks : number of each task on the tour → its place [m].
+    tasks : number of each task on the tour → its place [m]. known : whether the ground's heights are known. turns :
+    whether there are waypoints along the turns, too, where tasks alone would not say how they are flown over.
     """
-    travelled = _waypoints(flight, heights)
+    travelled = _waypoints(flight, heights, turns)
     points: Floats = flight.poses(travelled)[:, :2]
     numbers: list[int | None] = [None] * len(points)
     for task, place in tasks.items():
@@ -72,9 +79,15 @@ def tour_of(name: str, flight: Flight, heights: Heights, tasks: Mapping[int, Flo
     return Tour(name, points, numbers, track, flight.speed, ground)
 
 
-def _waypoints(flight: Flight, heights: Heights) -> Floats:
+def _waypoints(flight: Flight, heights: Heights, turns: bool) -> Floats:
     """Return the distances [m] of the waypoints: Douglas and Peucker's of the heights (1973), leg by leg."""
     ends = np.concatenate([[0.0], np.cumsum(flight.segments.sum(axis=1))])
+    if turns:
+        pieces = np.ceil(flight.segments / (ARC * flight.radius)).astype(np.int64)
+        pieces[TURNS[flight.words] == 0] = 1
+        within = np.repeat(flight.segments.ravel() / np.maximum(pieces.ravel(), 1), pieces.ravel()).cumsum()
+        apart = np.append(np.inf, np.diff(within)) > SAME
+        ends = np.concatenate([[0.0], within[apart & (within > SAME)]])
     kept = []
     for begin, end in pairwise(ends.tolist()):
         inside = heights.travelled[(heights.travelled > begin) & (heights.travelled < end)]

@@ -111,7 +111,8 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         write_aside(out / LAPS_FILE, json.dumps(laps.to_json()))
     write_aside(out / "reference.csv", _reference_frame(fleet.legs).to_csv(index=False))
     if mission.origin is not None:
-        tours = tours_of(scenario.name, instance, routes, fleet.flights, heights, known=ground is not None)
+        turns = mission.flight.coupled
+        tours = tours_of(scenario.name, instance, routes, fleet.flights, heights, known=ground is not None, turns=turns)
         frame = mission.altitude.frame.value
         export(tours, flown, scenario, mission.origin, out, frame=frame, vehicle=mission.vehicle)
     apart = f"tasks are {spacing['ratio']:.3g} turning radii apart: {spacing['advice']}"

@@ -51,8 +51,9 @@ def straight(dx: float, dy: float, wx: float, wy: float) -> float:
     return (math.sqrt(along * along + room * (dx * dx + dy * dy)) - along) / room
 
 
-def test_flown_paths_end_where_they_should_and_no_sooner_than_straight_lines() -> None:
-    for dx, dy, h0, h1, wx, wy in legs(20_000, 1):
+@pytest.mark.parametrize("count", [5000, pytest.param(100_000, marks=pytest.mark.slow)])
+def test_flown_paths_end_where_they_should_and_no_sooner_than_straight_lines(count: int) -> None:
+    for dx, dy, h0, h1, wx, wy in legs(count, 1):
         word, *segments = wind_path(dx, dy, h0, h1, 1.0, wx, wy)
         assert min(segments) >= 0
         assert miss(flown(word, tuple(segments), h0, (wx, wy)), dx, dy, h1) < 1e-6
@@ -83,12 +84,12 @@ def scanned(leg: Leg, until: float, steps: int) -> float:
 
 def test_no_arrival_is_overlooked() -> None:
     found = 0
-    for leg in legs(60, 2):
+    for leg in legs(40, 2):
         path = wind_path(*leg[:4], 1.0, *leg[4:])
         oracle = scanned(leg, 1.02 * sum(path[1:]) + 0.1, 400)
         assert sum(path[1:]) <= oracle + 1e-6
         found += oracle < math.inf
-    assert found > 40
+    assert found > 25
 
 
 @pytest.mark.slow
@@ -128,7 +129,7 @@ def test_where_the_shortest_path_is_there_too_early_another_word_arrives() -> No
 
 
 def test_free_headings_are_flown_and_best_away_from_the_depot() -> None:
-    for n, (dx, dy, heading, _, wx, wy) in enumerate(legs(400, 4)):
+    for n, (dx, dy, heading, _, wx, wy) in enumerate(legs(200, 4)):
         first = bool(n % 2)
         word, a, b, c, free = wind_path_free(dx, dy, first, heading, 1.0, wx, wy)
         h0, h1 = (free, heading) if first else (heading, free)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from shapely.geometry import LineString
 
 from formulations.mapping.flight import plan_flight
 from formulations.mapping.heights import Altitude, Frame, Heights, heights_of
+from formulations.mapping.planned import planned_flight
+from formulations.moving_cost.turns.travel import Turns
 from instances.environment.terrain import Terrain
 from workbench.mission.export import STRAY, tour_of
 
@@ -50,3 +53,17 @@ def test_a_tour_comes_home_as_high_as_its_track() -> None:
     tour = tour_of("a", FLIGHT, Heights(s, np.array([300.0, 300.0, 420.0]), 0 * s), TASKS, known=True)
     assert tour.heights[0] == pytest.approx(420.0, abs=STRAY)
     assert tour.heights[1:].max() < 420.0
+
+
+def test_waypoints_along_turns_keep_lines_between_them_near_the_track() -> None:
+    turns = Turns(100.0, 20.0, (5.0, -3.0))
+    places = np.array([[0.0, 0.0], [350.0, 0.0], [300.0, 250.0], [0.0, 0.0]])
+    flight, _ = planned_flight(places, np.array([0.0, 2.0, 4.0, 1.0]), turns)
+    tasks = {0: places[1], 1: places[2]}
+    tour = tour_of("a", flight, heights_of(flight, LEVEL, None), tasks, known=False, turns=True)
+    track = LineString(flight.poses(np.linspace(0.0, flight.length, 2000))[:, :2])
+    off = LineString([*tour.points, places[-1]]).hausdorff_distance(track)
+    assert off < 100.0 * (1 - np.cos(np.pi / 8)) + 0.1
+    assert len(tour.points) > 2 * len(flight.starts)
+    for task, place in tasks.items():
+        np.testing.assert_allclose(tour.points[tour.tasks.index(task)], place, atol=1e-3)

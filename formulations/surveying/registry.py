@@ -13,6 +13,11 @@ BUILT_IN = {
     "random": ("formulations.surveying.placed:RandomTasks", "uniform random tasks, as many as fit, routed"),
     "lawnmower": ("formulations.surveying.lanes:Lawnmower", "parallel lanes, the most that fit"),
     "myopic": ("formulations.surveying.myopic:Myopic", "each UAV on to what it knows least about, way home kept"),
+    "sgptools": ("formulations.surveying.sparse_gp:SparseGp", "sgptools: inducing points of a sparse process; extra"),
+    "pypolo": (
+        "formulations.surveying.entropy_and_distance:EntropyAndDistance",
+        "PyPolo: each UAV on by entropy and distance, way home kept; numpy below 2 only",
+    ),
 }
 
 SOURCES = {

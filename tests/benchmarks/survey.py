@@ -3,7 +3,8 @@
     python tests/benchmarks/survey.py [se-draws] [radio] [jacksboro] [mission] [polish] [replan] [bound] [--seeds 12]
 
 se-draws, radio, jacksboro: the map's kernel chosen by likelihood; mission: the paper's against the lawnmower; polish,
-replan: survey planners; bound: the average variance's lower bound. `workbench compare survey` compares planners.
+replan: survey planners, polish beside what no tours can pass; bound: the average variance's lower bound. `workbench
+compare survey` compares planners.
 Intervals are 95 %, Student's t of paired differences; times are processor seconds of this process.
 """
 
@@ -32,6 +33,7 @@ from formulations.mapping.gaussian_process import GaussianProcess
 from formulations.mapping.map_grid import MapGrid
 from formulations.mapping.map_model import EVERY_KERNEL, MapModel, Offered, choose_model
 from formulations.mapping.survey import Score, score
+from formulations.path_bound import path_bound
 from formulations.surveying.gaussian_field import gaussian_field
 from formulations.surveying.problem import Sensor, SurveyProblem, Tours, length_of
 from formulations.surveying.registry import PLANNERS
@@ -221,6 +223,13 @@ def polish(seeds: int) -> None:
             [each.score.rmse for each in old]) for o in old])  # fmt: skip
         say(f"{name}: RMSE over {seeds} GP draws", f"{rmse.mean():.3f}; against before {interval(found)}",
             f"{other}, sgptools with free ends on other draws", rmse.mean() < other)  # fmt: skip
+        judged_by = AverageVariance(given.kernel, given.noise_sd, given.targets)
+        began = time.process_time()
+        least = path_bound(judged_by, SQUARE, DEPOTS, length, given.spacing) ** 0.5
+        took = time.process_time() - began
+        alone = judged_by.lower_bound(len(DEPOTS) * int(length / given.spacing)) ** 0.5
+        print(f"     no tours so long have √J below {least:.3f} ({least / own[0].promised_sd:.0%} of that reached; "
+              f"{alone:.3f} by the number of readings alone), {took:.1f} s")  # fmt: skip
 
 
 def replan(seeds: int) -> None:

@@ -123,6 +123,8 @@ class TestEveryPlanner:
 
     def test_it_keeps_the_rules_and_repeats_itself(self, name):
         given, planner = problem(length=7500.0), PLANNERS.make(name)
+        if name in ("sgptools", "pypolo") and (missing := planner.accepts(given)):
+            pytest.skip(missing)
         assert planner.accepts(given) is None
         planner.prepare(given)
         field = gaussian_field(KERNEL, given.region.bounds, 40, 1)

@@ -11,7 +11,9 @@ straight, headings
                in place of the last four where nodes have several states (``state_bounds.py``)
 
 Where costs change with time the last three carry the clock; the others are those of the instance whose legs are
-minimised over time windows (``time_windows.py``), which no routes better than those known take less than.
+minimised over time windows (``time_windows.py``), which no routes better than those known take less than. With several
+states a node besides, each leg counts at the least of all states at its ends: the chord between the least costs at two
+knots is below all of them.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ from formulations.routing.relaxation import relax
 from formulations.routing.search.ruin_recreate import RuinRecreate
 from formulations.routing.simple_bounds import SIMPLE, worst_makespan
 from formulations.routing.solver import Status, refusal
-from formulations.routing.state_bounds import MOST_TASKS, heading_bounds, straight_bound
+from formulations.routing.state_bounds import FEW, heading_bounds, straight_bound
 from formulations.routing.stateless import stateless
 from formulations.routing.time_windows import windowed
 from instances import Instance, objective
@@ -63,6 +65,8 @@ class Bound:
 def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0) -> Iterator[Bound]:
     """Yield every bound of `instance` as it is ready; `time_limit` [s] is that of each."""
     upper = _upper(instance)
+    if {"time", "states"} <= instance.axes:
+        instance = stateless(instance)
     plain = stateless(windowed(instance, upper) if "time" in instance.axes else instance)
     for name, bound in SIMPLE.items():
         began = time.perf_counter()
@@ -87,21 +91,24 @@ def _upper(instance: Instance) -> float:
     """Return the cost of greedy routes [s], or one that no routes pass where UAVs cannot fly these."""
     found = Greedy().solve(stateless(instance), limits=Limits(time=float("inf"))).routes
     if "time" in instance.axes:  # windows are as narrow as these routes are short
-        steps, start = Limits(time=float("inf"), iterations=STEPS), None if found is None else greedy_routes(instance)
-        found = RuinRecreate().solve(instance, limits=steps, start=start).routes
+        plain = stateless(instance)
+        steps, start = Limits(time=float("inf"), iterations=STEPS), None if found is None else greedy_routes(plain)
+        found = RuinRecreate().solve(plain, limits=steps, start=start).routes
     upper = np.inf if found is None else objective(instance, found)
     return worst_makespan(instance) if np.isinf(upper) else upper
 
 
 def _of_states(instance: Instance, upper: float, time_limit: float, seed: int) -> Iterator[Bound]:
     """Yield the bounds of an instance between headings."""
+    if instance.n_tasks > FEW and refusal(BranchAndPrice(), instance) is None:
+        BranchAndPrice().prepare(instance)
     began = time.perf_counter()
     value = straight_bound(instance, upper, time_limit, seed)
-    message = "" if value else "not found in time, or the instance does not say how its UAVs turn"
-    yield Bound("straight", value, time.perf_counter() - began, message)
+    none = "not found in time, too large, or the instance does not say how its UAVs turn"
+    yield Bound("straight", value, time.perf_counter() - began, "" if value else none)
     began = time.perf_counter()
-    *_, (count, value) = (0, 0.0), *heading_bounds(instance, upper, time_limit)
-    words = f"{count} sectors a task" if count else f"for instances between headings of up to {MOST_TASKS} tasks"
+    *_, (count, value) = (0, 0.0), *heading_bounds(instance, upper, time_limit, seed)
+    words = f"{count} sectors a task" if count else none
     yield Bound("headings", value, time.perf_counter() - began, words)
 
 

@@ -14,6 +14,9 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
    subset-row cuts.        `columns/tightening.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
 4. Where the gap stays wide: destructive bisection of the cap.                               `columns/destructive.py`
 
+Where nodes have several states, labels keep the least cost of each state of their last task; what bounds them knows
+legs at their least over states (`columns/state_labelling.py`).
+
 UAVs may differ in costs and endurance L_k: P_k are then the tours that UAV k can fly, of cost ≤ L_k. While no routes
 are known the cap is a cost that no routes pass (`simple_bounds.worst_makespan`), and a tree that ends without routes
 proves that there are none. Where costs change with time, they are the clock: labels keep arrivals, and legs in bins are
@@ -36,17 +39,20 @@ import numpy as np
 from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.columns.fixing import fix_legs
-from formulations.routing.columns.labelling import make_store
+from formulations.routing.columns.labelling import Labels, make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pool import Pool, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer, efforts
 from formulations.routing.columns.searching import STEPS, Search, search
+from formulations.routing.columns.state_labelling import StateLabels
 from formulations.routing.columns.tree import StoppedBy, Tree
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
+from formulations.routing.search.states.searching import warm_up
 from formulations.routing.simple_bounds import SIMPLE, worst_makespan
 from formulations.routing.solver import Result
+from formulations.routing.stateless import stateless
 from formulations.routing.time_windows import windowed
 from instances import InputError, Instance, Travel, tour_costs
 
@@ -76,7 +82,7 @@ class BranchAndPrice(RecordedSolver):
     tours: int = 3_000_000
 
     proves: ClassVar[bool] = True
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states"})
 
     def __post_init__(self) -> None:
         for label, least in (("starts", 0), ("bins", 1), ("labels", 1000), ("tours", 100)):
@@ -85,7 +91,11 @@ class BranchAndPrice(RecordedSolver):
 
     def accepts(self, instance: Instance) -> str | None:
         """Refuse instances whose completion bounds take longer than a time limit may be overrun, or much memory."""
-        n, m = instance.n_tasks, instance.n_depots
+        n, m, travel = instance.n_tasks, instance.n_depots, instance.travel
+        if {"time", "states"} <= instance.axes:
+            return "columns take costs that change with time or several states at a node, not both"
+        if "states" in instance.axes and travel is not None and travel.closed and (travel.nodes >= n).sum() > m:
+            return "columns take depots of one state where tours must end in the state that they began in"
         most = _MOST_LEGS_BY_CLOCK if "time" in instance.axes else _MOST_LEGS
         if n <= MOST_TASKS and m * n * n <= most:
             return None
@@ -94,12 +104,14 @@ class BranchAndPrice(RecordedSolver):
     def prepare(self, instance: Instance) -> None:
         """Compile the kernels (about a minute the first time, then cached): use each once, on six tasks in a circle."""
         Memetic().prepare(instance)
+        if "states" in instance.axes:
+            _prepare_states()
         make_store(3, 8).keep_best(2, 0, 4)
         angle = np.arange(7.0)
         place = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         place[6] = 0.0
         circle = Instance("circle", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 6, 1)
-        if instance.axes:
+        if instance.axes & {"fleet", "endurance"}:
             Memetic().prepare(circle)  # part of a fleet may be alike, for which other kernels are compiled
         if "time" in instance.axes:
             travel = Travel(np.repeat(circle.cost[None, None], 2, axis=1), np.array([0]), np.array([0.0, 1.0]))
@@ -130,15 +142,14 @@ class BranchAndPrice(RecordedSolver):
         """
         instance = recorder.instance
         most = worst_makespan(instance) if instance.restricted else np.inf
-        upper = min(recorder.objective, most)
-        plain = windowed(instance, upper) if "time" in instance.axes else instance
+        upper, least = min(recorder.objective, most), stateless(instance)
+        plain = windowed(instance, upper) if "time" in instance.axes else least
         for simple_bound in SIMPLE.values():
             recorder.raise_bound(simple_bound(plain, upper))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
             return StoppedBy.PROOF.value, {}
         n, limits = instance.n_tasks, recorder.limits
-        store = make_store(n, min(self.labels, max(1000, n << min(n, 40))))  # no more than all sets and last tasks
-        legs = Legs.of(instance)
+        store, legs = labels_for(instance, self.labels), Legs.of(least)
         patience = _Patience(recorder)
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
         work = Workspace(patience.over, store, self.tours, *efforts(n, self.bins), far)
@@ -153,7 +164,7 @@ class BranchAndPrice(RecordedSolver):
                 # the tree has far to go from a gap as wide as this
                 patience.share(1 / 2)
                 lower, upper = recorder.bound, min(recorder.objective, most)
-                for bound in destructive_bounds(instance, lower, upper, patience.over, from_top=False):
+                for bound in destructive_bounds(least, lower, upper, patience.over, from_top=False):
                     recorder.raise_bound(bound)
             patience.share(1)
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])
@@ -172,9 +183,23 @@ class BranchAndPrice(RecordedSolver):
             search(recorder, STEPS * instance.n_tasks**2, seed, run, share)
 
 
+def labels_for(instance: Instance, most: int) -> Labels:
+    """Return room for labels of an instance: `most` of them, but no more than all sets and last tasks."""
+    n = instance.n_tasks
+    room = min(most, max(1000, n << min(n, 40)))
+    return StateLabels.of(instance, room) if "states" in instance.axes else make_store(n, room)
+
+
 def left_open(recorder: Recorder) -> float:
     """Return what a proof leaves open [s]."""
     return 0.0 if recorder.routes is None else 2 * TOLERANCE * recorder.objective
+
+
+def _prepare_states() -> None:
+    """Compile the kernels of labels over states."""
+    tiny = warm_up(Instance("any", np.zeros((2, 2)), 1, 1))
+    duals = Duals(np.full(tiny.n_tasks, 9.0), np.ones(tiny.n_depots), np.zeros(tiny.n_depots), np.zeros(0))
+    Pricer(Legs.of(stateless(tiny)), 9.0, Effort(2, 10, 5), StateLabels.of(tiny, 1000)).price(0, duals, 0.0)
 
 
 class _Patience:

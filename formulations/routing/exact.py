@@ -1,6 +1,6 @@
 """`exact`: the portfolio to try first. It chooses, combines, and says who proved it.
 
-* n ≤ 16: `subset-dp`, which is then done at once.
+* n ≤ 16, with several states a node n ≤ 10: `subset-dp`, which is then done at once.
 * otherwise `branch-and-price`, which closes tours of up to about twenty tasks each in seconds;
 * with two threads `branch-and-cut` beside it in a process of its own, for longer tours: both pass on every better
   incumbent and bound the moment they have it, and the first proof ends both;
@@ -32,6 +32,8 @@ from instances import Instance, Routes
 
 FEW = 16
 """Tasks up to which subset programming takes a fraction of a second."""
+FEW_BETWEEN_STATES = 10
+"""The same where nodes have several states."""
 LONG, FEW_UAVS = 18, 2
 """Tasks per UAV from which, and UAVs up to which, branch-and-cut is the quicker of the two."""
 _SHARE = 0.75
@@ -53,7 +55,7 @@ class Exact(RecordedSolver):
 
     def prepare(self, instance: Instance) -> None:
         """Prepare the methods that this instance will use."""
-        if instance.n_tasks <= FEW:
+        if _few(instance):
             SubsetDp().prepare(instance)
             return
         BranchAndPrice().prepare(instance)
@@ -62,7 +64,7 @@ class Exact(RecordedSolver):
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of each tree."""
         instance = recorder.instance
-        if instance.n_tasks <= FEW:
+        if _few(instance):
             result = SubsetDp().search(recorder, seed)
             proved_by = "subset-dp" if result.status in _PROVED else None
             return dataclasses.replace(result, statistics={**result.statistics, "proved_by": proved_by})
@@ -74,6 +76,11 @@ class Exact(RecordedSolver):
             return _side_by_side(recorder, columns, seed)
         cuts_first = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
         return _one_after_the_other(recorder, columns, seed, cuts_first and may_cut)
+
+
+def _few(instance: Instance) -> bool:
+    """Say whether subset programming is the method."""
+    return instance.n_tasks <= (FEW_BETWEEN_STATES if "states" in instance.axes else FEW)
 
 
 def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int, cuts_first: bool) -> Result:

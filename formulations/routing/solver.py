@@ -166,7 +166,7 @@ ABLE = {
     "fleet": "memetic and exact can",
     "endurance": "memetic and exact can",
     "time": "branch-and-price, subset-dp, memetic, ruin-recreate, ga and greedy can",
-    "states": "memetic and subset-dp can",
+    "states": "memetic and exact can",
 }
 """Who to turn to, for each axis of an instance."""
 

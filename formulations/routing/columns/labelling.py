@@ -73,7 +73,7 @@ class Store(NamedTuple):
 
     def keep_best(self, beam: int, begin: int, end: int) -> int:
         """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
-        return int(_keep(self, beam, begin, end, _limit(self.bound, beam, begin, end)))
+        return int(_keep(self, beam, begin, end, limit(self.bound, beam, begin, end)))
 
     def tours(self, problem: Subproblem, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
         """Return where tours below the threshold end in a layer, their reduced costs and costs [s]."""
@@ -82,7 +82,7 @@ class Store(NamedTuple):
 
     def clear(self, begin: int, end: int) -> None:
         """Take the labels begin..end−1, which are all that is in it, out of the hash table."""
-        _clear(self.visited, self.last, self.slots, begin, end)
+        clear(self.visited, self.last, self.slots, begin, end)
 
     def sets(self, ends: Ints) -> NDArray[np.uint64]:
         """Return the tasks visited by tours that end there, (p, words)."""
@@ -269,13 +269,13 @@ def _beginning_with(problem: Subproblem, task: int) -> float:
     if not spent <= problem.cap:
         return np.inf
     nothing = np.zeros((problem.price.size + 63) // 64, np.uint64)
-    state = _state(problem.memory.near, problem.watch.members, nothing, task)
+    state = memory_of(problem.memory.near, problem.watch.members, nothing, task)
     left = bins_left(problem.cap - spent, problem.bins)
     return problem.sigma * spent - problem.price[task] + problem.best[task, left, state]
 
 
 @njit(cache=True, inline="always")
-def _state(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) -> int:
+def memory_of(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) -> int:
     """Return the state of the completion bounds at `task` after the tasks `seen`, which are other ones."""
     memory, bits = 0, 0
     for q in range(near.shape[1]):
@@ -293,7 +293,8 @@ def _state(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) -> in
 
 
 @njit(cache=True, inline="always")
-def _hash(words: NDArray[np.uint64], task: int, mask: int) -> np.int64:
+def hashed(words: NDArray[np.uint64], task: int, mask: int) -> np.int64:
+    """Return the slot of a set and its last task where there are mask + 1."""
     h = np.uint64(task + 1) * _GOLDEN
     for w in range(words.size):
         h = (h ^ words[w]) * _GOLDEN
@@ -302,7 +303,8 @@ def _hash(words: NDArray[np.uint64], task: int, mask: int) -> np.int64:
 
 
 @njit(cache=True, inline="always")
-def _same(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> bool:
+def same(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> bool:
+    """Say whether two sets are equal."""
     equal = True
     for w in range(a.size):
         equal = equal and a[w] == b[w]
@@ -349,14 +351,14 @@ def _expand(
                 if rho[j, q] > 0 and has(seen, partners[j, q, 0]) != has(seen, partners[j, q, 1]):
                     earned -= rho[j, q]
             left = bins_left(cap - spent, bins)
-            least = sigma * spent - earned + best[j, left, _state(near, members, seen, j)]
+            least = sigma * spent - earned + best[j, left, memory_of(near, members, seen, j)]
             if least >= threshold:
                 continue
             bit = np.uint64(1) << np.uint64(j & 63)
             fresh[j >> 6] |= bit
-            slot = _hash(fresh, j, mask)
+            slot = hashed(fresh, j, mask)
             at = store.slots[slot]
-            while at >= 0 and not (store.last[at] == j and _same(store.visited[at], fresh)):
+            while at >= 0 and not (store.last[at] == j and same(store.visited[at], fresh)):
                 slot = (slot + 1) & mask
                 at = store.slots[slot]
             if at < 0:
@@ -377,22 +379,20 @@ def _expand(
 
 
 @njit(cache=True)
-def _clear(
-    visited: NDArray[np.uint64], last: NDArray[np.int16], slots: NDArray[np.int32], begin: int, end: int
-) -> None:
+def clear(visited: NDArray[np.uint64], last: NDArray[np.int16], slots: NDArray[np.int32], begin: int, end: int) -> None:
     """Take the labels begin..end−1, which are all that is in it, out of the hash table."""
     mask = slots.size - 1
     if (end - begin) * 8 > slots.size:
         slots[:] = -1
         return
     for label in range(begin, end):
-        slot = _hash(visited[label], last[label], mask)
+        slot = hashed(visited[label], last[label], mask)
         while slots[slot] >= 0:
             slots[slot] = -1
             slot = (slot + 1) & mask
 
 
-def _limit(bound: Floats, beam: int, begin: int, end: int) -> float:
+def limit(bound: Floats, beam: int, begin: int, end: int) -> float:
     """Return the bound [s] that the `beam` best labels of a layer do not pass."""
     return float(np.partition(bound[begin:end], beam - 1)[beam - 1])
 
@@ -438,8 +438,8 @@ def _cheapest_of_each_set(costs: Floats, visited: NDArray[np.uint64]) -> Ints:
     slots = np.full(size, -1, np.int64)
     for t in range(costs.size):
         words = visited[t]
-        slot = _hash(words, 0, size - 1)
-        while slots[slot] >= 0 and not _same(visited[slots[slot]], words):
+        slot = hashed(words, 0, size - 1)
+        while slots[slot] >= 0 and not same(visited[slots[slot]], words):
             slot = (slot + 1) & (size - 1)
         if slots[slot] < 0 or costs[t] < costs[slots[slot]]:
             slots[slot] = t

@@ -87,8 +87,12 @@ def search_around(recorder: Recorder, tour: Column, steps: int, seed: int, time:
 
 def part(instance: Instance, tasks: list[int], uavs: list[int]) -> Instance:
     """Return the instance of some of the tasks and some of the UAVs, numbered in the order given."""
-    nodes = np.array(tasks + [instance.n_tasks + k for k in uavs])
-    clock = instance.travel
-    costs, departures = (instance.cost[None, None], np.zeros(1)) if clock is None else (clock.cost, clock.departures)
-    travel = Travel(costs[:, :, nodes[:, None], nodes], instance.classes[uavs], departures)
+    nodes = tasks + [instance.n_tasks + k for k in uavs]
+    whole = instance.travel or Travel(instance.cost[None, None], instance.classes)
+    at = np.full(instance.n_nodes, -1)
+    at[nodes] = np.arange(len(nodes))
+    kept = np.flatnonzero(at[whole.nodes] >= 0)
+    states = kept[np.argsort(at[whole.nodes[kept]], kind="stable")]
+    costs = whole.cost[:, :, states[:, None], states]
+    travel = Travel(costs, whole.classes[uavs], whole.departures, at[whole.nodes[states]], whole.closed)
     return Instance.of_travel(instance.name, travel, len(tasks), endurance=instance.limits[uavs])

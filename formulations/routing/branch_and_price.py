@@ -39,7 +39,8 @@ import numpy as np
 from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.columns.fixing import fix_legs
-from formulations.routing.columns.labelling import Labels, make_store
+from formulations.routing.columns.label_search import Labels
+from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pool import Pool, list_tours

@@ -22,7 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from formulations.routing.columns.cuts import separate
-from formulations.routing.columns.labelling import make_store, never
+from formulations.routing.columns.label_search import never
+from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.pricing import Effort
 from formulations.selection.duals import DualBound, Duals
 from formulations.selection.fleet import groups_of

@@ -14,16 +14,8 @@ import numpy as np
 
 from formulations.routing.columns.completion import Bins, Memory, completion
 from formulations.routing.columns.cuts import TaskCuts, Watch
-from formulations.routing.columns.labelling import (
-    Clock,
-    Found,
-    Orders,
-    Store,
-    Subproblem,
-    least_of_all,
-    path,
-    search,
-)
+from formulations.routing.columns.label_search import Clock, Found, Orders, Subproblem, path, search
+from formulations.routing.columns.labelling import Store, least_of_all
 from formulations.routing.columns.pricing import Effort
 from formulations.selection.duals import Column, DualBound, Duals
 from formulations.selection.fleet import Group

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.routing.columns.cuts import incidence
-from formulations.routing.columns.labelling import Clock
+from formulations.routing.columns.label_search import Clock
 from formulations.routing.columns.master import Master
 from instances.arrays import Bools, Floats, Ints
 

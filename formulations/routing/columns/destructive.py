@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from formulations.routing.columns.generation import generate
-from formulations.routing.columns.labelling import Clock, make_store
+from formulations.routing.columns.label_search import Clock
+from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import Column, Effort, Pricer

@@ -16,7 +16,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from formulations.routing.columns.completion import Bins, bins_left, completion
-from formulations.routing.columns.labelling import Subproblem
+from formulations.routing.columns.label_search import Subproblem
 from formulations.routing.columns.legs import Legs, UavLegs
 from formulations.routing.columns.pricing import DualBound, Pricer
 from instances.arrays import Floats

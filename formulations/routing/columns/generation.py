@@ -15,7 +15,7 @@ from enum import Enum, auto
 
 import numpy as np
 
-from formulations.routing.columns.labelling import Clock
+from formulations.routing.columns.label_search import Clock
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import DualBound, Duals, Priced, Prices
 from instances.arrays import Floats

@@ -3,41 +3,23 @@
 A label is a set of visited tasks V, the last of them, and the least cost of getting there (for one V and last task the
 cheaper path is better in every way, as in Held & Karp). Its reduced cost is σ·cost − gain, with gain = Σ_{i∈V} π_i less
 ρ of every cut (see `cuts`) with two tasks in V. A label is dropped as soon as reduced cost plus completion bound (see
-`completion`) reaches the threshold: no tour that begins so is wanted. Layer ℓ holds paths of ℓ tasks. With a finite
-`beam` only the most promising labels of a layer are kept: then the tours found are real, but absence proves nothing,
-and the search says so.
-
-Sets are rows of ⌈n/64⌉ unsigned words, so n has no limit. (V, last) are found again by open addressing.
+`completion`) reaches the threshold: no tour that begins so is wanted. `label_search` goes through the layers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.clocks import knot_at
-from formulations.routing.columns.completion import Bins, Memory, bins_left
+from formulations.routing.columns.completion import bins_left
 from formulations.routing.columns.courses import course_at, on_course
-from formulations.routing.columns.cuts import TaskCuts, Watch
-from formulations.routing.columns.legs import UavLegs
+from formulations.routing.columns.label_search import Found, Orders, Subproblem, limit
+from formulations.routing.columns.word_sets import clear, has, hashed, same
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
-
-Clock = Callable[[], bool]
-"""Says whether time is up."""
-
-
-def never() -> bool:
-    """Set no limit of time."""
-    return False
-
-
-_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
-_CHUNK = 50_000
-_LESS = 2.0  # how much less than there will be is projected, for tours of ten tasks and more
 
 
 class Store(NamedTuple):
@@ -93,164 +75,12 @@ class Store(NamedTuple):
         return Orders(self.last[: found.labels], self.parent[: found.labels]), found.ends
 
 
-class Subproblem(NamedTuple):
-    """The pricing problem of one UAV: tours of cost ≤ `cap` [s] over its legs, least in reduced cost.
-
-    price : π_i [s] of the tasks, shape (n,); sigma : σ_k of the UAV; cuts : what each task's cuts charge.
-    bins, memory, watch, best : the completion bounds B and the states they are for.
-    """
-
-    legs: UavLegs
-    cap: float
-    bins: Bins
-    memory: Memory
-    watch: Watch
-    price: Floats
-    sigma: float
-    cuts: TaskCuts
-    best: Floats
-
-
-class Orders(NamedTuple):
-    """The flying orders of labels: the `last` task of each, and the label before it, `parent`, < 0 for none."""
-
-    last: NDArray[np.int16]
-    parent: NDArray[np.int32]
-
-
-class Found(NamedTuple):
-    """Tours found: where they end, reduced costs and costs [s], sets (p, words), labels used, whether these are all."""
-
-    ends: Ints
-    values: Floats
-    costs: Floats
-    visited: NDArray[np.uint64]
-    labels: int
-    complete: bool
-
-    def best(self, most: int) -> Found:
-        """Return the `most` tours of least reduced cost, the least first."""
-        chosen = np.argsort(self.values, kind="stable")[:most]
-        kept = self.ends[chosen], self.values[chosen], self.costs[chosen], self.visited[chosen]
-        return Found(*kept, self.labels, self.complete)
-
-
-class Labels(Protocol):
-    """Labels of one kind and what is done with them in a search, layer by layer: `Store` describes each method."""
-
-    @property
-    def room(self) -> int:
-        """How many labels there may be."""
-
-    def of_uav(self, k: int) -> Labels:
-        """Return the room for labels of UAV k."""
-
-    def depart(self, problem: Subproblem, threshold: float) -> int:
-        """Make the labels of one task and return how many there are."""
-
-    def expand(
-        self, problem: Subproblem, threshold: float, low: int, high: int, free: int, room: int
-    ) -> tuple[bool, int]:
-        """Extend labels low..high−1 by every task."""
-
-    def keep_best(self, beam: int, begin: int, end: int) -> int:
-        """Keep the `beam` labels of smallest bound of a layer."""
-
-    def tours(self, problem: Subproblem, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
-        """Return where tours below the threshold end in a layer, their reduced costs and costs [s]."""
-
-    def clear(self, begin: int, end: int) -> None:
-        """Empty the hash table."""
-
-    def sets(self, ends: Ints) -> NDArray[np.uint64]:
-        """Return the tasks visited by tours that end there."""
-
-    def orders(self, found: Found) -> tuple[Orders, Ints]:
-        """Return the flying orders of what was found, and where in them its tours end."""
-
-
 def make_store(n_tasks: int, room: int) -> Store:
     """Make room for `room` labels over `n_tasks` tasks."""
     slots = 1 << int(2 * room - 1).bit_length()
     visited, last = np.zeros((room, (n_tasks + 63) // 64), np.uint64), np.zeros(room, np.int16)
     cost, gain, bound = np.zeros(room), np.zeros(room), np.zeros(room)
     return Store(visited, last, cost, gain, bound, np.zeros(room, np.int32), np.full(slots, -1, np.int32))
-
-
-def path(labels: Orders | Store, label: int) -> tuple[int, ...]:
-    """Return the tasks of a label in flying order."""
-    order = []
-    while label >= 0:
-        order.append(int(labels.last[label]))
-        label = int(labels.parent[label])
-    return tuple(reversed(order))
-
-
-def search(
-    problem: Subproblem,
-    store: Labels,
-    threshold: float,
-    out_of_time: Clock,
-    *,
-    beam: int | None = None,
-    labels: int | None = None,
-    tours: int,
-) -> Found:
-    """Find the tours of reduced cost below `threshold`, the cheapest for each set of tasks.
-
-    Not all of them where a layer is cut off at `beam` labels, or `labels` in all or `tours` are too few. Where `labels`
-    are clearly not going to be enough it ends at once.
-    """
-    room = min(labels or store.room, store.room)
-    layers_found, listed, complete = [], 0, True
-    begin, end = 0, store.depart(problem, threshold)
-    layers = [end]
-    while end > begin:
-        if beam is not None and end - begin > beam:
-            complete = False
-            end = store.keep_best(beam, begin, end)
-        layers_found.append(store.tours(problem, threshold, begin, end))
-        listed += layers_found[-1][0].size
-        free, stopped = end, listed > tours
-        for low in range(begin, end, _CHUNK):
-            if stopped or out_of_time():
-                stopped = True
-                break
-            stopped, free = store.expand(problem, threshold, low, min(low + _CHUNK, end), free, room)
-        store.clear(end, free)
-        layers.append(free - end)
-        if stopped or (labels is not None and end + _LESS * _projected(layers) > room):
-            complete = False
-            break
-        begin, end = end, free
-    none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
-    at, value, cost = (np.concatenate(parts) for parts in zip(none, *layers_found, strict=True))
-    visited = store.sets(at)
-    slots = _cheapest_of_each_set(cost, visited)
-    chosen = np.sort(slots[slots >= 0])
-    return Found(at[chosen], value[chosen], cost[chosen], visited[chosen], end, complete)
-
-
-def _projected(layers: list[int]) -> float:
-    """Return how many labels are still to come: the growth from layer to layer goes on falling as it fell last.
-
-    It falls ever less, so that this is too low rather than too high.
-    """
-    if len(layers) < 3:
-        return 0.0
-    before, growth = layers[-2] / layers[-3], layers[-1] / layers[-2]
-    fall, size, total = min(0.9, growth / before), float(layers[-1]), 0.0
-    while size >= 1.0:
-        growth *= fall
-        size *= growth
-        total += size
-    return total
-
-
-@njit(cache=True)
-def has(words: NDArray[np.uint64], task: int) -> bool:
-    """Say whether a set contains a task."""
-    return (words[task >> 6] >> np.uint64(task & 63)) & np.uint64(1) != np.uint64(0)
 
 
 @njit(cache=True)
@@ -290,25 +120,6 @@ def memory_of(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) ->
             if held == 1:
                 bits |= 1 << r
     return bits * ((1 << near.shape[1]) + 1) + memory
-
-
-@njit(cache=True, inline="always")
-def hashed(words: NDArray[np.uint64], task: int, mask: int) -> np.int64:
-    """Return the slot of a set and its last task where there are mask + 1."""
-    h = np.uint64(task + 1) * _GOLDEN
-    for w in range(words.size):
-        h = (h ^ words[w]) * _GOLDEN
-        h ^= h >> np.uint64(29)
-    return np.int64(h & np.uint64(mask))
-
-
-@njit(cache=True, inline="always")
-def same(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> bool:
-    """Say whether two sets are equal."""
-    equal = True
-    for w in range(a.size):
-        equal = equal and a[w] == b[w]
-    return equal
 
 
 @njit(cache=True)
@@ -379,25 +190,6 @@ def _expand(
 
 
 @njit(cache=True)
-def clear(visited: NDArray[np.uint64], last: NDArray[np.int16], slots: NDArray[np.int32], begin: int, end: int) -> None:
-    """Take the labels begin..end−1, which are all that is in it, out of the hash table."""
-    mask = slots.size - 1
-    if (end - begin) * 8 > slots.size:
-        slots[:] = -1
-        return
-    for label in range(begin, end):
-        slot = hashed(visited[label], last[label], mask)
-        while slots[slot] >= 0:
-            slots[slot] = -1
-            slot = (slot + 1) & mask
-
-
-def limit(bound: Floats, beam: int, begin: int, end: int) -> float:
-    """Return the bound [s] that the `beam` best labels of a layer do not pass."""
-    return float(np.partition(bound[begin:end], beam - 1)[beam - 1])
-
-
-@njit(cache=True)
 def _keep(store: Store, beam: int, begin: int, end: int, limit: float) -> int:
     """Keep the first `beam` labels of a layer whose bound is within `limit` [s] and return the new end."""
     free = begin
@@ -427,20 +219,3 @@ def _tours(problem: Subproblem, store: Store, threshold: float, begin: int, end:
             ends[found], values[found], costs[found] = label, value, whole
             found += 1
     return ends[:found].copy(), values[:found].copy(), costs[:found].copy()
-
-
-@njit(cache=True)
-def _cheapest_of_each_set(costs: Floats, visited: NDArray[np.uint64]) -> Ints:
-    """Return a table of the tours of least cost of every set visited, and of −1."""
-    size = 16
-    while size < 2 * costs.size:
-        size *= 2
-    slots = np.full(size, -1, np.int64)
-    for t in range(costs.size):
-        words = visited[t]
-        slot = hashed(words, 0, size - 1)
-        while slots[slot] >= 0 and not same(visited[slots[slot]], words):
-            slot = (slot + 1) & (size - 1)
-        if slots[slot] < 0 or costs[t] < costs[slots[slot]]:
-            slots[slot] = t
-    return slots

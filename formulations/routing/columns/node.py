@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from formulations.routing.columns.cuts import Cut
-from formulations.routing.columns.labelling import Labels
+from formulations.routing.columns.label_search import Labels
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool

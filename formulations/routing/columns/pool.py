@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import TaskCuts
-from formulations.routing.columns.labelling import Orders, has, path, search
+from formulations.routing.columns.label_search import Orders, path, search
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer
+from formulations.routing.columns.word_sets import has
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 

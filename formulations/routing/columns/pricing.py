@@ -22,7 +22,8 @@ import numpy as np
 
 from formulations.routing.columns.completion import Bins, Memory, completion
 from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task, incidence
-from formulations.routing.columns.labelling import Clock, Labels, Subproblem, least_of_all, never, path, search
+from formulations.routing.columns.label_search import Clock, Labels, Subproblem, never, path, search
+from formulations.routing.columns.labelling import least_of_all
 from formulations.routing.columns.legs import Legs
 from instances.arrays import Floats
 

@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.completion import bins_left
-from formulations.routing.columns.labelling import Found, Orders, Subproblem, clear, has, hashed, limit, memory_of, same
+from formulations.routing.columns.label_search import Found, Orders, Subproblem, limit
+from formulations.routing.columns.labelling import memory_of
+from formulations.routing.columns.word_sets import clear, has, hashed, same
 from formulations.routing.state_dp import StateLegs, state_legs
 from instances import Instance
 from instances.arrays import Floats, Ints
@@ -45,7 +47,7 @@ class StateStore(NamedTuple):
 
 @dataclass(frozen=True)
 class StateLabels:
-    """Labels of instances with states; the methods are those of `labelling.Labels`.
+    """Labels of instances with states; the methods are those of `label_search.Labels`.
 
     legs : of each UAV; store : their room; uav : whose labels these are.
     """

@@ -12,7 +12,8 @@ from formulations.routing.columns.branching import choose
 from formulations.routing.columns.completion import Bins, Memory, completion
 from formulations.routing.columns.cuts import Watch
 from formulations.routing.columns.generation import generate
-from formulations.routing.columns.labelling import least_of_all, make_store, path, search
+from formulations.routing.columns.label_search import path, search
+from formulations.routing.columns.labelling import least_of_all, make_store
 from formulations.routing.columns.legs import Legs, UavLegs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from formulations.routing.columns.fixing import fix_legs
-from formulations.routing.columns.labelling import make_store, never, path, search
+from formulations.routing.columns.label_search import never, path, search
+from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pricing import DualBound, Duals, Effort, Pricer
 from instances import Instance, tour_costs

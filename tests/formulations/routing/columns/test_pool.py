@@ -8,7 +8,8 @@ import pytest
 
 from formulations.limits import Limits
 from formulations.routing.columns.generation import generate
-from formulations.routing.columns.labelling import Orders, _projected, make_store
+from formulations.routing.columns.label_search import Orders, _projected
+from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool, PoolPricer, list_tours

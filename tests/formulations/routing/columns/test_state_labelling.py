@@ -10,7 +10,7 @@ import pytest
 from formulations.limits import Limits
 from formulations.moving_cost.families import generate
 from formulations.routing.branch_and_price import BranchAndPrice
-from formulations.routing.columns.labelling import never, path, search
+from formulations.routing.columns.label_search import never, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pricing import Duals, Effort, Pricer
 from formulations.routing.columns.searching import part

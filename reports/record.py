@@ -89,6 +89,7 @@ DERIVED = (
     Column("n_depots", "number", "", "number of depots and UAVs m"),
     Column("asymmetry", "number", "", "mean |c_ij − c_ji| / (c_ij + c_ji)"),
     Column("restricted", "flag", "", "whether there may be no routes: legs a UAV cannot fly, or limited endurance"),
+    Column("spacing", "number", "", "spacing ratio ρ = √(area / n) / turning radius, where a family was given it"),
     Column("best_known", "number", "s", "best known value stored with the instance"),
     Column("method", "text", "", "name in tables: the label, cut short where long, and the limit where it has several"),
     Column("gap", "number", "", "(objective − bound) / objective"),

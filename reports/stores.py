@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -23,17 +23,19 @@ from instances.files import read_instance
 from instances.natural import natural
 from instances.utilisation import endurance_margins, utilisation
 from reports.foreign import claim_without_routes, is_mere_claim
+from reports.kinds import is_number
 from reports.order import naturally
 from reports.proofs import holds
 from reports.record import ITEM_FILES, PART_FILES, RUN, Run, described, read_json, read_run
 from reports.tolerances import RELATIVE_ROUNDING
 
 FRAME = (
-    "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "restricted", "best_known", "solver", "method",
-    "label", "options", "proves", "seed", "time_limit", "threads", "iterations", "status", "objective", "bound", "gap",
-    "value", "proved", "elapsed", "stopped_by", "message", "tolerance", "claimed_objective", "recomputed", "fault",
-    "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory", "environment", "code", "revision", "stale",
-    "foreign", "created", "routes", "tour_costs", "utilisation", "endurance_margin", "trace", "statistics", "path",
+    "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "restricted", "spacing", "best_known", "solver",
+    "method", "label", "options", "proves", "seed", "time_limit", "threads", "iterations", "status", "objective",
+    "bound", "gap", "value", "proved", "elapsed", "stopped_by", "message", "tolerance", "claimed_objective",
+    "recomputed", "fault", "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory", "environment",
+    "code", "revision", "stale", "foreign", "created", "routes", "tour_costs", "utilisation", "endurance_margin",
+    "trace", "statistics", "path",
 )  # fmt: skip
 """Columns of the frame, in order; `COLUMNS` says what each holds."""
 COLUMNS = described(*FRAME)
@@ -190,12 +192,19 @@ def _row(path: Path, run: Run, instance: Instance | None) -> dict[str, Any]:
     row |= {"instance": about["name"], "digest": about["digest"], "family": about.get("family") or ""}
     row |= {"method": run.label, "path": str(path), "stale": run.stale}
     row |= {"routes": run.own["routes"]}
-    row |= {"restricted": instance is not None and instance.restricted}
+    row |= {"restricted": instance is not None and instance.restricted, "spacing": _spacing(instance)}
     row |= {"options": json.dumps(run.options, sort_keys=True)}
     row["trace"] = np.array(run.trace, dtype=np.float64).reshape(-1, 3)  # null becomes NaN
     objective, bound = row["objective"], row["bound"]
     row["gap"] = (objective - bound) / objective if objective > 0 else (objective - bound)
     return row | _recomputed(run, instance)
+
+
+def _spacing(instance: Instance | None) -> float:
+    """Return the spacing ratio that the instance was generated with, not a number where there was none."""
+    given = {} if instance is None else instance.provenance.get("parameters", {})
+    said = given.get("spacing") if isinstance(given, Mapping) else None
+    return float(said) if is_number(said) else math.nan
 
 
 def _number(value: Any) -> float:

@@ -10,6 +10,7 @@ from reports.figures.profiles import proof_profile, quality_profile, time_profil
 from reports.figures.svg import Drawn
 from reports.figures.targets import runtime_distribution, time_to_target_plot
 from reports.figures.tradeoff import gap_against_n, tradeoff
+from reports.figures.turns import loss_against_spacing
 
 __all__ = ["Drawn", "study_figures"]
 
@@ -25,6 +26,7 @@ def study_figures(runs: pd.DataFrame) -> list[Drawn]:
         time_to_target_plot(runs),
         runtime_distribution(runs),
         gap_against_n(runs),
+        loss_against_spacing(runs),
         tradeoff(runs),
         *(ablation(runs, solver) for solver in ablated_solvers(runs)),
     ]

@@ -52,6 +52,8 @@ class Memetic(RecordedSolver):
         to 1000).
     depth : a founder's annealing takes depth · n² / m steps, no fewer than 10 000 to 25 000, doubled at each new
         start (at least 0.01).
+    decoupled : where nodes have several states, take the routes of straight legs with the best states put in
+        afterwards: what a plan that ignores them comes to (true or false).
 
     What else could be set is in `parameters`, of the class.
     """
@@ -64,6 +66,7 @@ class Memetic(RecordedSolver):
     reliefs: float = _DEFAULT.population.perturbations
     kicks: float = _DEFAULT.population.kicks
     depth: float = _DEFAULT.population.depth
+    decoupled: bool = False
 
     proves: ClassVar[bool] = False
     axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states"})
@@ -108,6 +111,8 @@ class Memetic(RecordedSolver):
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Search until a limit; one annealing step is one iteration, counted in each of the `threads` populations."""
+        if "states" in recorder.instance.axes and self.decoupled:
+            return states.search_decoupled(recorder, seed, self._routes)
         if "states" in recorder.instance.axes:
             return states.search_states(recorder, seed, self._routes, states.StateSearch())
         if "time" in recorder.instance.axes:

@@ -18,6 +18,7 @@ from reports.figures.routes import draw_routes, surroundings
 from reports.figures.steps import cumulative
 from reports.figures.style import COLOURS, DASHES, styles
 from reports.figures.svg import inline_svg, save_figure
+from reports.figures.turns import loss_against_spacing
 from reports.metrics import with_gaps
 
 
@@ -37,6 +38,21 @@ def test_every_figure_is_there_with_title_caption_and_units(runs):
         assert len(d.caption) > 100
         for panel in d.chart.panels:
             assert re.search(r"\[|τ|tasks n|times the", panel.x.words), (d.key, panel.x)
+
+
+def test_loss_against_spacing_is_the_mean_gap_of_each_method(runs):
+    assert loss_against_spacing(runs) is None
+    digests = sorted(runs["digest"].unique())
+    spaced = runs.assign(spacing=runs["digest"].map({digest: 2.0 + 4.0 * (i % 2) for i, digest in enumerate(digests)}))
+    figure = loss_against_spacing(spaced)
+    for series in figure.chart.panels[0].series:
+        mine = spaced[spaced["method"] == series.name].groupby(["spacing", "digest"])["gap_best"].median()
+        expected = 100 * mine.groupby(level="spacing").mean()
+        np.testing.assert_allclose(series.y, expected)
+        assert np.asarray(series.x).tolist() == [2.0, 6.0]
+        assert (np.asarray(series.low) <= expected + 1e-12).all()
+        assert (np.asarray(series.high) >= expected - 1e-12).all()
+    assert inline_svg(figure).startswith("<svg")
 
 
 def test_inline_svg_is_well_formed_self_contained_and_repeatable(runs):

@@ -79,7 +79,7 @@ def test_the_same_job_asked_for_twice_is_one():
     assert [job.label for job in jobs_of(study)] == ["ga", "ga (population=50)"]
 
 
-@pytest.mark.parametrize("name", ["quick", "paper", "benchmarks", "scaling", "ablation"])
+@pytest.mark.parametrize("name", ["quick", "paper", "benchmarks", "scaling", "ablation", "turns"])
 def test_shipped_studies_are_sound(name):
     path = shipped_studies()[name]
     study = study_from(load_tables(path), ROUTING, name=path.stem, base=path.parent)

@@ -85,6 +85,12 @@ def search_states(recorder: Recorder, seed: int, decoupled: Decoupled, settings:
     return recorder.result(budget.stopped_by, iterations=budget.iterations, annealings=runs)
 
 
+def search_decoupled(recorder: Recorder, seed: int, decoupled: Decoupled) -> Result:
+    """Return the plan that ignores states, searched for until the time limit."""
+    decoupled_plan(recorder, seed, decoupled, StateSearch(decoupled=1.0, decoupled_most=math.inf))
+    return recorder.result("time" if recorder.limits.iterations is None else "iterations")
+
+
 def _run(
     recorder: Recorder,
     budget: Budget,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
+from formulations.moving_cost.families import generate
 from formulations.moving_cost.turns.headings import headings
 from formulations.moving_cost.turns.travel import Turns, turning_instance
 from formulations.routing.search.memetic import Memetic
@@ -102,3 +103,14 @@ def test_states_with_endurance_are_refused() -> None:
     assert travel is not None
     limited = Instance.of_travel("limited", travel, 6, endurance=np.array([50.0, 60.0]))
     assert refusal(Memetic(), limited) == "memetic takes states without endurance"
+
+
+def test_decoupled_routes_are_those_of_straight_legs() -> None:
+    instance = generate("dense-survey", 12, 2, 1, spacing=1.5, headings=8)
+    plan = Memetic(decoupled=True).solve(instance, limits=Limits(time=60.0, iterations=5000), seed=0)
+    assert plan.routes is not None
+    straight = Memetic().solve(straight_legs(instance), limits=Limits(time=60.0, iterations=5000), seed=0)
+    assert straight.routes is not None
+    assert {frozenset(route) for route in plan.routes} == {frozenset(route) for route in straight.routes}
+    coupled = Memetic().solve(instance, limits=Limits(time=60.0, iterations=2000), seed=0, start=plan.routes)
+    assert (coupled.objective or 0.0) < 0.95 * (plan.objective or 0.0)

@@ -117,7 +117,7 @@ ITEM_FILES = {
     "survey": ("survey.json",),
 }
 """Problem → the file beside its runs that keeps what was solved, by its possible names."""
-PART_FILES = {"moving-cost": ("scenario-region.json", "scenario-no-fly.json")}
+PART_FILES = {"moving-cost": ("scenario-region.json", "scenario-no-fly.json"), "survey": ("scenario-region.json",)}
 """Problem → files beside its runs that are part of what was solved, and no runs though they end alike."""
 
 

@@ -18,10 +18,9 @@ from formulations.average_variance import AverageVariance
 from formulations.kernel import SquaredExponential
 from formulations.limits import Limits
 from formulations.mapping.map_model import MapModel, Offered, choose_model
-from formulations.polish.path_polish import PolishProblem, polish
-from formulations.polish.straight_legs import StraightLegs
-from formulations.surveying.polished import Polished
-from formulations.surveying.problem import Sensor, SurveyProblem, Tours, length_of, readings, travelled
+from formulations.polish.path_polish import polish
+from formulations.surveying.polished import Polished, polish_problem
+from formulations.surveying.problem import Sensor, SurveyProblem, Tours, readings, travelled
 from instances.arrays import Floats
 
 SMOOTH = Offered((SquaredExponential,))
@@ -59,8 +58,8 @@ def bent(problem: SurveyProblem, tours: Sequence[Floats], flown: float, model: M
     heads, rests = zip(*(divided(tour, flown) for tour in tours), strict=True)
     noise_sd = float(np.hypot(problem.noise_sd, model.nugget_sd))
     judged = AverageVariance(model.kernel, noise_sd, problem.targets, known=known)
-    budgets = [max(0.0, problem.length - length_of(head)) for head in heads]
-    wanted = PolishProblem(judged, StraightLegs(1.0, 1.0), problem.spacing, rests, np.array(budgets), problem.region)
+    budgets = [max(0.0, problem.length - problem.cost_of(head)) for head in heads]
+    wanted = polish_problem(problem, judged, rests, np.array(budgets))
     spacing = max(problem.spacing, 0.5 * min(model.kernel.length_scales))
     found = polish(wanted, spacing=spacing, warm=True).paths
     return [np.concatenate([head, rest[1:]]) for head, rest in zip(heads, found, strict=True)]

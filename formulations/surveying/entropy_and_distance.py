@@ -22,7 +22,6 @@ import numpy as np
 from formulations.blas import one_thread
 from formulations.limits import Limits
 from formulations.mapping.gaussian_process import GaussianProcess
-from formulations.surveying.placed import is_convex
 from formulations.surveying.problem import Sensor, SurveyPlanner, SurveyProblem, Tours, length_of, readings
 from instances.arrays import Floats
 
@@ -45,7 +44,7 @@ class EntropyAndDistance(SurveyPlanner):
             return "pypolo is not installed (docs/methods/surveys.md says how)"
         if not hasattr(np.ndarray, "ptp"):
             return f"PyPolo 0.0.3 needs numpy below 2 (it calls ndarray.ptp), and here is numpy {np.__version__}"
-        return None if is_convex(problem) else "legs are straight, so the region must be convex"
+        return None if problem.is_convex else "legs are straight, so the region must be convex"
 
     def prepare(self, problem: SurveyProblem) -> None:
         """Import, which takes seconds."""
@@ -80,12 +79,12 @@ class EntropyAndDistance(SurveyPlanner):
             process.extend(known, np.zeros(len(known)))
             return None, np.hypot(process.posterior().sd, problem.noise_sd)
 
-        left = problem.length - length_of(tour)
+        left = problem.length - problem.cost_of(tour)
         for _ in range(ASKED):
-            goal = np.asarray(planner.get(model), dtype=float).reshape(-1, 2)[-1]
-            there, back = np.hypot(*(goal - tour[-1])), np.hypot(*(goal - tour[0]))
-            if there + back <= left and problem.region.contains(goal[None]).all():
-                return goal
+            goal = np.asarray(planner.get(model), dtype=float).reshape(-1, 2)[-1:]
+            cost = problem.costs(tour[-1:], goal) + problem.costs(goal, tour[:1])
+            if cost[0] <= left and problem.region.contains(goal).all():
+                return np.asarray(goal[0])
         return None
 
 

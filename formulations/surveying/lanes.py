@@ -14,8 +14,7 @@ from formulations.average_variance import AverageVariance
 from formulations.blas import one_thread
 from formulations.limits import Limits
 from formulations.mapping.lawnmower import INSETS, MOST_LANES, lawnmower_tours
-from formulations.surveying.placed import is_convex
-from formulations.surveying.problem import Sensor, SurveyPlanner, SurveyProblem, Tours, length_of, readings
+from formulations.surveying.problem import Sensor, SurveyPlanner, SurveyProblem, Tours, readings
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,7 @@ class Lawnmower(SurveyPlanner):
 
     def accepts(self, problem: SurveyProblem) -> str | None:
         """Decline regions that lanes may leave, and those where not even one lane fits."""
-        if not is_convex(problem):
+        if not problem.is_convex:
             return "lanes are straight, so the region must be convex"
         fitting = any(_most_lanes(problem, along, inset) for along in (0, 1) for inset in INSETS)
         return None if fitting else f"no lane and the ways there and back are at most {problem.length:g} m a UAV"
@@ -46,7 +45,7 @@ def _most_lanes(problem: SurveyProblem, along: int, inset: float) -> Tours | Non
     best: Tours | None = None
     for count in range(1, MOST_LANES):
         tours = lawnmower_tours(problem.region, problem.depots, count, along, inset)
-        if max(map(length_of, tours)) <= problem.length:
+        if max(map(problem.cost_of, tours)) <= problem.length:
             best = tours
         elif count >= len(problem.depots):  # fewer lanes than UAVs can be the longer way
             break

@@ -14,7 +14,6 @@ import numpy as np
 from formulations.blas import one_thread
 from formulations.limits import Limits
 from formulations.mapping.gaussian_process import GaussianProcess
-from formulations.surveying.placed import is_convex
 from formulations.surveying.problem import Sensor, SurveyPlanner, SurveyProblem, Tours, length_of, readings
 from formulations.task_location.placement import lattice
 from instances.arrays import Floats
@@ -33,7 +32,7 @@ class Myopic(SurveyPlanner):
 
     def accepts(self, problem: SurveyProblem) -> str | None:
         """Decline regions in which a straight leg may leave the region."""
-        return None if is_convex(problem) else "legs are straight, so the region must be convex"
+        return None if problem.is_convex else "legs are straight, so the region must be convex"
 
     @one_thread()
     def plan(self, problem: SurveyProblem, sensor: Sensor, *, limits: Limits, seed: int) -> Tours:
@@ -59,7 +58,7 @@ def _next(
     problem: SurveyProblem, tour: Floats, depot: Floats, places: Floats, sd: Floats, reach: float
 ) -> Floats | None:
     """Return the place [m] where the UAV goes on to, None where it must go home."""
-    left = problem.length - length_of(tour)
-    there, back = np.hypot(*(places - tour[-1]).T), np.hypot(*(places - depot).T)
-    open_to = (there > 0.5 * problem.spacing) & (there <= reach) & (there + back <= left)
+    left, away = problem.length - problem.cost_of(tour), np.hypot(*(places - tour[-1]).T)
+    there, back = problem.costs(tour[-1:], places), problem.costs(places, depot[None])
+    open_to = (away > 0.5 * problem.spacing) & (away <= reach) & (there + back <= left)
     return places[np.argmax(np.where(open_to, sd, -1.0))] if open_to.any() else None

@@ -2,7 +2,8 @@
 
 How many fit is found by trial: from n ≈ (Σ_k L_k)²/A, the tours of an even spread, in growing steps to the first n
 whose longest tour is longer than a UAV may fly, then by bisection. Every trial has the same budget of search steps, so
-that a seed always makes the same plan.
+that a seed always makes the same plan. Legs are straight, or bend at corners of what is in the way, and cost what they
+cost in the wind.
 """
 
 from __future__ import annotations
@@ -11,19 +12,23 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
 
 from formulations.blas import one_thread
 from formulations.limits import Limits
+from formulations.replanning.ways import Legs, Ways
 from formulations.routing.registry import make_solver
-from formulations.surveying.problem import Sensor, SurveyPlanner, SurveyProblem, Tours, length_of
+from formulations.surveying.problem import Sensor, SurveyPlanner, SurveyProblem, Tours
 from formulations.task_location.criterion import Criterion
 from formulations.task_location.placement import PlacementProblem, place
 from formulations.task_location.registry import make_method
 from instances import Instance, Routes
 from instances.arrays import Floats
+from instances.environment.wind import Uniform
+from instances.moving_cost import CostKind, CostMeasure
 
 SHARE = 0.8
 """Of (Σ_k L_k)²/A: so many tasks are tried first."""
@@ -31,6 +36,8 @@ LARGEST_STEP = 16
 """By which the number of tasks grows at most from trial to trial."""
 STEPS = 4_000
 """Of the route search, for each task of a trial."""
+CALM = CostMeasure(CostKind.ENERGY, Uniform((0.0, 0.0)), 1.0)
+"""Costs are lengths [m]."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +50,9 @@ class Placed(SurveyPlanner):
     steps: int = STEPS
     solver: ClassVar[str] = "memetic"
 
-    def accepts(self, problem: SurveyProblem) -> str | None:
-        """Decline regions in which a straight leg may leave the region."""
-        return None if is_convex(problem) else "legs are straight, so the region must be convex"
-
     def prepare(self, problem: SurveyProblem) -> None:
         """Compile the route search."""
-        make_solver(self.solver).prepare(instance_of(problem, problem.depots[:1] + 1.0))
+        make_solver(self.solver).prepare(instance_of(problem, problem.depots[:1] + 1.0)[0])
 
     @abstractmethod
     def placed(self, problem: SurveyProblem, count: int, seed: int) -> Floats:
@@ -62,7 +65,7 @@ class Placed(SurveyPlanner):
         def fits(count: int) -> bool:
             if count not in found:
                 tours = self.routed(problem, self.placed(problem, count, seed), seed)
-                found[count] = tours if max(map(length_of, tours)) <= problem.length else None
+                found[count] = tours if max(map(problem.cost_of, tours)) <= problem.length else None
             return found[count] is not None
 
         most = _greatest(fits, max(1, round(SHARE * _even(problem))))
@@ -71,12 +74,12 @@ class Placed(SurveyPlanner):
     @one_thread()
     def routed(self, problem: SurveyProblem, tasks: Floats, seed: int) -> Tours:
         """Return closed tours past `tasks` (n, 2) [m], the longest about as short as can be."""
-        instance = instance_of(problem, tasks)
+        instance, legs = instance_of(problem, tasks)
         method = make_solver(self.solver)
         steps = max(1, self.steps) * len(tasks)
         routes = method.solve(instance, limits=Limits(time=math.inf, iterations=steps), seed=seed).routes
         assert routes is not None  # without endurance there are always routes
-        return tours_of(problem, tasks, routes)
+        return tours_of(legs, len(tasks), routes)
 
 
 @dataclass(frozen=True)
@@ -114,25 +117,21 @@ class RandomTasks(Placed):
         return problem.region.sample(count, np.random.default_rng(seed))
 
 
-def is_convex(problem: SurveyProblem) -> bool:
-    """Return whether every straight leg between points of the region stays inside."""
-    polygon = problem.region.polygon
-    return bool(polygon.convex_hull.area - polygon.area <= 1e-9 * polygon.area)
-
-
-def instance_of(problem: SurveyProblem, tasks: Floats) -> Instance:
-    """Return routing past `tasks` (n, 2) [m] by straight legs; costs are lengths [m]."""
+def instance_of(problem: SurveyProblem, tasks: Floats) -> tuple[Instance, Legs]:
+    """Return routing past `tasks` (n, 2) [m], costs in metres, and its legs: straight where that is inside."""
     points = np.concatenate([tasks, problem.depots])
-    cost = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
-    return Instance("survey", cost, len(tasks), len(problem.depots), points)
+    legs = Ways(problem.region, problem.measure or CALM).between(points)
+    cost = legs.cost if problem.measure is None else problem.measure.speed * legs.cost
+    return Instance("survey", cost, len(tasks), len(problem.depots), points), legs
 
 
-def tours_of(problem: SurveyProblem, tasks: Floats, routes: Routes) -> Tours:
-    """Return the polyline of each route, from the depot past its tasks and back."""
-    return [
-        np.concatenate([depot[None], tasks[list(route)], depot[None]]) if route else np.empty((0, 2))
-        for depot, route in zip(problem.depots, routes, strict=True)
-    ]
+def tours_of(legs: Legs, n_tasks: int, routes: Routes) -> Tours:
+    """Return the polyline of each route, from the depot past its tasks, the first points of `legs`, and back."""
+    tours = []
+    for depot, route in enumerate(routes, n_tasks):
+        parts = [legs.points[[depot]], *(legs.path(a, b)[1:] for a, b in pairwise([depot, *route, depot]))]
+        tours.append(np.concatenate(parts) if route else np.empty((0, 2)))
+    return tours
 
 
 def _even(problem: SurveyProblem) -> float:

@@ -30,7 +30,22 @@ class Polished(Workbench):
 
 
 def polished(problem: SurveyProblem, tours: Sequence[Floats]) -> Tours:
-    """Return `tours` polished; speed is 1 m/s, so that costs are lengths [m]."""
+    """Return `tours` polished."""
     judged = AverageVariance(problem.kernel, problem.noise_sd, problem.targets)
-    budgets = np.full(len(tours), problem.length)
-    return polish(PolishProblem(judged, StraightLegs(1.0, 1.0), problem.spacing, tours, budgets, problem.region)).paths
+    return polish(polish_problem(problem, judged, tours, np.full(len(tours), problem.length))).paths
+
+
+def polish_problem(
+    problem: SurveyProblem, judged: AverageVariance, paths: Sequence[Floats], budgets: Floats
+) -> PolishProblem:
+    """Return the polish of `paths` for `judged`, each within its `budgets` [m]; speed is 1 m/s in calm air."""
+    measure, room = problem.measure, problem.region
+    if measure is None:
+        return PolishProblem(judged, StraightLegs(1.0, 1.0), problem.spacing, paths, budgets, room)
+
+    def flown(uav: int, path: Floats) -> tuple[float, bool]:
+        return float(measure.segments(path[:-1], path[1:]).sum()), True
+
+    speed = measure.speed
+    legs = StraightLegs.of(measure, room, speed, speed)
+    return PolishProblem(judged, legs, problem.spacing / speed, paths, budgets / speed, room, flown=flown)

@@ -1,7 +1,9 @@
 """The nouns of a survey: SurveyProblem, the Sensor, Tours, the SurveyPlanner protocol.
 
-Each UAV k flies a closed polyline from its depot at constant speed in calm air and measures every `spacing` metres of
-it, the first time one spacing after take-off. No polyline may be longer than `length`, and none may leave the region.
+Each UAV k flies a closed polyline from its depot at constant speed over ground and measures every `spacing` metres of
+it, the first time one spacing after take-off. No polyline may cost more than `length`, and none may leave the region.
+In calm air a polyline costs its length; in a wind v0 C, where C is the paper's energy (`instances.moving_cost`): the
+metres of calm air that would cost as much.
 What is wanted is the map of least root mean square error; the field is known to the sensor alone.
 """
 
@@ -20,6 +22,7 @@ from formulations.limits import Limits
 from formulations.mapping.map_grid import MapGrid
 from instances.arrays import Floats
 from instances.environment.region import Region
+from instances.moving_cost import CostMeasure
 
 TARGETS = 40
 """Cells along the region's longer side whose centres are where a plan is to make the field known."""
@@ -29,8 +32,9 @@ TARGETS = 40
 class SurveyProblem:
     """What is known before take-off.
 
-    region; depots, shape (m, 2) [m], one UAV at each; length : most that a UAV may fly [m]; spacing : between two
-    readings of a UAV [m]; kernel : what is believed of the field; noise_sd : σ_n of a reading, in the field's unit.
+    region; depots, shape (m, 2) [m], one UAV at each; length : most that a UAV's polyline may cost [m]; spacing :
+    between two readings of a UAV [m]; kernel : what is believed of the field; noise_sd : σ_n of a reading, in the
+    field's unit; measure : of energies in the wind, None in calm air.
     """
 
     region: Region
@@ -39,6 +43,23 @@ class SurveyProblem:
     spacing: float
     kernel: SquaredExponential
     noise_sd: float
+    measure: CostMeasure | None = None
+
+    def costs(self, a: Floats, b: Floats) -> Floats:
+        """Return what the straight legs `a` → `b` (k, 2) [m] cost [m], shape (k,)."""
+        if self.measure is None:
+            return np.asarray(np.hypot(*(b - a).T))
+        return self.measure.speed * self.measure.segments(a, b)
+
+    def cost_of(self, polyline: Floats) -> float:
+        """Return what flying `polyline` (k, 2) [m] costs [m]."""
+        return float(self.costs(polyline[:-1], polyline[1:]).sum()) if len(polyline) > 1 else 0.0
+
+    @cached_property
+    def is_convex(self) -> bool:
+        """Whether every straight leg between places in the region stays inside."""
+        polygon = self.region.polygon
+        return bool(polygon.convex_hull.area - polygon.area <= 1e-9 * polygon.area)
 
     @cached_property
     def targets(self) -> Floats:

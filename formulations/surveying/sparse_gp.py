@@ -22,7 +22,6 @@ import numpy as np
 import shapely
 
 from formulations.limits import Limits
-from formulations.surveying.placed import is_convex
 from formulations.surveying.problem import Sensor, SurveyPlanner, SurveyProblem, Tours, length_of
 from instances.arrays import Floats
 
@@ -51,7 +50,9 @@ class SparseGp(SurveyPlanner):
         """Decline where the library is missing, and regions in which a straight leg may leave the region."""
         if missing := [name for name in ("sgptools", "gpflow", "tensorflow") if find_spec(name) is None]:
             return f"{missing[0]} is not installed (docs/methods/surveys.md says how)"
-        return None if is_convex(problem) else "legs are straight, so the region must be convex"
+        if problem.measure is not None:
+            return "sgptools knows no wind"
+        return None if problem.is_convex else "legs are straight, so the region must be convex"
 
     def prepare(self, problem: SurveyProblem) -> None:
         """Import, which takes seconds."""

@@ -36,12 +36,13 @@ def tour_faults(problem: SurveyProblem, tours: Sequence[Floats], samples: Sequen
 
 
 def _faults(problem: SurveyProblem, depot: Floats, tour: Floats, measured: Floats) -> list[str]:
-    found, length = [], length_of(tour)
+    found, length, cost = [], length_of(tour), problem.cost_of(tour)
     for end, where in (("starts", tour[:1]), ("ends", tour[-1:])):
         if (away := float(np.hypot(*(where - depot).T).max(initial=0.0))) > TOLERANCE:
             found.append(f"{end} {away:.6g} m from its depot")
-    if length > problem.length + TOLERANCE:
-        found.append(f"flies {length:.6g} m, more than the {problem.length:.6g} m it may")
+    if cost > problem.length + TOLERANCE:
+        spent = f"flies {length:.6g} m" if problem.measure is None else f"spends {cost:.6g} m of calm air in the wind"
+        found.append(f"{spent}, more than the {problem.length:.6g} m it may")
     if (depth := _depth_outside(problem, tour)) > TOLERANCE:
         found.append(f"flies up to {depth:.6g} m outside the region")
     due = readings(tour, problem.spacing)

@@ -7,36 +7,31 @@ gets its readings in the child, with the same noise.
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
-from functools import cached_property, lru_cache
+from dataclasses import asdict, fields
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from shapely.geometry import mapping
 
-from formulations.kernel import SquaredExponential
 from formulations.limits import Limits
 from formulations.mapping.map_grid import MapGrid
-from formulations.surveying.problem import Sensor, SurveyPlanner, SurveyProblem, readings
+from formulations.surveying.problem import Sensor, SurveyPlanner, readings
 from formulations.surveying.registry import PLANNERS
 from formulations.surveying.verification import Worth, reading_faults, tour_faults, worth_of
 from formulations.task_location.setting import site_of
 from instances.arrays import Floats
-from instances.disk import write_aside
-from instances.environment.radio import RadioMap
-from instances.environment.region import Region, single_polygon
 from instances.errors import InputError
-from reports.damage import reading
-from reports.record import ITEM_FILES, Run, read_json, study_title
+from reports.record import ITEM_FILES, Run, study_title
 from workbench.jobs.check import check_runs
 from workbench.jobs.problem import Claim, Listener, Outputs, Problem, Published, Source
 from workbench.jobs.study_table import listed
 from workbench.problems.publishing import published, without
 from workbench.problems.survey_fields import fields_of
+from workbench.problems.survey_item import Setting, SurveyItem, scenario_to_survey
 from workbench.problems.tables import SurveyTable
 from workbench.summary import Summary
 
@@ -46,90 +41,8 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-3
 """Relative: what is stored of a map further from the re-computed figure is refuted; fits differ so much by machine."""
-MOST_READINGS = 2000
-"""Of all UAVs: a map's cost grows with their cube."""
-MOST_CELLS = 1000
-"""Along the longer side of the judged map."""
 FIGURES = ("rmse", "nlpd", "coverage", "promised_sd", "information", "length", "longest", "readings")
 """What is re-computed of every plan."""
-
-
-@dataclass(frozen=True)
-class Setting:
-    """What a study says of all its items: SI units.
-
-    cells : of the judged map along the region's longer side. The others are a study's keys of the same names.
-    """
-
-    depots: list[list[float]]
-    endurance: float
-    speed: float
-    period: float
-    noise_sd: float
-    signal_sd: float
-    length_scale: float
-    cells: int
-
-
-@dataclass(frozen=True, eq=False)
-class SurveyItem:
-    """A field with the seed of its noise, over a region (GeoJSON polygon [m]), and what is known before take-off.
-
-    family : name of the field without its seed.
-    """
-
-    family: str
-    seed: int
-    polygon: dict[str, Any]
-    field: RadioMap
-    setting: Setting
-
-    def __post_init__(self) -> None:
-        said, region = self.setting, self.problem.region
-        if not (isinstance(said.cells, int) and 4 <= said.cells <= MOST_CELLS and said.noise_sd > 0):
-            raise InputError(f"cells must be from 4 to {MOST_CELLS} and noise_sd positive, got {said}")
-        most = said.endurance / said.period * len(said.depots)
-        if not said.endurance / said.period >= 1.0 or not most <= MOST_READINGS:
-            raise InputError(
-                f"endurance {said.endurance:g} s and period {said.period:g} s make {most:.4g} readings of all UAVs; "
-                f"each must take one, and all at most {MOST_READINGS}"
-            )
-        if not len(said.depots) or not region.contains(self.problem.depots).all():
-            raise InputError("depots: there must be one, and all must lie in the region")
-
-    def __reduce__(self) -> tuple[type[SurveyItem], tuple[Any, ...]]:
-        """Pickle without what is cached."""
-        return SurveyItem, (self.family, self.seed, self.polygon, self.field, self.setting)
-
-    @property
-    def name(self) -> str:
-        """Field, its seed and the endurance."""
-        return f"{self.family}-s{self.seed}-{self.setting.endurance:g}s"
-
-    @cached_property
-    def digest(self) -> str:
-        """First 12 hexadecimal digits of the SHA-256 of everything but the names."""
-        h = hashlib.sha256(json.dumps([self.seed, self.polygon, asdict(self.setting)], sort_keys=True).encode())
-        for array in (self.field.x, self.field.y, self.field.values):
-            h.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
-        return h.hexdigest()[:12]
-
-    @cached_property
-    def problem(self) -> SurveyProblem:
-        """What a planner is given."""
-        said = self.setting
-        return SurveyProblem(
-            Region(single_polygon(self.polygon)),
-            np.array(said.depots, dtype=float).reshape(-1, 2),
-            said.endurance * said.speed,
-            said.period * said.speed,
-            SquaredExponential(said.signal_sd, (said.length_scale, said.length_scale)),
-            said.noise_sd,
-        )
-
-    def load(self) -> SurveyItem:
-        """Return itself: nothing is left to make."""
-        return self
 
 
 class SurveyStudy(Problem[SurveyItem]):
@@ -148,14 +61,23 @@ class SurveyStudy(Problem[SurveyItem]):
 
     def sources(self, study: SurveyTable, base: Path) -> Iterable[Source[SurveyItem]]:
         """Return every field with every seed and endurance."""
-        site = site_of(None if study.region == "square" else base / study.region)
-        polygon = json.loads(json.dumps(mapping(site.region.polygon)))
         said = {each.name: getattr(study, each.name) for each in fields(Setting)}
-        said["depots"] = [list(depot) for depot in study.depots]
+        if study.scenario is None:
+            site = site_of(None if study.region == "square" else base / study.region)
+            region, wind = site.region, None
+        else:
+            plain = SurveyTable()
+            if taken := [key for key in ("region", "depots", "speed") if getattr(study, key) != getattr(plain, key)]:
+                raise InputError(f"{taken[0]}: the scenario says it; leave it out of the study")
+            scenario = scenario_to_survey(base / study.scenario)
+            site, region, wind = scenario.site, scenario.free, scenario.wind
+            said |= {"depots": scenario.depots.tolist(), "speed": scenario.speed}
+        polygon = json.loads(json.dumps(mapping(region.polygon)))
+        said["depots"] = [list(depot) for depot in said["depots"]]
         for table in study.fields:
             for family, seed, field in fields_of(table, base, site):
                 for endurance in listed(study.endurance):
-                    yield SurveyItem(family, seed, polygon, field, Setting(**said | {"endurance": endurance}))
+                    yield SurveyItem(family, seed, polygon, field, Setting(**said | {"endurance": endurance}), wind)
 
     def size(self, item: SurveyItem) -> int:
         """Return the most readings that all UAVs can take."""
@@ -164,25 +86,12 @@ class SurveyStudy(Problem[SurveyItem]):
     def write(self, item: SurveyItem, folder: Path) -> None:
         """Keep field, region and setting."""
         path = folder / ITEM_FILES[self.name][0]
-        if path.exists():
-            return
-        field = {"x": item.field.x.tolist(), "y": item.field.y.tolist(), "values": item.field.values.tolist()}
-        content = {"family": item.family, "seed": item.seed, "polygon": item.polygon, "setting": asdict(item.setting)}
-        kept = {"schema": 1, "problem": self.name, **content, "field": {**field, "unit": item.field.unit}}
-        write_aside(path, json.dumps(kept))
+        if not path.exists():
+            item.keep(path)
 
     def read(self, folder: Path) -> SurveyItem:
         """Return the survey kept in `folder`."""
-        path = folder / ITEM_FILES[self.name][0]
-        with reading(path, "a survey"):
-            data = read_json(path)
-            return SurveyItem(
-                str(data["family"]),
-                int(data["seed"]),
-                data["polygon"],
-                RadioMap(**data["field"]),
-                Setting(**data["setting"]),
-            )
+        return SurveyItem.kept(folder / ITEM_FILES[self.name][0])
 
     def describe(self, item: SurveyItem) -> dict[str, Any]:
         """Return name, digest, size and the field's name."""

@@ -144,8 +144,12 @@ class SurveyTable(StudyTable, frozen=True, kw_only=True):
     ] = field(default_factory=list)
     region: Annotated[
         Text,
-        about("a convex region's file relative to the study, or square, the paper's of 20 km", example="a.geojson"),
+        about("a region's file relative to the study, or square, the paper's of 20 km", example="a.geojson"),
     ] = "square"
+    scenario: Annotated[
+        FileName | None,
+        about("file that says region, zones, wind, depots and speed", example="scenario.toml"),
+    ] = None
     depots: Annotated[
         list[Pair], about("where a UAV starts and ends, in the region", "m", words="a list of points [x, y]")
     ] = field(default_factory=lambda: [(10000.0, 19000.0), (1000.0, 1000.0), (19000.0, 1000.0)])

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from shapely import Polygon
@@ -13,6 +16,8 @@ from formulations.surveying.problem import Sensor, SurveyProblem, length_of, noi
 from formulations.surveying.registry import PLANNERS
 from formulations.surveying.verification import measured, reading_faults, tour_faults, worth_of
 from instances.environment.region import Region
+from instances.environment.wind import Shear
+from instances.moving_cost import CostKind, CostMeasure
 
 KERNEL = SquaredExponential(30.0, (2500.0, 2500.0))
 
@@ -117,6 +122,16 @@ def test_readings_in_flight_are_where_and_when_the_uav_was():
     assert "never measured" in reading_faults(given, tours, [(2, 1, 0.0, 0.0)])[0]
 
 
+def test_in_a_wind_energy_is_what_may_not_be_exceeded():
+    measure = CostMeasure(CostKind.ENERGY, Shear(4e-3, (3000.0, 2500.0)), 40.0)  # 8 m/s west below, east above
+    given = replace(problem(), depots=np.array([[500.0, 500.0]]), measure=measure)
+    against = np.array([[500, 500], [3500, 500], [3500, 4500], [500, 4500], [500, 500]], dtype=float)
+    assert given.cost_of(against) == pytest.approx(14_000.0 + 6000.0 * 8.0 / 40.0)
+    at = readings(against, given.spacing)
+    assert "spends 15200 m of calm air in the wind" in tour_faults(given, [against], [at])[0]
+    assert tour_faults(given, [against[::-1]], [readings(against[::-1], given.spacing)]) == []
+
+
 @pytest.mark.parametrize("name", PLANNERS.built_in)
 class TestEveryPlanner:
     """What holds for every planner that comes along."""
@@ -140,9 +155,19 @@ class TestEveryPlanner:
         assert worth.longest <= given.length
         assert worth.samples >= 10  # of 30: endurance is used
 
-    def test_a_region_that_legs_may_leave_is_declined(self, name):
-        bent = Region(Polygon([(0, 0), (6000, 0), (6000, 5000), (5000, 5000), (5000, 1000), (0, 1000)]))
-        assert "convex" in str(PLANNERS.make(name).accepts(problem(region=bent)))
+    def test_wind_and_a_zone_are_kept_to_or_declined(self, name):
+        around = Polygon([(0, 0), (6000, 0), (6000, 5000), (0, 5000)], [[(2500, 1500), (3500, 1500), (3500, 3500)]])
+        measure = CostMeasure(CostKind.ENERGY, Shear(4e-3, (3000.0, 2500.0)), 30.0)  # 10 m/s at the borders
+        given = replace(problem(length=6000.0, region=Region(around)), measure=measure)
+        planner = PLANNERS.make(name, {"steps": 200} if "steps" in PLANNERS.defaults(name) else {})
+        if why := planner.accepts(given):
+            assert re.search("convex|wind|installed|numpy", why)
+            return
+        tours = planner.plan(given, Sensor(flat, 1.0, 0), limits=Limits(), seed=0)
+        assert tour_faults(given, tours, [readings(tour, given.spacing) for tour in tours]) == []
+        spent = [given.cost_of(tour) for tour in tours]
+        assert 0.4 * given.length < max(spent) <= given.length
+        assert spent != [length_of(tour) for tour in tours]
 
     def test_what_cannot_be_flown_at_all_is_declined_or_nobody_flies(self, name):
         given, planner = problem(length=550.0), PLANNERS.make(name)

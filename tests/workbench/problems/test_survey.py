@@ -14,6 +14,7 @@ from formulations.mapping.map_grid import MapGrid
 from formulations.surveying.verification import worth_of
 from instances.environment.radio import RadioMap
 from instances.environment.radio_files import write_field
+from instances.errors import InputError
 from workbench.cli import main
 from workbench.jobs.job import Job
 from workbench.jobs.runner import run
@@ -220,6 +221,63 @@ def test_a_raster_is_flown_over_in_its_own_unit(tmp_path):
     write_field(RadioMap(axis / 2, axis, np.zeros((6, 6)), "K"), tmp_path / "small.nc")
     with pytest.raises(ValueError, match="not all of the region"):
         study_from(small, SURVEY, name="s", base=tmp_path)
+
+
+SCENARIO = """ground_speed = 50.0
+size = [6000.0, 5000.0]
+no_fly = "zone.geojson"
+depots = [[500.0, 500.0], [5500.0, 4500.0]]
+tasks = 3
+[wind]
+kind = "shear"
+rate = 4e-3
+centre = [3000.0, 2500.0]
+"""
+ZONE = {"type": "Polygon", "coordinates": [[[2500, 1500], [3500, 1500], [3500, 3500], [2500, 1500]]]}
+
+
+@pytest.fixture
+def windy(tmp_path):
+    (tmp_path / "zone.geojson").write_text(json.dumps(ZONE))
+    (tmp_path / "s.toml").write_text(SCENARIO)
+    fields = [{"kind": "gp", "length_scale": 2000.0}]
+    return {"problem": "survey", "endurance": 160.0, "scenario": "s.toml", "fields": fields, "period": 10.0,
+            "methods": [{"name": "myopic"}]}  # fmt: skip
+
+
+def test_a_scenario_says_region_zones_wind_and_speed(windy, tmp_path):
+    (item,) = (source.load() for source in study_from(windy, SURVEY, name="s", base=tmp_path).sources)
+    assert not item.problem.region.contains([[3300.0, 2000.0]])[0]
+    assert (item.problem.length, item.problem.spacing) == (8000.0, 500.0)
+    east = np.array([[500.0, 500.0], [5500.0, 500.0]])  # against 8 m/s: 50 m/s over ground, 5 km cost 5.8
+    assert item.problem.cost_of(east) == pytest.approx(5000.0 * (1 + 8.0 / 50.0))
+    folder = tmp_path / f"{item.name}-{item.digest}"
+    folder.mkdir()
+    SURVEY.write(item, folder)
+    again = SURVEY.read(folder)
+    assert again.digest == item.digest
+    there_and_back = [[[500.0, 500.0], [4500.0, 500.0], [500.0, 500.0]], []]
+    samples = [[[500.0 + min(s, 8000 - s), 500.0] for s in range(500, 8001, 500)], []]
+    product = {"tours": there_and_back, "samples": samples, "read": []}
+    assert SURVEY.judge(again, product, None)[1] == ""  # what the wind takes one way it gives the other
+    stronger = SCENARIO.replace("4e-3", "5e-3")
+    (tmp_path / "s.toml").write_text(stronger)
+    assert next(iter(study_from(windy, SURVEY, name="s", base=tmp_path).sources)).load().digest != item.digest
+
+
+@pytest.mark.parametrize(
+    ("words", "edit"),
+    [
+        ("leave it out of the study", lambda study, text: (study | {"speed": 20.0}, text)),
+        ("constant ground speed", lambda study, text: (study, text.replace("ground_speed", 'cost = "time"\nairspeed'))),
+        ("UAVs of a survey are alike", lambda study, text: (study, f"service = 5.0\n{text}")),
+    ],
+)
+def test_a_scenario_that_no_survey_can_be_in_is_refused(words, edit, windy, tmp_path):
+    study, text = edit(windy, SCENARIO)
+    (tmp_path / "s.toml").write_text(text)
+    with pytest.raises(InputError, match=words):
+        study_from(study, SURVEY, name="s", base=tmp_path)
 
 
 def test_the_shipped_study_names_every_planner_that_comes_along():

@@ -31,9 +31,11 @@ from workbench.mission.settings import Mission
 def write_calm_twin(mission: Mission, scenario: Scenario, folders: dict[str, Path], out: Path) -> None:
     """Plan the twin and write its products; nothing where the mission has no wind.
 
-    Nor where UAVs are not alike, or tasks were left out.
+    Nor where UAVs are not alike, tasks were left out, or tours do not follow the paths whose costs are compared.
     """
-    if scenario.wind is None or not scenario.fleet.alike or (folders["routes"] / SELECTION_FILE).exists():
+    if mission.flight.coupled or (folders["routes"] / SELECTION_FILE).exists():
+        return
+    if scenario.wind is None or not scenario.fleet.alike:
         return
     instance, paths = kept_costs(folders["costs"])
     assert instance.coordinates is not None

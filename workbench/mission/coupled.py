@@ -2,9 +2,10 @@
 
 The nodes become states, headings at tasks and depots; a leg costs the time of its Dubins path, in a uniform wind that
 of the path through the air that drifts with it, and cannot be flown where it would leave the region, enter a no-fly
-zone or come nearer to either than flight.border_clearance. The mission's solver routes over these states. Its routes,
-and those it finds for the paths of stage 3, which ignore turns, are then given the best headings among more candidates,
-and these are refined continuously, which never makes a tour longer. The better plan is flown as it is.
+zone or come nearer to either than flight.border_clearance. The mission's solver routes for the paths of stage 3 first,
+which ignores turns, and its routes are given the best headings among many candidates, refined continuously. These are
+states, too, and from those routes on it then routes over states. What it finds is refined likewise, and the better plan
+is flown as it is.
 
 Products beside those of `workbench.mission.routes`: headings.json (of each UAV the air headings [rad] at depot, tasks
 and depot, its flight time [s], and the longest tour of each of the two plans).
@@ -31,7 +32,7 @@ from formulations.moving_cost.turns.travel import Turns, turning_instance
 from formulations.routing.short_bounds import short_bounds
 from formulations.routing.state_bounds import heading_bounds
 from instances import Instance, Routes
-from instances.arrays import Floats
+from instances.arrays import Floats, Ints
 from instances.disk import read_json, write_aside
 from instances.errors import InputError
 from instances.files import write_routes
@@ -39,6 +40,7 @@ from instances.fleet import Fleet
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
 from instances.tour_figures import line_figures
+from reports.record import Run
 from workbench.mission.costs import kept_costs
 from workbench.mission.routes import attempt, certificate, kept_routes
 from workbench.mission.safety import room_to_fly
@@ -68,6 +70,12 @@ class HeadingPlan:
         depot, route = instance.n_tasks + uav, self.routes[uav]
         return instance.coordinates[[depot, *route, depot] if route else []].reshape(-1, 2)
 
+    def known(self, instance: Instance) -> tuple[Ints, Floats]:
+        """Return the nodes (k,) that are flown over, and the heading of each [rad], (k,)."""
+        n = instance.n_tasks
+        nodes = [node for uav, route in enumerate(self.routes) if route for node in (n + uav, *route, n + uav)]
+        return np.array(nodes, dtype=np.int64), np.concatenate(self.headings)
+
 
 def turns_of_mission(mission: Mission, scenario: Scenario) -> Turns:
     """Return how the UAVs of a mission turn, at which speed and in which wind."""
@@ -83,17 +91,8 @@ def route_coupled(mission: Mission, folders: dict[str, Path], out: Path, tell: C
         raise InputError(
             f"flight.border_clearance = {mission.flight.border_clearance:g} m leaves no one piece to fly in"
         )
-    tell("legs between headings")
-    states = _states(scenario, plain, turns, room)
-    wanted = mission.routes
-    tell(f"{wanted.solver} for {wanted.time_limit:g} s over headings, and as long without")
-    found = attempt(mission, states, wanted.time_limit, wanted.seed)
-    straight = attempt(mission, plain, wanted.time_limit, wanted.seed)
-    plans = {
-        name: with_headings(states, routes, turns, room)
-        for name, routes in (("coupled", found.own["routes"]), ("decoupled", straight.own["routes"]))
-        if routes is not None
-    }
+    states, runs, plans = _planned(mission, scenario, plain, (turns, room), tell)
+    found, wanted = runs["coupled"], mission.routes
     longest = {name: max(plan.times) for name, plan in plans.items()}
     by = min(longest, key=lambda name: longest[name], default="")
     if not by or not np.isfinite(longest[by]):
@@ -106,7 +105,7 @@ def route_coupled(mission: Mission, folders: dict[str, Path], out: Path, tell: C
     bounds = _bounds(plain, states, turns, longest[by], wanted.bound_time_limit)
     certified = certificate(replace(found, objective=longest[by], bound=None), bounds)
     write_routes(plan.routes, plain, out / "routes.sol")
-    write_aside(out / "run.json", (found if by == "coupled" else straight).to_json())
+    write_aside(out / "run.json", runs[by].to_json())
     write_aside(out / "bound.json", json.dumps(certified))
     write_aside(out / HEADINGS_FILE, json.dumps(_to_json(plan, longest, by)))
     _write_figures(scenario, plain, plan, out)
@@ -118,22 +117,44 @@ def route_coupled(mission: Mission, folders: dict[str, Path], out: Path, tell: C
     )
 
 
-def _states(scenario: Scenario, plain: Instance, turns: Turns, room: Polygon) -> Instance:
-    """Return the instance between headings that routes are searched over."""
+def _planned(
+    mission: Mission, scenario: Scenario, plain: Instance, flown: tuple[Turns, Polygon], tell: Callable[[str], None]
+) -> tuple[Instance, dict[str, Run], dict[str, HeadingPlan]]:
+    """Return the instance between headings, and runs and, of those with routes, plans, "decoupled" and "coupled"."""
+    wanted, plans, also = mission.routes, {}, None
+    tell(f"{wanted.solver} for {wanted.time_limit:g} s without turns")
+    straight = attempt(mission, plain, wanted.time_limit, wanted.seed)
+    start = straight.own["routes"]
+    if start is not None:
+        plans["decoupled"] = with_headings(plain, start, *flown)
+        if np.isfinite(plans["decoupled"].times).all():
+            also = plans["decoupled"].known(plain)
+    states = _states(scenario, plain, *flown, also)
+    tell(f"{wanted.solver} for {wanted.time_limit:g} s over headings")
+    found = attempt(mission, states, wanted.time_limit, wanted.seed, None if also is None else start)
+    if found.own["routes"] is not None:
+        plans["coupled"] = with_headings(plain, found.own["routes"], *flown)
+    return states, {"decoupled": straight, "coupled": found}, plans
+
+
+def _states(
+    scenario: Scenario, plain: Instance, turns: Turns, room: Polygon, also: tuple[Ints, Floats] | None
+) -> Instance:
+    """Return the instance between headings that routes are searched over, `also` among them."""
     assert plain.coordinates is not None
     n, m = plain.n_tasks, plain.n_depots
     fleet = Fleet(turning_radii=np.full(m, turns.radius))
     flown = replace(scenario, tasks=plain.coordinates[:n], n_tasks=n, speed=turns.speed, fleet=fleet)
-    return between_headings(flown, FEW_STATES if n > MANY else MORE_STATES, room)
+    return between_headings(flown, FEW_STATES if n > MANY else MORE_STATES, room, also)
 
 
-def with_headings(states: Instance, routes: Routes, turns: Turns, room: Polygon) -> HeadingPlan:
+def with_headings(plain: Instance, routes: Routes, turns: Turns, room: Polygon) -> HeadingPlan:
     """Return routes with the best headings found; a tour that cannot be flown takes infinitely long."""
-    assert states.coordinates is not None
-    options = FEW_STATES if states.n_tasks > MANY else MORE_STATES
+    assert plain.coordinates is not None
+    options = FEW_STATES if plain.n_tasks > MANY else MORE_STATES
     searched = headings(
-        states.coordinates,
-        states.n_tasks,
+        plain.coordinates,
+        plain.n_tasks,
         uniform=options.uniform,
         sights=options.sights,
         free_depots=False,
@@ -141,13 +162,13 @@ def with_headings(states: Instance, routes: Routes, turns: Turns, room: Polygon)
     )
     chosen, times = [], []
     for uav, route in enumerate(routes):
-        depot = states.n_tasks + uav
+        depot = plain.n_tasks + uav
         stops = [depot, *route, depot] if route else []
         if not stops:
             chosen.append(np.empty(0))
             times.append(0.0)
             continue
-        places = states.coordinates[stops]
+        places = plain.coordinates[stops]
         own = headings(places, len(places), uniform=FINER, sights=2, tangents=2, drift=turns.drift)
         candidates = [np.union1d(searched.of(stop), own.of(at)) for at, stop in enumerate(stops)]
         best = refine(candidates, legs_inside(places, turns, room))
@@ -179,7 +200,7 @@ def _write_figures(scenario: Scenario, plain: Instance, plan: HeadingPlan, out: 
 
 def _worth(longest: dict[str, float]) -> str:
     """Return what planning headings with the routes is worth, in words."""
-    if len(longest) < 2 or not np.isfinite(max(longest.values())):
+    if "decoupled" not in longest or not np.isfinite(longest["decoupled"]):
         return "routes planned without turns cannot be flown as they are"
     worth = 1 - min(longest.values()) / longest["decoupled"]
     return f"planning routes without turns would take {longest['decoupled']:.2f} s ({worth:.1%} are saved)"

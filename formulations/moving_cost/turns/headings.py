@@ -39,6 +39,17 @@ class HeadingStates:
         """The heading in the middle of each [rad], (S,)."""
         return self.lows + 0.5 * self.widths
 
+    def also(self, nodes: Ints, headings: Floats) -> HeadingStates:
+        """Return these states and more `headings` (k,) [rad] at `nodes` (k,), those that are there already left out."""
+        new = [k for k, (i, h) in enumerate(zip(nodes, headings, strict=True)) if not self._has(int(i), float(h))]
+        order = np.argsort(together := np.concatenate([self.nodes, nodes[new]]), kind="stable")
+        lows, widths = np.concatenate([self.lows, headings[new]]), np.concatenate([self.widths, np.zeros(len(new))])
+        return HeadingStates(together[order], lows[order], widths[order])
+
+    def _has(self, node: int, heading: float) -> bool:
+        apart = (self.of(node) - heading + np.pi) % (2 * np.pi) - np.pi
+        return bool((np.abs(apart) <= _SAME).any())
+
     def of(self, node: int) -> Floats:
         """Return the middle headings [rad] of a node."""
         return self.middles[self.nodes == node]

@@ -18,7 +18,7 @@ from formulations.moving_cost.turns.headings import headings
 from formulations.moving_cost.turns.tracks import kept_inside
 from formulations.moving_cost.turns.travel import Turns, said_of
 from instances import Instance, Travel
-from instances.arrays import Ints
+from instances.arrays import Floats, Ints
 from instances.environment.wind import Uniform
 from instances.errors import InputError
 from instances.fleet import Return
@@ -66,11 +66,17 @@ def fleet_turns(scenario: Scenario) -> tuple[list[Turns], Ints]:
     return kinds, np.array([kinds.index(turns) for turns in each])
 
 
-def between_headings(scenario: Scenario, options: HeadingOptions, room: Polygon | None = None) -> Instance:
+def between_headings(
+    scenario: Scenario,
+    options: HeadingOptions,
+    room: Polygon | None = None,
+    also: tuple[Ints, Floats] | None = None,
+) -> Instance:
     """Return the instance between headings of a scenario with turning radii.
 
-    room : where legs must stay, over open country unless given; depots then have headings of their own. InputError for
-    tours that need not end at their own depot, and for a wind in which no such legs are known.
+    room : where legs must stay, over open country unless given; depots then have headings of their own. also : nodes
+    (k,) and headings (k,) [rad] that they have besides. InputError for tours that need not end at their own depot, and
+    for a wind in which no such legs are known.
     """
     if scenario.fleet.returns is not Return.OWN:
         raise InputError(
@@ -90,6 +96,8 @@ def between_headings(scenario: Scenario, options: HeadingOptions, room: Polygon 
         free_depots=options.depots == "free",
         drift=kinds[0].drift,  # a faster UAV heads into the wind a little less: its sights are nearly these
     )
+    if also is not None:
+        states = states.also(*also)
     lengths = [turns.lengths(points, states) for turns in kinds]
     if room is not None:
         lengths = [kept_inside(each, points, states, turns, room) for each, turns in zip(lengths, kinds, strict=True)]

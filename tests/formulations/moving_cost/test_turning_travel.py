@@ -93,6 +93,14 @@ def test_headings_lie_along_sights_and_chords() -> None:
         headings(places, 3, uniform=0)
 
 
+def test_more_headings_stand_beside_those_there_are_each_once() -> None:
+    states = headings(points(2, 1), 2, uniform=4)
+    more = states.also(np.array([1, 0, 1]), np.array([0.3, 2 * math.pi, -math.pi / 2]))
+    assert more.nodes.tolist() == [0, 0, 0, 0, 1, 1, 1, 1, 1, 2]
+    assert more.of(1) == pytest.approx([0.0, math.pi / 2, math.pi, 3 * math.pi / 2, 0.3])
+    assert more.widths[-1] == 2 * math.pi
+
+
 def test_an_instance_knows_its_headings_and_its_relaxation_after_a_file(tmp_path: Path) -> None:
     places = points(4, 2)
     made = turning_instance("kept", places, 4, Turns(500.0, 20.0), headings(places, 4, uniform=8, sights=1))

@@ -2,6 +2,9 @@
 
     k(x_p, x_q) = σ_f² ρ(r),   r² = (x_p − x_q)ᵀ Σ_l⁻² (x_p − x_q),   Σ_l = diag(l_x, l_y)
 
+A map's Σ_l may be turned, Rᵀ diag(l_1, l_2) R with R the rotation by −φ, the geometric anisotropy of geostatistics
+(Chilès & Delfiner, Geostatistics, 2nd ed. 2012, §2.5): the ridges of real ground lie along no axis.
+
 ρ is exp(−½ r²) for the squared exponential, the paper's, which planning uses throughout: its derivatives and bounds are
 those of a smooth field. Maps of real ground and of radio signals are rougher: Matérn's ρ of smoothness ν = ½, 3/2 and
 5/2 (Rasmussen & Williams 2006, eqs. 4.16–4.18). Where ν = ½ only σ_f²/l is told apart by data, not σ_f and l.
@@ -39,12 +42,15 @@ class Kernel(ABC):
     signal_sd : σ_f > 0, in the field's unit; the greatest prior standard deviation of the field.
     length_scales : (l_x, l_y) > 0 [m].
     relative_sd : m, the prior standard deviation over σ_f, from 0 to 1; None where it is σ_f everywhere.
+    direction : φ [rad], from the x axis to the line along which the first length scale holds, counter-clockwise; 0 in
+    planning, whose derivatives and bounds are those of length scales along x and y.
     """
 
     name: ClassVar[str]
     signal_sd: float = 30.0
     length_scales: tuple[float, float] = (4000.0, 4000.0)
     relative_sd: ValueMap | None = None
+    direction: float = 0.0
 
     def __post_init__(self) -> None:
         if not SMALLEST <= self.signal_sd <= LARGEST:
@@ -82,9 +88,7 @@ class Kernel(ABC):
 
     def __call__(self, a: ArrayLike, b: ArrayLike) -> Floats:
         """Return k(a_i, b_j) for points `a` (p, 2) and `b` (q, 2) [m], shape (p, q)."""
-        scales = np.asarray(self.length_scales)
-        p = np.asarray(a, dtype=float).reshape(-1, 2) / scales
-        q = np.asarray(b, dtype=float).reshape(-1, 2) / scales
+        p, q = self._scaled(a), self._scaled(b)
         # difference by difference, not the expanded square: coincident points give exactly σ_f²
         squares: Floats = np.subtract.outer(p[:, 0], q[:, 0]) ** 2
         squares += np.subtract.outer(p[:, 1], q[:, 1]) ** 2
@@ -93,6 +97,15 @@ class Kernel(ABC):
         if self.relative_sd is not None:
             covariance *= np.multiply.outer(self.relative_sd(a), self.relative_sd(b))
         return covariance
+
+    def _scaled(self, points: ArrayLike) -> Floats:
+        """Return `points` (k, 2) [m] along and across the direction, in length scales."""
+        p = np.asarray(points, dtype=float).reshape(-1, 2)
+        if self.direction:
+            cos, sin = math.cos(self.direction), math.sin(self.direction)
+            p = np.column_stack([cos * p[:, 0] + sin * p[:, 1], cos * p[:, 1] - sin * p[:, 0]])
+        scaled: Floats = p / np.asarray(self.length_scales)
+        return scaled
 
     def variance(self, points: ArrayLike) -> Floats:
         """Return k(x_i, x_i) for `points` (k, 2) [m], shape (k,)."""

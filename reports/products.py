@@ -334,7 +334,7 @@ class Products:
             said: dict[str, Any] = read_json(path)
             found = [row["log_likelihood"] for row in said["evidence"]]
             found += [*said["length_scales"], *said["coefficients"], said["signal_sd"], said["nugget_sd"]]
-            found += [said[name] for name in ("tau", "drift") if name in said]
+            found += [said[name] for name in ("tau", "drift", "direction") if name in said]
             if len(said["length_scales"]) != 2 or not all(is_number(value) for value in found):
                 raise InputError("must hold finite numbers")
             if not all(scale > 0 for scale in (*said["length_scales"], said.get("tau", 1.0))):

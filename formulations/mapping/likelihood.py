@@ -13,6 +13,9 @@ This is the likelihood with β integrated out, that of the level under a flat pr
 
     ∂/∂θ = ½ Σ_ij (C⁻¹r rᵀC⁻¹ − P)_ij (∂C/∂θ)_ij
 
+Where the length scales hold along a direction φ and across it, Δ = (Δ_1, Δ_2) in these, r² = Δ_1²/l_1² + Δ_2²/l_2² and
+∂r²/∂φ = 2 Δ_1 Δ_2 (1/l_1² − 1/l_2²).
+
 Where the prior standard deviation is a map σ_f m(x), K_II is that of σ_f with m_i m_j at its entries: σ_f is fitted,
 m is not.
 
@@ -22,6 +25,7 @@ Where the field drifts, K_II is multiplied by exp(−|t − t′|/τ), entry by 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -54,31 +58,37 @@ class RestrictedLikelihood:
         self.u = y - self.H @ trend.prior_mean
         believed = np.diagonal(self.precision)[1:]
         self.constant = 0.5 * float(np.log(believed).sum()) - 0.5 * (len(y) - 1) * np.log(2 * np.pi)
-        self.squares = [np.subtract.outer(x, x) ** 2 for x in X.T]
+        dx, dy = (np.subtract.outer(x, x) for x in X.T)
+        self.squares, self.product = [dx**2, dy**2], dx * dy
         self.shares = None if relative_sd is None else np.multiply.outer(relative_sd, relative_sd)
         self.lags = None if times is None else np.abs(np.subtract.outer(times, times))
 
-    def value(self, kernel: type[Kernel], theta: Floats) -> float:
+    def value(self, kernel: type[Kernel], theta: Floats, direction: float | None = None) -> float:
         """Return log p [nats]; LinAlgError where C or A is not positive in float64."""
-        return self._solved(kernel, theta)[0]
+        return self._solved(kernel, theta, direction)[0]
 
-    def __call__(self, kernel: type[Kernel], theta: Floats) -> tuple[float, Floats]:
-        """Return log p [nats] and its gradient, shape of θ; LinAlgError where C or A is not positive in float64."""
+    def __call__(self, kernel: type[Kernel], theta: Floats, direction: float | None = None) -> tuple[float, Floats]:
+        """Return log p [nats] and its gradient; LinAlgError where C or A is not positive in float64.
+
+        direction : φ [rad] of the first length scale; x and y unless given. The gradient is that by θ, in its shape,
+        and, where a direction is given, by φ after it.
+        """
         signal, lx, ly, nugget, *tau = np.exp(theta)
-        value, L, CH, a, LA = self._solved(kernel, theta)
+        value, L, CH, a, LA = self._solved(kernel, theta, direction)
         inverse, _ = dpotri(L, lower=True)  # its lower triangle
         weighted = np.outer(a, a) - np.tril(inverse) - np.tril(inverse, -1).T
         weighted += CH @ cho_solve((LA, True), CH.T, check_finite=False)
         quiet = np.trace(weighted) * nugget**2
         weighted *= self._decay(tau)
-        near = self._near(lx, ly)
+        near = self._near(lx, ly, direction)
         if self.shares is not None:
             weighted *= self.shares
         along = 0.5 * signal**2 * weighted * kernel.steepness(near[0] + near[1])
         K = signal**2 * kernel.correlation(near[0] + near[1])
         by_lengths = (np.vdot(along, square) for square in near)
         drift = [0.5 * np.vdot(weighted * K, self.lags / each) for each in tau]
-        return value, np.array([np.vdot(weighted, K), *by_lengths, quiet, *drift])
+        turn = [] if direction is None else [np.vdot(along, self._turn(direction)) * (ly**-2 - lx**-2)]
+        return value, np.array([np.vdot(weighted, K), *by_lengths, quiet, *drift, *turn])
 
     def _decay(self, tau: Sequence[float]) -> Floats | float:
         """Return exp(−|t − t′|/τ), 1 where there is no τ."""
@@ -88,13 +98,28 @@ class RestrictedLikelihood:
         decay: Floats = np.exp(-self.lags / tau[0])
         return decay
 
-    def _near(self, lx: float, ly: float) -> list[Floats]:
-        return [square / scale**2 for square, scale in zip(self.squares, (lx, ly), strict=True)]
+    def _near(self, lx: float, ly: float, direction: float | None) -> list[Floats]:
+        """Return (Δ_1/l_1)² and (Δ_2/l_2)², each (N, N)."""
+        squares = self.squares
+        if direction is not None:
+            cos, sin = math.cos(direction), math.sin(direction)
+            both = 2.0 * cos * sin * self.product
+            first, second = (c**2 * squares[0] + s**2 * squares[1] for c, s in ((cos, sin), (sin, cos)))
+            squares = [np.maximum(first + both, 0.0), np.maximum(second - both, 0.0)]  # rounding may take them below 0
+        return [square / scale**2 for square, scale in zip(squares, (lx, ly), strict=True)]
 
-    def _solved(self, kernel: type[Kernel], theta: Floats) -> tuple[float, Floats, Floats, Floats, Floats]:
+    def _turn(self, direction: float) -> Floats:
+        """Return Δ_1 Δ_2, (N, N)."""
+        turned: Floats = 0.5 * math.sin(2 * direction) * (self.squares[1] - self.squares[0])
+        turned += math.cos(2 * direction) * self.product
+        return turned
+
+    def _solved(
+        self, kernel: type[Kernel], theta: Floats, direction: float | None
+    ) -> tuple[float, Floats, Floats, Floats, Floats]:
         """Return log p, the factor L of C, C⁻¹H, C⁻¹r and the factor of A."""
         signal, lx, ly, nugget, *tau = np.exp(theta)
-        near = self._near(lx, ly)
+        near = self._near(lx, ly, direction)
         C = kernel.correlation(near[0] + near[1])
         C *= signal**2
         if self.shares is not None:

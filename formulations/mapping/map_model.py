@@ -3,9 +3,11 @@
 Every kernel and every mean offered is fitted with one length scale in all directions, and the one of greatest
 likelihood is taken. Two length scales (paper, eq. cov) are taken instead where they raise the log-likelihood by more
 than ½ log N, the price of a parameter under N samples (G. Schwarz, Estimating the Dimension of a Model, Annals of
-Statistics 6, 1978). Kernels have as many parameters as one another, and means are told apart without a price: the
-likelihood has their coefficients integrated out. A field that drifts has one parameter more, τ, and is believed where
-the likeliest drifting model is ahead of the likeliest that stays by more than that price.
+Statistics 6, 1978). They hold along x and y where planning goes on from the model; a map's hold along any direction and
+across it, one parameter more, and are tried with the likeliest kernels, not with the first alone. Kernels have as many
+parameters as one another, and means are told apart without a price: the likelihood has their coefficients integrated
+out. A field that drifts has one parameter more, τ, and is believed where the likeliest drifting model is ahead of the
+likeliest that stays by more than that price.
 
 The likelihood of few samples has several peaks, and a search that begins where the last one ended stays on the wrong
 one for the rest of a survey. So each search also begins at the best of a grid of length scales.
@@ -49,6 +51,12 @@ TIE = 1e-3
 """Likelihoods [nats] that differ by less are a tie, which the order of what is offered decides."""
 QUIET = 0.3
 """The nugget at which a search begins, in sensor noises."""
+TURNED = 2
+"""So many of the likeliest kernels are tried with length scales along a direction and across it."""
+DIRECTIONS = (0.0, 0.25 * math.pi, 0.5 * math.pi, 0.75 * math.pi)
+"""Those at which such a search may begin [rad]."""
+STRETCH = 0.5
+"""log √(l_1/l_2) there."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +87,8 @@ class MapModel:
         lx, ly = (scale / 1e3 for scale in kernel.length_scales)
         nugget = f", nugget {self.nugget_sd:.2g}" if self.nugget_sd else ""
         drift = f", τ {self.tau:.0f} s" if self.tau < math.inf else ""
-        scales = f"σ_f {kernel.signal_sd:.1f}, l {lx:.1f} and {ly:.1f} km"
+        along = f" along {math.degrees(kernel.direction):.0f}° and across" if kernel.direction else ""
+        scales = f"σ_f {kernel.signal_sd:.1f}, l {lx:.1f} and {ly:.1f} km{along}"
         return f"{kernel.name} with {self.trend.name} mean, {scales}{nugget}{drift}"
 
 
@@ -88,14 +97,16 @@ class Offered:
     """What may be chosen: covariances and means, in the order in which a tie is decided.
 
     tau : that of every model [s], infinite for fields that stay; None where it is to be told by likelihood, too.
+    turned : whether two length scales may hold along any direction and across it; else they are those along x and y.
     """
 
     kernels: tuple[type[Kernel], ...] = tuple(KERNELS.values())
     trends: tuple[Trend, ...] = (CONSTANT,)
     tau: float | None = math.inf
+    turned: bool = False
 
 
-EVERY_KERNEL = Offered()
+EVERY_KERNEL = Offered(turned=True)
 
 
 @dataclass(frozen=True)
@@ -149,18 +160,33 @@ def choose_model(
 
 @dataclass(frozen=True)
 class _Likeliest:
-    """The likeliest isotropic model of those offered: its search, kernel, log p and θ; log p of all."""
+    """The likeliest isotropic models of those offered, of one mean: its search, and log p and θ by kernel, best first.
+
+    evidence : log p of all. turned : whether length scales may hold along any direction.
+    """
 
     search: _Search
-    kernel: type[Kernel]
-    value: float
-    theta: Floats
+    found: Mapping[type[Kernel], tuple[float, Floats]]
     evidence: Mapping[tuple[str, str], float]
+    turned: bool
+
+    @property
+    def value(self) -> float:
+        """The greatest log p [nats]."""
+        return max(value for value, _ in self.found.values())
 
     def fitted(self, drift: float | None = None) -> Fitted:
         """Return the model, with two length scales where they are worth it."""
-        theta = self.search.anisotropic(self.kernel, self.value, self.theta)
-        return Fitted(_model(self.kernel, theta, self.search.trend, self.search.mapped), self.evidence, drift)
+        search, (kernel, (value, theta)) = self.search, next(iter(self.found.items()))
+        direction = 0.0
+        if not self.turned:
+            theta = search.anisotropic(kernel, value, theta)
+        else:
+            for each, (_, start) in list(self.found.items())[:TURNED]:
+                higher, better, along = search.turned(each, start)
+                if higher - 2 * search.price > value:
+                    kernel, value, theta, direction = each, higher - 2 * search.price, better, along
+        return Fitted(_model(kernel, theta, direction, search), self.evidence, drift)
 
 
 def _likeliest(
@@ -180,8 +206,10 @@ def _likeliest(
     evidence = {names: value for names, (value, _) in found.items() if np.isfinite(value)}
     if not evidence:
         return None
-    best = max(evidence, key=lambda names: round(evidence[names] / TIE))
-    return _Likeliest(searches[best[1]], KERNELS[best[0]], *found[best], evidence)
+    ranked = sorted(evidence, key=lambda names: -round(evidence[names] / TIE))
+    _, mean = ranked[0]
+    likely = {KERNELS[kernel]: found[kernel, of] for kernel, of in ranked if of == mean}
+    return _Likeliest(searches[mean], likely, evidence, offered.turned)
 
 
 class _Search:
@@ -218,7 +246,14 @@ class _Search:
         warm = np.append(known, [np.log(given.tau)] if self.drift and given.tau < math.inf else self._taus()[-1])
         value = partial(self._value, kernel)
         starts = [max(grid, key=lambda theta: value(_both(theta))), *([warm] if isinstance(own, kernel) else [])]
-        return max((self._climb(kernel, start, _both, _fold) for start in starts), key=lambda found: found[0])
+
+        def evaluate(short: Floats) -> tuple[float, Floats]:
+            height, gradient = self.likelihood(kernel, _both(short))
+            return height, _fold(gradient)
+
+        found = [self._climb(evaluate, start, self._bounds(1)) for start in starts]
+        best, short = max(found, key=lambda each: each[0])
+        return best, _both(short)
 
     def _taus(self) -> list[list[float]]:
         """Return what θ ends in on the grid: log τ of each share, nothing where the field stays."""
@@ -234,32 +269,47 @@ class _Search:
         scales = np.log(np.array(SHARES) * self.extent)
         grid = [np.array([theta[0], lx, ly, *theta[3:]]) for lx, ly in product(scales, scales) if lx != ly]
         starts = (theta, max(grid, key=partial(self._value, kernel)))
-        found = [self._climb(kernel, start, np.asarray, np.asarray) for start in starts]
+        found = [self._climb(partial(self.likelihood, kernel), start, self._bounds(2)) for start in starts]
         higher, better = max(found, key=lambda each: each[0])
         return better if higher > value + self.price else theta
 
-    def _value(self, kernel: type[Kernel], theta: Floats) -> float:
+    def turned(self, kernel: type[Kernel], theta: Floats) -> tuple[float, Floats, float]:
+        """Return the greatest log p found with l_1 ≠ l_2 along and across a direction, from an isotropic θ; θ and φ."""
+        stretched = np.array([theta[0], theta[1] + STRETCH, theta[2] - STRETCH, *theta[3:]])
+        likeliest = sorted(DIRECTIONS, key=lambda each: -self._value(kernel, stretched, each))
+        bounds = [*self._bounds(2), (-2 * math.pi, 2 * math.pi)]
+
+        def evaluate(both: Floats) -> tuple[float, Floats]:
+            return self.likelihood(kernel, both[:-1], both[-1])
+
+        found = [self._climb(evaluate, np.append(stretched, each), bounds) for each in likeliest[:2]]
+        value, best = max(found, key=lambda each: each[0])
+        return value, best[:-1], float((best[-1] + 0.5 * math.pi) % math.pi - 0.5 * math.pi)
+
+    def _value(self, kernel: type[Kernel], theta: Floats, direction: float | None = None) -> float:
         try:
-            return self.likelihood.value(kernel, theta)
+            return self.likelihood.value(kernel, theta, direction)
         except LinAlgError:
             return -np.inf
 
     def _climb(
-        self, kernel: type[Kernel], start: Floats, spread: Callable[[Floats], Floats], fold: Callable[[Floats], Floats]
+        self,
+        evaluate: Callable[[Floats], tuple[float, Floats]],
+        start: Floats,
+        bounds: Sequence[tuple[float, float]],
     ) -> tuple[float, Floats]:
-        """Return the peak above `start`; `spread` makes θ of the search's parameters, `fold` their gradient of θ's."""
+        """Return the peak above `start` within `bounds`; `evaluate` returns log p and its gradient."""
 
-        def negative(short: Floats) -> tuple[float, Floats]:
+        def negative(parameters: Floats) -> tuple[float, Floats]:
             try:
-                value, gradient = self.likelihood(kernel, spread(short))
+                value, gradient = evaluate(parameters)
             except LinAlgError:
-                return np.inf, np.zeros_like(short)
-            return -value, -fold(gradient)
+                return np.inf, np.zeros_like(parameters)
+            return -value, -gradient
 
-        bounds = self._bounds(len(start) - 2 - len(self.drift))
         begin = np.clip(start, *np.transpose(bounds))
         found = minimize(negative, begin, jac=True, method="L-BFGS-B", bounds=bounds)
-        return -float(found.fun), spread(found.x)
+        return -float(found.fun), found.x
 
     def _bounds(self, lengths: int) -> list[tuple[float, float]]:
         length = (np.log(LENGTHS[0] * self.extent), np.log(LENGTHS[1] * self.extent))
@@ -278,6 +328,6 @@ def _fold(gradient: Floats) -> Floats:
     return np.array([gradient[0], gradient[1] + gradient[2], *gradient[3:]])
 
 
-def _model(kernel: type[Kernel], theta: Sequence[float] | Floats, trend: Trend, mapped: ValueMap | None) -> MapModel:
+def _model(kernel: type[Kernel], theta: Sequence[float] | Floats, direction: float, search: _Search) -> MapModel:
     signal, lx, ly, nugget, *tau = (float(value) for value in np.exp(theta))
-    return MapModel(kernel(signal, (lx, ly), mapped), nugget, trend, *tau)
+    return MapModel(kernel(signal, (lx, ly), search.mapped, direction), nugget, search.trend, *tau)

@@ -46,14 +46,22 @@ def _named(row: Any) -> str:
 
 def _sentence(said: dict[str, Any], unit: str) -> str:
     (lx, ly), signal = said["length_scales"], said["signal_sd"]
+    ways = ("along x", "along y")
+    if direction := said.get("direction", 0.0):
+        ways = (f"along {direction:.0f}° (counter-clockwise from the x axis)", "across")
     if said["kernel"] == "matern12":  # the data tells no more of it
-        scales = f"σ_f²/l = {signal**2 / lx * 1e3:.3g} {unit}² a kilometre"
+        slopes = [f"{signal**2 / scale * 1e3:.3g} {unit}² a kilometre" for scale in (lx, ly)]
+        scales = f"σ_f²/l = {_both(slopes, ways)}"
     else:
-        lengths = f"{lx / 1e3:.1f} km" if lx == ly else f"{lx / 1e3:.1f} km along x and {ly / 1e3:.1f} km along y"
-        scales = f"σ_f = {signal:.1f} {unit}, l = {lengths}"
+        scales = f"σ_f = {signal:.1f} {unit}, l = {_both([f'{scale / 1e3:.1f} km' for scale in (lx, ly)], ways)}"
     nugget = f", a nugget of {said['nugget_sd']:.2g} {unit}" if said["nugget_sd"] >= 0.01 else ""
     factor = f" times {said['coefficients'][1]:.2f}" if len(said["coefficients"]) > 1 else ""
     return f"The last map is {_named(said)}{factor}: {scales}{nugget}.{_drift(said)}"
+
+
+def _both(told: list[str], ways: tuple[str, str]) -> str:
+    """Return one number where both are told alike, else each with its way."""
+    return told[0] if told[0] == told[1] else f"{told[0]} {ways[0]} and {told[1]} {ways[1]}"
 
 
 def _drift(said: dict[str, Any]) -> str:

@@ -65,7 +65,6 @@ profile = "log"
 altitude = 1500.0
 [radio]
 position = [-84.246, 36.590]
-height = 30.0
 [field]
 model = "itm"
 shadowing_sd = 0.0

@@ -50,7 +50,7 @@ def belief_of(mission: Mission, environment: Path) -> Belief:
     trends = tuple(_trend(name, mission, scenario, ground) for name in names)
     return Belief(
         map_model_of(mission),
-        Offered(kernels, trends, None if wanted.tau == "auto" else known_tau(mission)),
+        Offered(kernels, trends, None if wanted.tau == "auto" else known_tau(mission), turned=True),
         kernel_of(mission.place.signal_sd, scales_of(mission.place.length_scale), value_maps(mission).get("prior_sd")),
     )
 

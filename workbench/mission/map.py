@@ -119,17 +119,21 @@ def survey_of(
 def ticks_frame(survey: Survey) -> pd.DataFrame:
     """Return a row a tick: time [s], samples, information and entropy [nats], scores, the model and its parameters.
 
-    tau [s] is among these where any tick's model drifts.
+    direction [°] and tau [s] are among these where any tick's model has one.
     """
     frame = pd.DataFrame([_row(tick) for tick in survey.ticks])
-    taus = [tick.fitted.model.tau for tick in survey.ticks]
+    models = [tick.fitted.model for tick in survey.ticks]
+    if any(model.kernel.direction for model in models):
+        frame = frame.assign(direction=[math.degrees(model.kernel.direction) for model in models])
+    taus = [model.tau for model in models]
     return frame if all(map(math.isinf, taus)) else frame.assign(tau=taus)
 
 
 def _chosen(tick: Tick) -> dict[str, Any]:
     """Return the model of a tick, its coefficients, and the log-likelihood [nats] of every kernel and mean offered.
 
-    tau [s] of one that drifts; drift [nats]: how far such models were ahead, where both kinds were tried.
+    direction [°] where length scales hold along one; tau [s] of one that drifts; drift [nats]: how far such models were
+    ahead, where both kinds were tried.
     """
     model = tick.fitted.model
     evidence = [
@@ -142,6 +146,7 @@ def _chosen(tick: Tick) -> dict[str, Any]:
         "mean": model.trend.name,
         "signal_sd": model.kernel.signal_sd,
         "length_scales": model.kernel.length_scales,
+        **({"direction": math.degrees(model.kernel.direction)} if model.kernel.direction else {}),
         "nugget_sd": model.nugget_sd,
         "coefficients": tick.posterior.coefficients.tolist(),
         "evidence": evidence,

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from formulations.kernel import KERNELS, Kernel, Matern12, SquaredExponential
+from formulations.kernel import KERNELS, Kernel, Matern12, Matern32, SquaredExponential
 from formulations.mapping.gaussian_process import GaussianProcess
 from formulations.mapping.likelihood import RestrictedLikelihood
 from formulations.mapping.map_model import MapModel, Offered, choose_model
@@ -123,3 +126,30 @@ def test_a_mean_whose_columns_are_alike_is_not_chosen() -> None:
     X, y = drawn(SquaredExponential(8.0, (4000.0, 4000.0)), 30, 8)
     flat = Trend("flat", lambda points: np.full(len(points), 3.0))
     assert choose_model(MapModel(), Offered(trends=(CONSTANT, flat)), 1.0, X, y).model.trend is CONSTANT
+
+
+def test_a_field_stretched_along_a_diagonal_is_found_to_be() -> None:
+    truth = Matern32(10.0, (9000.0, 3000.0), direction=math.radians(35.0))
+    X, y = drawn(truth, 110, 5)
+    found = choose_model(MapModel(), Offered((Matern32,), turned=True), 1.0, X, y).model.kernel
+    assert math.degrees(found.direction) == pytest.approx(35.0, abs=8.0)
+    assert 2.0 < found.length_scales[0] / found.length_scales[1] < 4.5
+    alike = choose_model(MapModel(), Offered((Matern32,), turned=True), 1.0, *drawn(Matern32(10.0), 60, 5)).model.kernel
+    assert alike.direction == 0.0
+    assert alike.length_scales[0] == alike.length_scales[1]
+
+
+def test_turning_the_plane_turns_the_map() -> None:
+    """Which way is x must not matter: places turned by 35° have the same likelihood, 35° further on."""
+    X, y = drawn(SquaredExponential(12.0, (3000.0, 5000.0)), 40, 3)
+    turn = math.radians(35.0)
+    back = X @ np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+    kernel = Matern32(9.0, (2500.0, 6000.0))
+    assert replace(kernel, direction=turn)(back, back) == pytest.approx(kernel(X, X), rel=1e-9)
+    theta = np.log([9.0, 2500.0, 6000.0, 0.8])
+    straight, slopes = RestrictedLikelihood(1.0, X, y, CONSTANT)(Matern32, theta)
+    turned = RestrictedLikelihood(1.0, back, y, CONSTANT)
+    value, gradient = turned(Matern32, theta, turn)
+    assert (value, gradient[:-1]) == (pytest.approx(straight), pytest.approx(slopes, rel=1e-6))
+    across = turned.value(Matern32, theta, turn + 1e-5) - turned.value(Matern32, theta, turn - 1e-5)
+    assert gradient[-1] == pytest.approx(across / 2e-5, rel=1e-5)

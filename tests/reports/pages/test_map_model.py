@@ -1,4 +1,4 @@
-"""What the page says of the last map's model: how fast it takes the field to drift."""
+"""What the page says of the last map's model: its length scales, and how fast it takes the field to drift."""
 
 from __future__ import annotations
 
@@ -12,6 +12,25 @@ SAID: dict[str, Any] = {
     "kernel": "se", "mean": "constant", "signal_sd": 5.0, "length_scales": [4000.0, 4000.0], "nugget_sd": 0.0,
     "coefficients": [-80.0], "evidence": [],
 }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({}, "l = 4.0 km. It is"),
+        ({"length_scales": [4000.0, 2500.0]}, "l = 4.0 km along x and 2.5 km along y."),
+        (
+            {"length_scales": [4000.0, 2500.0], "direction": -63.0},
+            "l = 4.0 km along -63° (counter-clockwise from the x axis) and 2.5 km across.",
+        ),
+        (
+            {"kernel": "matern12", "length_scales": [50_000.0, 25_000.0], "direction": 12.0},
+            "= 0.5 dBm² a kilometre along 12° (counter-clockwise from the x axis) and 1 dBm² a kilometre across.",
+        ),
+    ],
+)
+def test_length_scales_are_told_with_their_directions(more: dict[str, Any], words: str) -> None:
+    assert words in str(map_model(SAID | more, "dBm")[0])
 
 
 @pytest.mark.parametrize(

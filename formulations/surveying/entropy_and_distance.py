@@ -42,7 +42,7 @@ class EntropyAndDistance(SurveyPlanner):
         """Decline where the library is missing or cannot run, and regions in which a leg may leave the region."""
         if find_spec("pypolo") is None:
             return "pypolo is not installed (docs/methods/surveys.md says how)"
-        if not hasattr(np.ndarray, "ptp"):
+        if int(np.__version__.partition(".")[0]) >= 2:
             return f"PyPolo 0.0.3 needs numpy below 2 (it calls ndarray.ptp), and here is numpy {np.__version__}"
         return None if problem.is_convex else "legs are straight, so the region must be convex"
 

@@ -69,7 +69,7 @@ def write_survey_page(
 
 
 def _blocks(cases: Sequence[SurveyCase], frame: pd.DataFrame, judged: Verdicts, stored: Iterable[Path]) -> list[Block]:
-    told = _sentences(frame, judged)
+    told, declined = _sentences(frame, judged), _declined(frame)
     plans = table_of(survey_summary(frame, judged), SURVEYS, key="plans", methods=frame["method"])
     drawn = [
         replace(draw_tours(case.name, case.field, case.region, case.depots, case.plans), key=f"tours{number}")
@@ -78,7 +78,15 @@ def _blocks(cases: Sequence[SurveyCase], frame: pd.DataFrame, judged: Verdicts, 
     seen = frame["rmse"].notna().any()
     return [
         *code_notes(frame["code"]),
-        Section("Who wins", [plans, *([Folded("The same in sentences", [Lines(told)])] if told else [])], "plans"),
+        Section(
+            "Who wins",
+            [
+                plans,
+                *([Lines(declined)] if declined else []),
+                *([Folded("The same in sentences", [Lines(told)])] if told else []),
+            ],
+            "plans",
+        ),
         *([Section("Error against endurance", [draw_endurance(frame)], "endurance")] if seen else []),
         *([Section("Where they fly", list(drawn), "tours")] if drawn else []),
         Section("What the words mean", [Facts(WORDS)], "words"),
@@ -87,13 +95,20 @@ def _blocks(cases: Sequence[SurveyCase], frame: pd.DataFrame, judged: Verdicts, 
 
 
 def _sentences(frame: pd.DataFrame, judged: Verdicts) -> list[str]:
-    """Return a sentence a verdict, and one a plan that does not take some surveys."""
+    """Return a sentence a verdict."""
     told = []
     for (family, endurance), verdicts in judged.items():
         rows = frame[(frame["family"] == family) & (frame["endurance"] == endurance)]
         over = f"{counted(rows['digest'].nunique(), 'field')} of {family} at {endurance:g} s"
         told += [sentence(verdict, str(rows["unit"].iloc[0]), over) for verdict in verdicts]
+    return told
+
+
+def _declined(frame: pd.DataFrame) -> list[str]:
+    """Return a sentence a plan that does not take some surveys, and a reason."""
     declined = frame[frame["stopped_by"] == "declined"]
-    for (method, reach, why), rows in declined.groupby(["method", "endurance", "message"], sort=False):
-        told.append(f"{method} {why} ({counted(rows['digest'].nunique(), 'survey')} at {float(str(reach)):g} s).")
+    told = []
+    for (method, why), rows in declined.groupby(["method", "message"], sort=False):
+        reach = " and ".join(f"{value:g} s" for value in sorted(rows["endurance"].unique()))
+        told.append(f"{method} {why} ({counted(rows['digest'].nunique(), 'survey')}, {reach}).")
     return told

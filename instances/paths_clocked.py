@@ -26,11 +26,11 @@ from instances.travel import Travel
 from instances.wind_flights import polyline_times
 from instances.wind_triangle import ground_speeds
 
-PIECE = 200.0
+PIECE = 75.0
 """Greatest length [m] of the pieces on which the check integrates, by three Gauss points each."""
 ROUNDS = 30
 """Of Picard's iteration, at most."""
-TOLERANCE = 2e-4
+TOLERANCE = 5e-4
 """Difference between a claimed and a recomputed time, over that time, that counts as agreement."""
 
 

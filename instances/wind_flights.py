@@ -5,7 +5,8 @@ cross: it is "first in, first out". Integrated by Kutta's rule of third order on
 
     k₁ = 1/g(s, t),  k₂ = 1/g(s + h/2, t + h k₁/2),  k₃ = 1/g(s + h, t − h k₁ + 2 h k₂),  Δt = h (k₁ + 4 k₂ + k₃)/6,
 
-which is Simpson's where the wind does not change. Pieces are halved until the time has settled to `TOLERANCE`.
+which is Simpson's where the wind does not change. Pieces are halved until the times have settled to `TOLERANCE`, as
+some of the flights tell.
 
 Source: W. Kutta, Z. Math. Phys. 46 (1901) 435–453.
 """
@@ -19,12 +20,14 @@ from instances.environment.wind_changing import ChangingWind
 from instances.moving_cost import segments
 from instances.wind_triangle import ground_speeds, refuse_strong
 
-PIECE = 500.0
+PIECE = 200.0
 """Greatest length [m] of a piece at first."""
 HALVINGS = 8
 """Of the pieces, at most."""
-TOLERANCE = 1e-5
-"""Share of the time by which halving the pieces may still change it; the finer value is kept."""
+TOLERANCE = 5e-5
+"""Share of the time by which halving the pieces may still change it; the finer pieces are kept."""
+TELLING = 64
+"""Flights at least, or every so-many-th, that tell how fine pieces must be."""
 
 
 def polyline_times(
@@ -38,18 +41,15 @@ def polyline_times(
     a, b, owner = segments(points, offsets)
     moving = np.hypot(*(b - a).T) > 0
     a, b, owner = a[moving], b[moving], owner[moving]
-    times = np.zeros(len(which))
-    going, rough = np.arange(len(which)), np.full(len(which), np.inf)
+    some = np.arange(len(which))[:: max(1, min(TELLING, len(which) // TELLING))]
+    rough = np.full(len(some), np.inf)
     for halving in range(HALVINGS + 1):
         pieces = _Pieces.of(a, b, owner, len(offsets) - 1, PIECE / 2**halving)
-        fine = pieces.flown(which[going], departures[going], wind, airspeed)
-        times[going] = fine
-        rest = np.abs(fine - rough[going]) > TOLERANCE * fine
-        rough[going] = fine
-        going = going[rest]
-        if not len(going):
+        fine = pieces.flown(which[some], departures[some], wind, airspeed)
+        if (np.abs(fine - rough) <= TOLERANCE * fine).all():
             break
-    return times
+        rough = fine
+    return fine if len(some) == len(which) else pieces.flown(which, departures, wind, airspeed)
 
 
 class _Pieces:

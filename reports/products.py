@@ -62,6 +62,8 @@ NAMED = ("compare.csv", "compare-draws.csv", "compare-ticks.csv", "tracks.csv")
 """Tables of several plans, whose `name` says which."""
 POLISHED = ("costs_before", "costs_after", "budgets", "lengths_before", "lengths_after")
 """Of ``polish.json``, a number of each UAV."""
+UNKNOWN = ("energy",)
+"""Columns that may be missing: in a wind that changes there is no energy."""
 WHOLE = ("uav", "draw", "draws")
 """Columns of whole numbers from 0."""
 ENDLESS = ("least_radius", "flight_time")
@@ -291,6 +293,19 @@ class Products:
         return self.table("flight" if self.replans is None else "map", "flown.csv")
 
     @cached_property
+    def static_plan(self) -> dict[str, float] | None:
+        """What a plan for the wind of take-off is worth [s], as ``static.json`` says; None where the wind stays."""
+        path = self.folders["compare"] / "static.json"
+        if not path.exists():
+            return None
+        with reading(path, "a static plan"):
+            said = read_json(path)
+            found = {name: said[name] for name in ("promised", "taken", "directed", "clocked")}
+            if not all(is_number(value) and value > 0 for value in found.values()):
+                raise InputError("must hold positive numbers")
+            return found
+
+    @cached_property
     def polish(self) -> dict[str, Any] | None:
         """What path polish did, as ``polish.json`` says, a list's entries being UAVs; None where tours stayed."""
         path = self.folders["flight"] / "polish.json"
@@ -361,7 +376,8 @@ class Products:
 def _numbers(column: pd.Series, name: str) -> pd.Series:
     values = pd.to_numeric(column).astype(float)
     endless = values.eq(float("inf")) if name in ENDLESS else False
-    if not ((values.abs() <= LARGEST) | endless).all():
+    unknown = values.isna() if name in UNKNOWN else False
+    if not ((values.abs() <= LARGEST) | endless | unknown).all():
         raise InputError(f"column '{name}' must hold finite numbers up to {LARGEST:g}")
     if name not in WHOLE:
         return values

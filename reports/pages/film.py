@@ -15,10 +15,12 @@ from matplotlib.image import imsave
 from matplotlib.ticker import MaxNLocator
 
 from instances.arrays import Floats
+from instances.environment.wind_changing import ChangingWind
 from reports.figures.field import SIGNAL, UNCERTAINTY, UNCERTAINTY_POWER
 from reports.figures.flight import colour_of
 from reports.figures.map import signal_range
 from reports.figures.wind import KM
+from reports.figures.wind_frames import arrows_at
 from reports.pages.page import fragment
 from reports.products import Products
 
@@ -28,6 +30,7 @@ def film(products: Products, flown: pd.DataFrame, samples: pd.DataFrame, ticks: 
     maps = products.maps
     low, high = signal_range(maps)
     most = float(np.nanmax(maps.sd[0]))
+    blowing = _blowing(products)
     judged = ticks.set_index("time")
     tracks = [
         {
@@ -44,6 +47,7 @@ def film(products: Products, flown: pd.DataFrame, samples: pd.DataFrame, ticks: 
             "sd": _picture(maps.sd[k] ** UNCERTAINTY_POWER, 0.0, most**UNCERTAINTY_POWER, UNCERTAINTY),
             "rmse": round(float(judged.loc[t, "rmse"]), 3),
             "samples": int(judged.loc[t, "samples"]),
+            **({"wind": blowing[k]} if blowing else {}),
         }
         for k, t in enumerate(maps.time)
     ]
@@ -51,6 +55,25 @@ def film(products: Products, flown: pd.DataFrame, samples: pd.DataFrame, ticks: 
     box = {"west": west, "south": south, "width": east - west, "height": north - south}
     dots = samples[["x", "y", "time"]].to_numpy() / np.array([1e3, 1e3, 1.0])
     return {"frames": frames, "tracks": tracks, "samples": dots.round(3).tolist(), "unit": products.unit, "box": box}
+
+
+def _blowing(products: Products) -> list[str]:
+    """Return the arrows of a wind that changes at each kept map, as a path in kilometres; none where it stays."""
+    scenario = products.scenario
+    if not isinstance(scenario.wind, ChangingWind):
+        return []
+    places, w, scale = arrows_at(scenario, scenario.wind, products.maps.time)
+    return [_arrows(places / KM, now * scale / KM) for now in w]
+
+
+def _arrows(places: Floats, d: Floats) -> str:
+    """Return arrows `d` (k, 2) about the middles `places` (k, 2) as the path of an SVG."""
+    tail, head = places - d / 2, places + d / 2
+    barbs = [head - 0.3 * (d @ np.array([[1.0, s], [-s, 1.0]])) for s in (0.5, -0.5)]
+    ends = np.column_stack([tail, head, barbs[0], head, barbs[1]]).round(2).tolist()
+    return "".join(
+        f"M{a:g},{b:g}L{c:g},{e:g}M{f:g},{g:g}L{h:g},{i:g}L{j:g},{k:g}" for a, b, c, e, f, g, h, i, j, k in ends
+    )
 
 
 def player(products: Products, data: dict[str, Any]) -> Markup:
@@ -67,7 +90,13 @@ def player(products: Products, data: dict[str, Any]) -> Markup:
         )
     ]
     uavs = [(track["uav"], track["colour"]) for track in data["tracks"]]
-    said = {"box": data["box"], "unit": data["unit"], "uavs": uavs, "unit_star": _star(4.5)}
+    said = {
+        "blowing": last.get("wind", ""),
+        "box": data["box"],
+        "unit": data["unit"],
+        "uavs": uavs,
+        "unit_star": _star(4.5),
+    }
     depots = (products.scenario.depots / KM).round(4).tolist()
     return fragment("film.html.j2", panels=panels, frame=_frame(data["box"], products), depots=depots, **said)
 

@@ -24,6 +24,7 @@ from reports.figures.wind import draw_wind
 from reports.kinds import is_number
 from reports.pages.blocks import Beside, Block, Facts, Lines, Section, Source, Table, table_of
 from reports.pages.calm import calm_twin
+from reports.pages.clocked import clocked_plan
 from reports.pages.exported import exported
 from reports.pages.film import film, player
 from reports.pages.map_model import map_model
@@ -68,6 +69,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     planned += [*moved, flight, heights]
     planned += [_checks(products), exported(folders)]
     worth, twin = calm_twin(products, scenario_tasks(products))
+    by_clock, changing = clocked_plan(products, flown)
     plans = _plans(table, judged_plans, unit)
     blocks: list[Block] = [
         Facts(_headline(products, ticks), large=True),
@@ -78,11 +80,12 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
         Section("The map as it grows", growing, "map", "Map"),
         Section("Against what a person would fly otherwise", [plans, Beside(compared)], "compared", "Compared"),
         *([Section("What planning in the wind is worth", worth, "calm", "Wind")] if worth else []),
+        *([Section("What planning by the clock is worth", by_clock, "clock", "Clock")] if by_clock else []),
         _made(said),
     ]
     about = _about(products, ticks, table)
     write_page(Page(said["title"], about, blocks, "Lengths in metres, costs in seconds.", "film.js", data), path)
-    return [*given, *maps, *polished, flight, heights, stages, *judged, *compared, *twin]
+    return [*given, *maps, *polished, flight, heights, stages, *judged, *compared, *twin, *changing]
 
 
 WORDS = [

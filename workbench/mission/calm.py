@@ -19,6 +19,7 @@ import pandas as pd
 from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.disk import write_aside
+from instances.environment.wind_changing import ChangingWind
 from instances.files import read_routes
 from instances.moving_cost import CostMeasure
 from instances.paths import Paths
@@ -29,13 +30,13 @@ from workbench.mission.settings import Mission
 
 
 def write_calm_twin(mission: Mission, scenario: Scenario, folders: dict[str, Path], out: Path) -> None:
-    """Plan the twin and write its products; nothing where the mission has no wind.
+    """Plan the twin and write its products; nothing where the mission has no wind, or one that changes.
 
     Nor where UAVs are not alike, tasks were left out, or tours do not follow the paths whose costs are compared.
     """
     if mission.flight.coupled or (folders["routes"] / SELECTION_FILE).exists():
         return
-    if scenario.wind is None or not scenario.fleet.alike:
+    if scenario.wind is None or isinstance(scenario.wind, ChangingWind) or not scenario.fleet.alike:
         return
     instance, paths = kept_costs(folders["costs"])
     assert instance.coordinates is not None

@@ -7,7 +7,7 @@ meet no other plan. What nobody may fly is told and does not count.
 
 Products: compare.csv (a row a plan, the mission first: means over the draws, and the verdict), compare-draws.csv (a row
 a plan and draw), compare.json (over what the draws are), compare-ticks.csv and tracks.csv (of the first draw);
-those of the calm twin (calm.py).
+those of the calm twin (calm.py) or, in a wind that changes, of the static plan (clock.py).
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from reports.verdicts import named, plans, sentence, verdicts
 from workbench.mission.baselines import Baselines, Plan
 from workbench.mission.belief import Belief, belief_of
 from workbench.mission.calm import write_calm_twin
+from workbench.mission.clock import write_static_plan
 from workbench.mission.flight import kept_flights, track_frame
 from workbench.mission.laps import kept_laps
 from workbench.mission.map import survey_of, ticks_frame
@@ -73,6 +74,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Tell) -> s
     write_aside(out / "tracks.csv", pd.concat(tracks).to_csv(index=False))
     tell("the calm twin")
     write_calm_twin(mission, scenario, folders, out)
+    write_static_plan(mission, scenario, folders, out)
     judged = verdicts(draws)
     for verdict in judged:
         tell(sentence(verdict, field.unit, redrawn_words(mission)))

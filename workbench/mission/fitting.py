@@ -15,6 +15,7 @@ from instances.environment.wind_terrain import TerrainWind
 from instances.errors import InputError, shown
 from instances.instance import check_size
 from instances.registry import LARGEST, MethodRegistry
+from workbench.mission.clock import check_clock
 from workbench.mission.events import check_replan
 from workbench.mission.place import value_map, value_maps
 from workbench.mission.settings import MOST_LAPS, SMALLEST, Mission
@@ -35,9 +36,7 @@ def check_mission(mission: Mission) -> None:
             "and workbench solve take a scenario with them"
         )
     if isinstance(scenario.wind, ChangingWind):
-        raise InputError(
-            "[wind]: a mission plans for a wind that stays; one that changes is for workbench generate and solve"
-        )
+        check_clock(mission)
     check_size(scenario.n_tasks, scenario.n_depots)
     for key, methods, name, options in methods_of(mission):
         try:

@@ -28,16 +28,18 @@ from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.disk import read_json, write_aside
 from instances.environment.terrain import Terrain
+from instances.environment.wind_changing import ChangingWind
 from instances.errors import InputError
 from instances.moving_cost import CostKind
 from instances.paths import Paths
 from instances.routes import ENDURANCE_ROUNDING
+from instances.paths_clocked import at_their_times
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs
 from workbench.mission.coupled import HEADINGS_FILE, kept_plan
 from workbench.mission.export import export, tours_of
-from workbench.mission.laps import LAPS_FILE, Laps, directed
+from workbench.mission.laps import LAPS_FILE, Laps, directed, limits_of
 from workbench.mission.place import zones_of
 from workbench.mission.polish import Judge, polished_plan
 from workbench.mission.routes import kept_routes
@@ -89,6 +91,8 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     if mission.place.polish:
         instance, fleet, said = _polished(Judge(mission, scenario, ground), instance, routes, fleet, out, tell)
         told.append(said)
+    if isinstance(scenario.wind, ChangingWind):
+        told += _by_clock(mission, scenario, instance, fleet.flights)
     refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
     heights = heights_flown(mission, fleet.flights, ground)
     refuse_near_ground(mission, fleet.flights, heights)
@@ -117,6 +121,16 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         export(tours, flown, scenario, mission.origin, out, frame=frame, vehicle=mission.vehicle)
     apart = f"tasks are {spacing['ratio']:.3g} turning radii apart: {spacing['advice']}"
     return "; ".join([_said(fleet.checks), *told, _said_of_heights(heights, ground), apart])
+
+
+def _by_clock(mission: Mission, scenario: Scenario, instance: Instance, flights: Sequence[Flight]) -> list[str]:
+    """Return what the clock of flights in a wind that changes says; raises where it is wrong or beyond endurance."""
+    from workbench.mission.clock import held, refuse_beyond_endurance, refuse_wrong_clocks  # here: it needs this file
+
+    differ = refuse_wrong_clocks(scenario, flights)
+    refuse_beyond_endurance(flights, limits_of(mission, instance))
+    outlasted = held(scenario, max(flight.duration for flight in flights))
+    return [f"clocks of two integrations within {differ:.2%}", *([outlasted] if outlasted else [])]
 
 
 def write_flights(
@@ -178,10 +192,11 @@ def fly(
     """
     assert instance.coordinates is not None
     flights, legs, checks = [], [], []
-    for k, tours in enumerate([[route] for route in routes] if laps is None else laps.tours(routes)):
-        depot = instance.n_tasks + k
-        flown = [tour for tour in tours if tour]
-        stops = [depot, *(stop for tour in flown for stop in (*tour, depot))] if flown else []
+    ways = [[route] for route in routes] if laps is None else laps.tours(routes)
+    nodes = [_stops(instance.n_tasks + k, tours) for k, tours in enumerate(ways)]
+    if isinstance(scenario.wind, ChangingWind):
+        paths = at_their_times(paths, nodes, scenario.wind, mission.speed)
+    for tours, stops in zip(ways, nodes, strict=True):
         reference = [paths.between(i, j) for i, j in pairwise(stops)]
         flight = plan_flight(reference, speed=mission.speed, radius=mission.flight.turning_radius, within=within)
         flight = in_wind(flight, scenario)
@@ -189,7 +204,7 @@ def fly(
             raise InputError(f"flight.speed = {mission.speed:g} m/s: a tour would last {flight.duration:.3g} s")
         flights.append(flight)
         legs.append(reference)
-        tasks = instance.coordinates[sorted({task for tour in flown for task in tour})]
+        tasks = instance.coordinates[sorted({task for tour in tours for task in tour})]
         checks.append(check_flight(flight, reference, tasks, scenario.region, zones_of(scenario)))
     return Fleet(flights, legs, checks)
 
@@ -213,6 +228,12 @@ def fly_coupled(mission: Mission, scenario: Scenario, instance: Instance, planne
         tasks = instance.coordinates[list(route)]
         checks.append(check_flight(flight, reference, tasks, scenario.region, zones_of(scenario)))
     return Fleet(flights, legs, checks)
+
+
+def _stops(depot: int, tours: Sequence[Sequence[int]]) -> list[int]:
+    """Return the nodes of a UAV's laps, from its depot to its depot; none where it stays home."""
+    flown = [tour for tour in tours if tour]
+    return [depot, *(stop for tour in flown for stop in (*tour, depot))] if flown else []
 
 
 def in_wind(flight: Flight, scenario: Scenario) -> Flight:

@@ -24,6 +24,7 @@ from formulations.routing.short_bounds import short_bounds
 from formulations.selection.part import only
 from instances import Instance, Routes, check_routes
 from instances.disk import write_aside
+from instances.environment.wind_changing import ChangingWind
 from instances.errors import InputError
 from instances.files import read_routes, write_routes
 from instances.scenario_folder import kept_scenario
@@ -67,6 +68,11 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     found = attempt(mission, instance, mission.routes.time_limit, mission.routes.seed)
     left_out = ""
     if not flies_all(replace(instance, endurance=limits), found):
+        if "time" in instance.axes:
+            raise InputError(
+                "flight.endurance: no routes past all tasks within it were found, and to choose among tasks the wind "
+                "must stay: give more, or fewer tasks"
+            )
         from workbench.mission.selection import route_what_fits  # here: most missions need none of it
 
         found, selection = route_what_fits(mission, instance, limits, tell)
@@ -74,7 +80,8 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         left_out = f"; {selection.said}"
     assert found.objective is not None
     visited = sorted(task for route in found.own["routes"] for task in route)
-    bounds = short_bounds(only(instance, visited), found.objective, mission.routes.bound_time_limit)
+    part = only(instance, visited) if left_out else instance
+    bounds = short_bounds(part, found.objective, mission.routes.bound_time_limit)
     write_routes(found.own["routes"], instance, out / "routes.sol", all_tasks=not left_out)
     write_aside(out / "run.json", found.to_json())
     certified = certificate(found, bounds)
@@ -84,11 +91,13 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     write_aside(out / "tours.csv", pd.DataFrame([asdict(row) for row in rows]).to_csv(index=False))
     tours = ", ".join(f"{c:.1f}" for c in found.own["tour_costs"])
     longest = {name: max(getattr(row, name) for row in rows) for name in ("flight_time", "energy", "calm")}
+    energy = f"an energy cost of {longest['energy']:.1f} s at that ground speed, "
+    by_clock = isinstance(scenario.wind, ChangingWind)
     return (
         f"{found.status} by {found.label}, longest tour {found.objective:.2f} s (tours {tours} s, {scenario.cost}), at "
         f"most {certified['gap']:.1%} above any possible (bound {certified['bound']:.2f} s by {certified['by']}); at "
-        f"most {longest['flight_time']:.1f} s of flight at airspeed {scenario.speed:g} m/s, an energy cost of "
-        f"{longest['energy']:.1f} s at that ground speed, {longest['calm']:.1f} s in calm air{left_out}"
+        f"most {longest['flight_time']:.1f} s of flight at airspeed {scenario.speed:g} m/s, "
+        f"{'' if by_clock else energy}{longest['calm']:.1f} s in calm air{left_out}"
     )
 
 

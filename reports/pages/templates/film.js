@@ -3,12 +3,13 @@ const film = JSON.parse(document.getElementById("data").textContent);
 const slider = document.getElementById("tick"), said = document.getElementById("said"), play = document.getElementById("play");
 const panels = ["mean", "sd"].map((kind) => {
   const svg = document.getElementById("film-" + kind);
-  return { kind, picture: svg.querySelector("image"), layer: svg.querySelector("g.flown") };
+  return { kind, picture: svg.querySelector("image"), layer: svg.querySelector("g.flown"), wind: svg.querySelectorAll("g.wind path") };
 });
 const size = Math.max(film.box.width, film.box.height);
 const showFrame = (number) => {
   const frame = film.frames[number];
-  for (const { kind, picture, layer } of panels) {
+  for (const { kind, picture, layer, wind } of panels) {
+    for (const path of wind) path.setAttribute("d", frame.wind);
     picture.setAttribute("href", frame[kind]);
     layer.replaceChildren();
     for (const track of film.tracks) {

@@ -10,6 +10,8 @@ from formulations.mapping.clock import clocked
 from formulations.mapping.flight import Flight, plan_flight
 from instances import InputError
 from instances.environment.wind import Rotation, Uniform
+from instances.environment.wind_changing import Front, Turning
+from instances.wind_flights import polyline_times
 from instances.wind_triangle import ground_speeds
 
 CORNERS = np.array([[0.0, 0.0], [4000.0, 0.0], [4000.0, 3000.0]])
@@ -58,3 +60,13 @@ def test_the_clock_is_kept_in_the_file_and_others_are_read_as_before():
 def test_a_wind_that_the_airspeed_cannot_beat_is_refused_with_its_place():
     with pytest.raises(InputError, match=r"wind: at \(\d+, \d+\) m it blows with 31 m/s"):
         clocked(FLIGHT, Uniform((31.0, 0.0)))
+
+
+def test_in_a_wind_that_changes_the_clock_is_that_of_the_moments_of_passing():
+    wind = Front((9.0, -6.0), (-8.0, 5.0), 15.0, position=-1000.0, width=500.0)
+    flown = clocked(FLIGHT, wind)
+    track = FLIGHT.poses(np.linspace(0, FLIGHT.length, 4001))[:, :2]
+    again = polyline_times(track, np.array([0, 4001]), np.zeros(1, dtype=np.int64), np.zeros(1), wind, 30.0)
+    assert flown.duration == pytest.approx(again[0], rel=1e-4)
+    still = clocked(FLIGHT, Turning((9.0, -6.0), 0.0))
+    assert still.duration == pytest.approx(clocked(FLIGHT, Uniform((9.0, -6.0))).duration, rel=1e-12)

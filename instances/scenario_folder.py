@@ -35,13 +35,18 @@ def keep_scenario(scenario: Scenario, folder: Path) -> None:
             given = folder / table[key]
             table[key] = given.rename(given.with_suffix(".json")).name
     if grid is not None:
-        _keep_wind(grid, folder, scenario.plane)
         table["wind"] = {"kind": "grid", "file": "wind.nc"}
+        _keep_wind(grid, folder / "wind.nc", scenario.plane)
+        members = grid.members if isinstance(grid, Forecast) else ()
+        for number, member in enumerate(members, 1):
+            name = f"wind-{number}.nc"
+            _keep_wind(member, folder / name, scenario.plane)
+            table["wind"].setdefault("members", []).append(name)
     write_aside(path, toml_text(table))
 
 
-def _keep_wind(wind: Grid | Forecast, folder: Path, plane: TangentPlane | None) -> None:
-    """Write ``wind.nc`` into `folder`: over y and x or, of a forecast, over its times since take-off, y and x."""
+def _keep_wind(wind: Grid | Forecast, path: Path, plane: TangentPlane | None) -> None:
+    """Write a gridded wind over y and x or, of a forecast, over its times since take-off, y and x."""
     x, y = node_axes(wind.origin, wind.spacing, wind.u.shape[-2:])
     over: tuple[str, ...] = ("y", "x")
     axes = {"x": x, "y": y}
@@ -51,7 +56,7 @@ def _keep_wind(wind: Grid | Forecast, folder: Path, plane: TangentPlane | None) 
         name: Variable(over, values, {"units": "m s-1", "standard_name": standard})
         for name, values, standard in (("u", wind.u, "x_wind"), ("v", wind.v, "y_wind"))
     }
-    write_grids(folder / "wind.nc", axes, components, plane)
+    write_grids(path, axes, components, plane)
 
 
 def _kept_wind(path: Path) -> Grid | Forecast:
@@ -78,7 +83,11 @@ def kept_scenario(folder: Path) -> Scenario:
         scenario = scenario_of({k: v for k, v in table.items() if k != "wind" or not gridded}, folder, path.stem)
     if not gridded:
         return scenario
-    return replace(scenario, wind=_kept_wind(folder / "wind.nc"))
+    made = _kept_wind(folder / "wind.nc")
+    if isinstance(made, Forecast) and isinstance(wind, dict):
+        others = (_kept_wind(folder / name) for name in wind.get("members", []))
+        made = replace(made, members=tuple(other for other in others if isinstance(other, Forecast)))
+    return replace(scenario, wind=made)
 
 
 def keep_terrain(terrain: Terrain, folder: Path, plane: TangentPlane | None = None) -> None:

@@ -306,6 +306,19 @@ class Products:
             return found
 
     @cached_property
+    def ensemble(self) -> dict[str, Any] | None:
+        """What the longest tour takes over an ensemble's members [s]; None where there is none."""
+        path = self.folders["routes"] / "ensemble.json"
+        if not path.exists():
+            return None
+        with reading(path, "an ensemble"):
+            said: dict[str, Any] = read_json(path)
+            numbers = [*said["members"], *(said[name] for name in ("planned", "mean", "worst", "cvar"))]
+            if not said["members"] or not all(map(is_number, numbers)):
+                raise InputError("must hold members and finite numbers")
+            return said
+
+    @cached_property
     def polish(self) -> dict[str, Any] | None:
         """What path polish did, as ``polish.json`` says, a list's entries being UAVs; None where tours stayed."""
         path = self.folders["flight"] / "polish.json"

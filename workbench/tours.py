@@ -14,6 +14,7 @@ from instances.fleet import Return
 from instances.paths import Paths, paths_file, paths_of, read_paths_table
 from instances.scenario import Scenario, read_scenario
 from instances.tour_figures import TourFigures, tour_figures
+from instances.wind_ensemble import Spread, spread
 
 
 def planned_beside(instance_file: Path, instance: Instance) -> tuple[Paths | None, Scenario | None]:
@@ -52,6 +53,14 @@ def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> lis
         for g, speed in enumerate(speeds)
     ]
     return [of_speed[g][uav] for uav, g in enumerate(classes)]
+
+
+def spread_beside(instance_file: Path, instance: Instance, routes: Routes) -> Spread | None:
+    """Return what the longest tour takes over an ensemble; None where the scenario has none, or UAVs differ."""
+    paths, scenario = planned_beside(instance_file, instance)
+    if paths is None or scenario is None or not scenario.fleet.alike:
+        return None
+    return spread(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
 
 
 def said_of(tour: TourFigures) -> str:

@@ -76,6 +76,14 @@ class GridTable(WindTable, frozen=True, kw_only=True, tag="grid"):
         Literal["m/s", "mph", "kph", "knots"] | None,
         about("of a WindNinja file, m/s unless given; NetCDF states its own", example="m/s"),
     ] = None
+    members: Annotated[
+        list[FileName] | None,
+        about(
+            "of an ensemble: other forecasts; plans are made in file, and judged in these as well",
+            example=["wind-1.nc", "wind-2.nc"],
+            given=False,
+        ),
+    ] = None
     take_off: Annotated[
         NotNegative | None,
         about("of a forecast: when is taken off, after its first time; then unless given", "s", example=1800.0),

@@ -50,6 +50,7 @@ class Forecast:
     """Wind in frames: `u`, `v` [m/s], shape (frames, rows, columns), at `times` (frames,) [s], rising from 0.
 
     origin, spacing, source, crs : as of `Grid`. take_off : when the UAVs do, after the first frame [s].
+    members : of an ensemble, other forecasts of the same hours, in which plans made in this one are judged as well.
     """
 
     times: Floats
@@ -60,6 +61,7 @@ class Forecast:
     source: str = ""
     crs: str = ""
     take_off: float = 0.0
+    members: tuple[Forecast, ...] = ()
 
     def __post_init__(self) -> None:
         where = f"forecast {self.source}".strip()
@@ -118,8 +120,11 @@ class Forecast:
         """Return the ``[wind]`` table and write the frames as NetCDF ``wind.nc`` into `folder`."""
         if folder is None:
             raise InputError("wind: a forecast is data and needs a folder to write its file into")
-        self.write(Path(folder) / "wind.nc")
-        return {"kind": "grid", "file": "wind.nc"} | ({"take_off": self.take_off} if self.take_off else {})
+        names = [f"wind-{number}.nc" for number in range(1, len(self.members) + 1)]
+        for name, each in zip(["wind.nc", *names], (self, *self.members), strict=True):
+            each.write(Path(folder) / name)
+        more = {"members": names, "take_off": self.take_off}
+        return {"kind": "grid", "file": "wind.nc"} | {key: value for key, value in more.items() if value}
 
     def write(self, path: Path) -> None:
         """Write the frames as CF NetCDF."""
@@ -143,9 +148,16 @@ class Forecast:
         if len(frames) > 1:
             u, v = (np.stack([getattr(frame, name) for frame in frames]) for name in ("u", "v"))
             about = first.source, first.crs, table.get("take_off", 0.0)
-            return cls(times, first.origin, first.spacing, u, v, *about)
-        if "take_off" in table:
-            raise InputError(f"{path}: holds the wind of one time: leave take_off out")
+            one = {key: value for key, value in table.items() if key != "members"}
+            others = [cls.from_toml(one | {"file": name}, folder, site) for name in table.get("members", [])]
+            still = [other.source for other in others if isinstance(other, Grid)]
+            if still:
+                raise InputError(f"{still[0]}: a member of an ensemble must be a forecast, and this holds one time")
+            members = tuple(other for other in others if isinstance(other, Forecast))
+            return cls(times, first.origin, first.spacing, u, v, *about, members)
+        for key in ("take_off", "members"):
+            if key in table:
+                raise InputError(f"{path}: holds the wind of one time: leave {key} out")
         return Grid(*first)
 
     @cached_property

@@ -12,7 +12,7 @@ from instances.scenario import Scenario
 from reports.figures.flight import colour_of
 from reports.figures.style import FAINT, INK, RC, new_figure
 from reports.figures.svg import Drawn
-from reports.figures.wind import KM, map_axes, round_below
+from reports.figures.wind import KM, map_axes
 
 FRAMES = 4
 ARROWS = 9
@@ -41,7 +41,7 @@ def draw_wind_frames(scenario: Scenario, wind: ChangingWind, flown: pd.DataFrame
     figure = new_figure(7.2, 2.6)
     panels = figure.subplots(1, FRAMES, sharey=True)
     for axes, time, now in zip(panels, times, w, strict=True):
-        map_axes(axes, scenario.region)
+        map_axes(axes, scenario.free)
         axes.quiver(
             *(places.T / KM), *now.T, color=FAINT, angles="xy", scale_units="xy", scale=KM / scale, pivot="mid",
             width=0.008, headwidth=3.6, headlength=4.0, headaxislength=3.6,
@@ -56,6 +56,6 @@ def draw_wind_frames(scenario: Scenario, wind: ChangingWind, flown: pd.DataFrame
         axes.set_xlabel("x [km]")
     for axes in panels[1:]:
         axes.set_ylabel("")
-    top = round_below(float(np.hypot(w[..., 0], w[..., 1]).max(initial=0.0)) or 1.0)
-    caption = f"The wind at four moments, at most {top:g} m/s or a little more, and where the UAVs are by then."
+    top = float(np.hypot(w[..., 0], w[..., 1]).max(initial=0.0))
+    caption = f"The wind at four moments, its longest arrow {top:.3g} m/s, and where the UAVs are by then."
     return Drawn("wind-frames", "Wind while it is flown", caption, figure)

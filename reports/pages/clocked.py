@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -36,6 +38,8 @@ def clocked_plan(products: Products, flown: pd.DataFrame) -> tuple[list[Block], 
     more = [said[key] / said["clocked"] - 1 if key not in ("clocked", "promised") else np.nan for key in NAMES]
     figure = draw_wind_frames(products.scenario, wind, flown)
     words = [verdict(said), *held(wind, float(flown["time"].max()))]
+    if products.ensemble is not None:
+        words.append(over_members(products.ensemble))
     return [" ".join(words), table_of(table.assign(more=more), COLUMNS, key="clocked"), figure], [figure]
 
 
@@ -49,6 +53,16 @@ def verdict(said: dict[str, float]) -> str:
         f"wind as it changes it takes {taken} ({wrong:+.1%}), and {better} with each tour the better way round. By the "
         f"clock it is planned to take {own}: the static plan takes {lost:+.1%} against that, {directed:+.1%} in its "
         "better directions."
+    )
+
+
+def over_members(said: dict[str, Any]) -> str:
+    """Return in words what the mission's tours take over an ensemble. said : as of `Products.ensemble` [s]."""
+    low, high = min(said["members"]), said["worst"]
+    return (
+        f"Flown along the same paths in each of {len(said['members'])} members of the ensemble, the longest tour takes "
+        f"{low:.1f} to {high:.1f} s, {said['mean']:.1f} s on average and {said['cvar']:.1f} s over the worst fifth, "
+        f"against {said['planned']:.1f} s in the forecast planned with."
     )
 
 

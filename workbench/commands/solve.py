@@ -31,6 +31,11 @@ if TYPE_CHECKING:
 @click.option("--fewest", is_flag=True, help="How many UAVs does a makespan of --limit take? With proof.")
 @click.option("--limit", type=SECONDS, help="The makespan [s] for --fewest.")
 @click.option("--what-if", is_flag=True, help="Also solve with one more UAV or battery: what is each worth?")
+@click.option(
+    "--risk",
+    type=click.Choice(["mean", "cvar", "worst"]),
+    help="Of the routes of five seeds, take those best over the members of an ensemble of forecasts.",
+)
 @JSON
 @click.option("--out", type=click.Path(path_type=Path), help="Write the routes (.sol, .tour).")
 @click.option(
@@ -52,6 +57,7 @@ def command(
     fewest: bool,
     limit: float | None,
     what_if: bool,
+    risk: str | None,
     as_json: bool,
     out: Path | None,
     plot: Path | None,
@@ -70,6 +76,7 @@ def command(
       workbench solve a.json --solver ga --option population=100 --json
       workbench solve a.json --fewest --limit 3600
     """
+    from instances.errors import InputError
     from instances.files import ROUTES, read_instance, read_routes
     from workbench.jobs.job import Job, folder_of
     from workbench.jobs.study import checked_entry
@@ -77,6 +84,8 @@ def command(
     from workbench.settings import check_target, key_values
 
     _refuse_mixed(fewest=fewest, limit=limit, what_if=what_if, pictured=bool(start or plot), written=out is not None)
+    if risk is not None and (fewest or what_if or start or plot):
+        raise InputError("--risk goes without --fewest, --what-if, --start and --plot")
     chosen = key_values(options, "--option")
     limits = {"time_limits": (time_limit,), "threads": threads, "iterations": iterations}
     entry = checked_entry(ROUTING, solver, chosen, seeds=(seed,), **limits)
@@ -93,6 +102,10 @@ def command(
         from workbench.commands.solve_what_if import run_what_if
 
         found = run_what_if(instance, job, as_json=as_json)
+    elif risk is not None:
+        from workbench.commands.solve_risk import run_by_risk
+
+        found = run_by_risk(instance, job, risk, as_json=as_json, out=out, beside=instance_file)
     else:
         found = _solve(instance, job, begin, as_json=as_json, out=out, plot=plot, beside=instance_file)
     context.exit(0 if found else 1)
@@ -123,7 +136,7 @@ def _solve(
     from workbench.commands.solve_told import as_object, as_text
     from workbench.jobs.runner import run
     from workbench.problems.routing import ROUTING
-    from workbench.tours import planned_beside, said_of, tours_beside
+    from workbench.tours import planned_beside, said_of, spread_beside, tours_beside
 
     paths, scenario = planned_beside(beside, instance) if plot else (None, None)
     result = run(ROUTING, job, instance, start=begin, observe=_tell)
@@ -135,11 +148,13 @@ def _solve(
         from reports.figures.svg import save_figure
 
         save_figure(draw_routes(instance, routes, paths, scenario), plot)
+    spread = spread_beside(beside, instance, routes) if routes is not None else None
     if as_json:
-        click.echo(json.dumps(as_object(result, instance)))
+        click.echo(json.dumps(as_object(result, instance) | ({"ensemble": spread.to_json()} if spread else {})))
     else:
         flown = tours_beside(beside, instance, routes) if routes is not None else []
-        say_lines("\n".join([as_text(result, instance), *(said_of(tour) for tour in flown if tour.tasks)]))
+        lines = [as_text(result, instance), *(said_of(tour) for tour in flown if tour.tasks)]
+        say_lines("\n".join([*lines, *([spread.words] if spread else [])]))
     return routes is not None and result.status in ("OPTIMAL", "FEASIBLE")
 
 

@@ -32,8 +32,8 @@ from instances.environment.wind_changing import ChangingWind
 from instances.errors import InputError
 from instances.moving_cost import CostKind
 from instances.paths import Paths
-from instances.routes import ENDURANCE_ROUNDING
 from instances.paths_clocked import at_their_times
+from instances.routes import ENDURANCE_ROUNDING
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
 from workbench.mission.costs import kept_costs

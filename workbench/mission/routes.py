@@ -5,8 +5,9 @@ solver routes these (`workbench.mission.selection`). Then a lower bound is sough
 tours can be better by more.
 
 Products: routes.sol, run.json, tours.csv (what each tour takes and costs along its reference path), bound.json (the
-bounds found, the best of them and the gap to it), where tasks are left out selection.json and, where headings are
-planned with the routes, headings.json (`workbench.mission.coupled`).
+bounds found, the best of them and the gap to it), where tasks are left out selection.json, where headings are planned
+with the routes headings.json (`workbench.mission.coupled`) and, where the wind is an ensemble of forecasts,
+ensemble.json.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from instances.errors import InputError
 from instances.files import read_routes, write_routes
 from instances.scenario_folder import kept_scenario
 from instances.tour_figures import tour_figures
+from instances.wind_ensemble import spread
 from reports.record import Run
 from reports.tolerances import RELATIVE_ROUNDING
 from workbench.jobs.job import Job
@@ -39,6 +41,7 @@ from workbench.mission.settings import Mission
 from workbench.problems.routing import ROUTING
 
 SELECTION_FILE = "selection.json"
+ENSEMBLE_FILE = "ensemble.json"
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -88,6 +91,10 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     write_aside(out / "bound.json", json.dumps(certified))
     routes = kept_routes(out, instance)
     rows = tour_figures(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
+    over = spread(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
+    if over is not None:
+        write_aside(out / ENSEMBLE_FILE, json.dumps(over.to_json()))
+        left_out += f"; {over.words}"
     write_aside(out / "tours.csv", pd.DataFrame([asdict(row) for row in rows]).to_csv(index=False))
     tours = ", ".join(f"{c:.1f}" for c in found.own["tour_costs"])
     longest = {name: max(getattr(row, name) for row in rows) for name in ("flight_time", "energy", "calm")}

@@ -6,7 +6,8 @@ headings    the optimum over sectors of headings (`moving_cost.turns`), more and
             valid for all headings there are, not only those of the states. By subset-dp where tasks are few, else by
             branch-and-price, whose bound counts when it is not the optimum yet
 
-Both need to know how the UAVs turn, which instances between headings say in their provenance.
+Straight legs hold in a steady wind, too, sectors in calm air. Both need to know how the UAVs turn, which instances
+between headings say in their provenance.
 """
 
 from __future__ import annotations
@@ -16,13 +17,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from formulations.limits import Limits
-from formulations.moving_cost.turns.travel import relaxed, turns_of
+from formulations.moving_cost.turns.travel import relaxed, steady_turns_of
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.solver import Result, Status, refusal
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes
-from instances.metrics import distances
 
 FIRST, LAST = 16, 256
 """Sectors a task, doubled from the first to the last."""
@@ -42,10 +42,10 @@ _ROUNDING = 1e-9
 
 def straight_bound(instance: Instance, upper: float, time_limit: float, seed: int) -> float:
     """Return the bound of straight legs [s], 0 where the instance does not say how its UAVs turn."""
-    known = turns_of(instance)
+    known = steady_turns_of(instance)
     if known is None or instance.coordinates is None:
         return 0.0
-    straight = replace(instance, cost=distances(instance.coordinates) / known[0].speed, travel=None)
+    straight = replace(instance, cost=known[0].straight_times(instance.coordinates), travel=None)
     solver = BranchAndPrice()
     solver.prepare(straight)
     result = solver.solve(straight, limits=Limits(time=time_limit), seed=seed)

@@ -24,11 +24,11 @@ import pandas as pd
 from shapely.geometry import Polygon
 
 from formulations.mapping.planned import planned_flight
-from formulations.moving_cost.turns.headings import HeadingStates, headings
+from formulations.moving_cost.turns.headings import headings
 from formulations.moving_cost.turns.refinement import refine
 from formulations.moving_cost.turns.scenario import HeadingOptions, between_headings, steady_wind
 from formulations.moving_cost.turns.tracks import legs_inside
-from formulations.moving_cost.turns.travel import Turns, turning_instance
+from formulations.moving_cost.turns.travel import Turns
 from formulations.routing.short_bounds import short_bounds
 from formulations.routing.state_bounds import heading_bounds
 from instances import Instance, Routes
@@ -180,9 +180,8 @@ def with_headings(plain: Instance, routes: Routes, turns: Turns, room: Polygon) 
 def _bounds(plain: Instance, states: Instance, turns: Turns, upper: float, time_limit: float) -> dict[str, float]:
     """Return bounds [s] for all headings: of straight legs and, in calm air and for few tasks, of sectors."""
     assert plain.coordinates is not None
-    nodes = np.arange(plain.n_nodes)
-    anyhow = HeadingStates(nodes, np.zeros(len(nodes)), np.full(len(nodes), 2 * np.pi))
-    lines = turning_instance("straight", plain.coordinates, plain.n_tasks, turns, anyhow)
+    times = turns.straight_times(plain.coordinates)
+    lines = Instance("straight", times, plain.n_tasks, plain.n_depots, plain.coordinates)
     bounds = short_bounds(lines, upper, time_limit)
     for count, bound in heading_bounds(states, upper, time_limit):
         bounds[f"{count} sectors"] = bound

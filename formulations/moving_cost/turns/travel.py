@@ -23,8 +23,11 @@ from formulations.moving_cost.turns.interval import interval_lengths
 from formulations.moving_cost.turns.wind import wind_lengths
 from instances import Instance, Travel
 from instances.arrays import Floats
+from instances.environment.wind import Uniform
 from instances.errors import InputError
 from instances.extent import positive
+from instances.metrics import distances
+from instances.wind_triangle import zermelo_times
 
 KEY = "turns"
 """Of what an instance's provenance says of its headings."""
@@ -56,6 +59,14 @@ class Turns:
     def calm(self) -> bool:
         """Whether there is no wind."""
         return self.wind == (0.0, 0.0)
+
+    def straight_times(self, points: Floats) -> Floats:
+        """Return what straight legs between `points` (N, 2) [m] take [s], (N, N): less than any with turns."""
+        if self.calm:
+            return distances(points) / self.speed
+        i, j = np.indices((len(points), len(points))).reshape(2, -1)
+        away = points[j] - points[i]
+        return zermelo_times(points[i], away, Uniform(self.wind), self.speed).reshape(len(points), -1)
 
     def lengths(self, points: Floats, states: HeadingStates) -> Floats:
         """Return the lengths [m] through the air of the quickest legs between states at `points` [m], (S, S)."""
@@ -99,7 +110,7 @@ def said_of(turns: Turns, states: HeadingStates) -> dict[str, Any]:
 def turns_of(instance: Instance) -> tuple[Turns, HeadingStates] | None:
     """Return how the UAVs of an instance turn in calm air and its states' headings; None in wind or where not told.
 
-    It is what bounds start from, which know no wind yet.
+    It is what relaxations over sectors start from, which know no wind yet.
     """
     known = steady_turns_of(instance)
     return known if known is not None and known[0].calm else None

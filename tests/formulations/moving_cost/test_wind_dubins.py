@@ -150,6 +150,8 @@ def test_an_instance_in_wind_costs_flight_times_and_has_no_calm_bounds() -> None
     assert made.cost[0, 1] == pytest.approx(40.0)
     assert made.cost[1, 0] == pytest.approx(200.0 / 3)
     assert made.provenance["turns"]["wind"] == [5.0, 0.0]
+    assert turns.straight_times(places)[:2, :2] == pytest.approx(np.array([[0.0, 40.0], [200.0 / 3, 0.0]]))
+    assert (turns.straight_times(places) <= made.cost * (1 + 1e-12)).all()
     assert turns_of(made) is None
     known = steady_turns_of(made)
     assert known is not None

@@ -32,8 +32,9 @@ def test_no_bound_is_above_the_optimum(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
-def test_straight_legs_are_a_bound_of_any_size() -> None:
-    small = generate("dense-survey", 8, 2, 0, spacing=6.0, headings=8)
+@pytest.mark.parametrize("wind", ["none", "uniform"])
+def test_straight_legs_are_a_bound_of_any_size(wind: str) -> None:
+    small = generate("dense-survey", 8, 2, 0, spacing=6.0, headings=8, wind=wind)
     assert 0.8 * optimum(small) < straight_bound(small, 1e9, 20.0, 0) <= optimum(small)
 
 

@@ -35,6 +35,8 @@ _STEPS = 80
 """Steps of Newton's method at most: half an interval each at worst."""
 _MORE = 10
 """Full turns tried beyond the fewest; a tangent's direction varies by less than two over all s."""
+_NEAR, _TRIED = 4.0, 32
+"""Radii from which on one line and one turn are quickest from a free heading; headings tried below that."""
 Segments = tuple[float, float, float]
 
 
@@ -242,7 +244,8 @@ def wind_path_free(
 ) -> tuple[int, float, float, float, float]:
     """Return word, segments [m of air] and the free heading [rad] of the quickest path of one line and one turn.
 
-    first : whether the heading at the start is the free one, else that at the end; `heading` [rad] is the other.
+    Within a few radii, where two turns may be quicker, also paths of some headings are tried. first : whether the
+    heading at the start is the free one, else that at the end; `heading` [rad] is the other.
     """
     x, y, h, sign = dx / radius, dy / radius, heading, 1.0
     if not first:  # flown backwards, the wind turned round
@@ -256,8 +259,17 @@ def wind_path_free(
             right, p, q, shortest = side, line, turn, line + turn
     free = h + right * q
     if first:
-        return 1 if right > 0.0 else 0, 0.0, p * radius, q * radius, free
-    return 0 if right > 0.0 else 1, q * radius, p * radius, 0.0, free - math.pi
+        best = 1 if right > 0.0 else 0, 0.0, p * radius, q * radius, free
+    else:
+        best = 0 if right > 0.0 else 1, q * radius, p * radius, 0.0, free - math.pi
+    if dx * dx + dy * dy < (_NEAR * radius) ** 2:
+        for k in range(_TRIED):
+            free = _TURN * k / _TRIED
+            ends = (free, heading) if first else (heading, free)
+            word, a, b, c = wind_path(dx, dy, ends[0], ends[1], radius, wx, wy)
+            if a + b + c < best[1] + best[2] + best[3]:
+                best = word, a, b, c, free
+    return best
 
 
 @njit(cache=True)
@@ -267,8 +279,8 @@ def wind_lengths(
     """Return the air lengths [m] of the quickest legs between all states, (S, S); 0 between those of one node.
 
     points : of the nodes [m], (N, 2). nodes, lows [rad], widths [rad], 0 or 2π : of the states, (S,). A leg between a
-    free heading and a given one is a line and a turn, the quickest where the nodes are not within a few radii; between
-    two free headings it is straight. wx, wy : wind over airspeed.
+    free heading and a given one is that of `wind_path_free`; between two free headings it is straight. wx, wy : wind
+    over airspeed.
     """
     size = nodes.size
     length = np.zeros((size, size))

@@ -178,7 +178,7 @@ def with_headings(plain: Instance, routes: Routes, turns: Turns, room: Polygon) 
 
 
 def _bounds(plain: Instance, states: Instance, turns: Turns, upper: float, time_limit: float) -> dict[str, float]:
-    """Return bounds [s] for all headings: of straight legs and, in calm air and for few tasks, of sectors."""
+    """Return bounds [s] for all headings: of straight legs and, in calm air, of sectors."""
     assert plain.coordinates is not None
     times = turns.straight_times(plain.coordinates)
     lines = Instance("straight", times, plain.n_tasks, plain.n_depots, plain.coordinates)

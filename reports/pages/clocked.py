@@ -45,13 +45,13 @@ def clocked_plan(products: Products, flown: pd.DataFrame) -> tuple[list[Block], 
 
 def verdict(said: dict[str, float]) -> str:
     """Return in words what planning by the clock is worth. said : as of `Products.static_plan` [s]."""
-    wrong = said["taken"] / said["promised"] - 1
-    lost, directed = (said[key] / said["clocked"] - 1 for key in ("taken", "directed"))
+    shares = said["taken"] / said["promised"], *(said[key] / said["clocked"] for key in ("taken", "directed"))
+    wrong, lost, directed = (f"{share - 1:+.1%}".replace("-", "−") for share in shares)
     promised, taken, better, own = (f"{said[key]:.1f} s" for key in ("promised", "taken", "directed", "clocked"))
     return (
         f"Planned for the wind of take-off, as if it stayed, the longest tour is expected to take {promised}; in the "
-        f"wind as it changes it takes {taken} ({wrong:+.1%}), and {better} with each tour the better way round. By the "
-        f"clock it is planned to take {own}: the static plan takes {lost:+.1%} against that, {directed:+.1%} in its "
+        f"wind as it changes it takes {taken} ({wrong}), and {better} with each tour the better way round. By the "
+        f"clock it is planned to take {own}: the static plan takes {lost} against that, {directed} in its "
         "better directions."
     )
 

@@ -33,7 +33,6 @@ from formulations.blas import one_thread
 from formulations.kernel import SquaredExponential
 from instances.arrays import Bools, Floats
 from instances.environment.region import Region
-from instances.errors import InputError
 
 ROUNDING = 1e-6
 """Share by which the bound is lowered."""
@@ -55,18 +54,21 @@ TINY = 1e-300
 
 @one_thread()
 def path_bound(
-    judged: AverageVariance, region: Region, depots: Floats, length: float, spacing: float, steps: int = 100
+    judged: AverageVariance, region: Region, depots: Floats, length: float, spacing: float, steps: int = 50
 ) -> float:
     """Return a J that no tours from `depots` (m, 2) [m] and back pass from above, each at most `length` [m] long.
 
     judged : of the squared exponential; its known readings count. region : where UAVs stay. spacing : between two
     readings of a UAV [m], the first one spacing after its start. steps : towards the best ξ; any number gives a bound.
 
-    Raises InputError for another kernel and where the field has too many features.
+    For another kernel, a prior sd that varies and a field of more than MOST_FEATURES it is `judged.lower_bound`.
     """
     along = spacing * np.arange(1, int(length / spacing + 1e-9) + 1)
     if not len(along) or not len(depots):
         return judged.value(np.empty((0, 2))) * (1.0 - ROUNDING)
+    by_number = judged.lower_bound(len(depots) * len(along))
+    if not _Field.can_be(judged, region):
+        return by_number
     radii, readings = np.unique(np.maximum(np.minimum(along, length - along), 0.0), return_counts=True)
     field = _Field(judged, region)
     reach = np.concatenate([_reached(field.places, depot, radii) for depot in depots])
@@ -78,7 +80,7 @@ def path_bound(
     xi = (mass * shares).sum(axis=0)
     most = field.greatest(xi, np.asarray(depots, dtype=float), radii)
     bound = field.value(xi) + float(xi @ field.slopes(xi)) - float((readings * most).sum())
-    return max(bound * (1.0 - ROUNDING), judged.lower_bound(len(depots) * len(along)))
+    return max(bound * (1.0 - ROUNDING), by_number)
 
 
 def _reached(places: Floats, depot: Floats, radii: Floats) -> Bools:
@@ -92,24 +94,23 @@ class _Field:
 
     def __init__(self, judged: AverageVariance, region: Region) -> None:
         kernel = judged.kernel
-        if not isinstance(kernel, SquaredExponential) or kernel.relative_sd is not None:
-            raise InputError("path bound: the kernel must be the squared exponential, with one prior sd everywhere")
         self.region, self.ratio = region, kernel.signal_sd / judged.noise_sd
-        corners = np.array(region.bounds).reshape(2, 2)
-        self.axes = [
-            _Axis(side[0], side[1], scale) for side, scale in zip(corners.T, kernel.length_scales, strict=True)
-        ]
-        if (features := self.axes[0].count * self.axes[1].count) > MOST_FEATURES:
-            raise InputError(
-                f"path bound: the region has {features} features in length scales, more than {MOST_FEATURES}"
-            )
+        self.axes = _axes(judged, region)
         lattice = np.stack(np.meshgrid(*(axis.steps(PLACES) for axis in self.axes)), axis=-1).reshape(-1, 2)
         inside = region.contains(lattice)
         self.places = lattice[inside] if inside.any() else lattice
         self.phi, known = self._features(self.places), self._features(judged.known)
-        self.prior = np.eye(features) + known.T @ known
+        self.prior = np.eye(self.phi.shape[1]) + known.T @ known
         targets = judged.noise_sd * np.sqrt(judged.shares)[:, None] * self._features(judged.targets)
         self.wanted = targets.T @ targets
+
+    @staticmethod
+    def can_be(judged: AverageVariance, region: Region) -> bool:
+        """Return whether there are features of the field, and not too many."""
+        if not isinstance(judged.kernel, SquaredExponential) or judged.kernel.relative_sd is not None:
+            return False
+        x, y = _axes(judged, region)
+        return x.count * y.count <= MOST_FEATURES
 
     def value(self, xi: Floats) -> float:
         """Return J at `xi`, shape (p,)."""
@@ -162,6 +163,12 @@ class _Field:
         return self.ratio * np.einsum("ka,kb->kab", *parts).reshape(
             len(points), self.axes[0].count * self.axes[1].count
         )
+
+
+def _axes(judged: AverageVariance, region: Region) -> tuple[_Axis, _Axis]:
+    x0, y0, x1, y1 = region.bounds
+    across, along = judged.kernel.length_scales
+    return _Axis(x0, x1, across), _Axis(y0, y1, along)
 
 
 def _form(weights: Floats, a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:

@@ -10,7 +10,7 @@ waypoints, legs are split, and all of them move for J, the average variance that
 3. A path that still costs too much or leaves the room is drawn back towards the one it began as, as far as need be.
 
 The paths that are returned fit, or are those that were given. Nothing is claimed beyond a local optimum; for what any
-paths could reach see `AverageVariance.lower_bound`.
+paths could reach see `formulations.path_bound`.
 """
 
 from __future__ import annotations

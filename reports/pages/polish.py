@@ -38,7 +38,7 @@ def path_polish(products: Products, tasks: Floats) -> tuple[list[Block], list[Dr
     words = (
         f"Path polish moved the waypoints for what is sensed along the paths, the order of visits fixed, {kept}: the "
         f"root mean square sd √J promised at the test points went from {before:.3g} to {after:.3g} {unit} ({worth}). "
-        f"No {said['samples_after']} readings anywhere can leave less than {bound:.3g} {unit}, whatever path is flown."
+        f"No tours from these depots, none longer than the longest of these, can leave less than {bound:.3g} {unit}."
     )
     rows = pd.DataFrame({
         "uav": [f"UAV {k}" for k in range(len(said["budgets"]))],

@@ -12,7 +12,6 @@ from formulations.kernel import Matern12, SquaredExponential
 from formulations.path_bound import path_bound
 from formulations.surveying.problem import length_of, readings
 from instances.environment.region import Region
-from instances.errors import InputError
 
 SQUARE = Region.rectangle(8000.0, 6000.0)
 DEPOTS = np.array([[500.0, 500.0], [7000.0, 5000.0]])
@@ -85,9 +84,8 @@ def test_its_average_variance_is_that_of_readings():
     assert (field.value(xi - step) - field.value(xi + step)) / 2e-6 == pytest.approx(field.slopes(xi)[60], rel=1e-5)
 
 
-def test_other_kernels_and_huge_regions_are_refused():
+def test_for_other_kernels_and_huge_regions_it_is_what_the_number_gives():
     rough = AverageVariance(Matern12(30.0, (2000.0, 2000.0)), 1.0, JUDGED.targets)
-    with pytest.raises(InputError, match="squared exponential"):
-        path_bound(rough, SQUARE, DEPOTS, 5000.0, 500.0)
-    with pytest.raises(InputError, match="features"):
-        path_bound(JUDGED, Region.rectangle(200_000.0, 200_000.0), DEPOTS, 5000.0, 500.0)
+    assert path_bound(rough, SQUARE, DEPOTS, 5000.0, 500.0) == rough.lower_bound(20)
+    huge = Region.rectangle(200_000.0, 200_000.0)
+    assert path_bound(JUDGED, huge, DEPOTS, 5000.0, 500.0) == JUDGED.lower_bound(20)

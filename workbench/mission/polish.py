@@ -3,9 +3,9 @@
 The endurance of each UAV bounds what its flight costs, turns included. Where none is given, no UAV flies further than
 the longest tour that was planned, so that the mission takes no longer.
 
-Products, in the folder of the flights: polish.json (√J before and after, the bound that no paths of as many samples
-pass, and of each UAV the costs and the budget), polished.csv (waypoints: uav, x, y [m], and the task each was, or -1),
-unpolished.json (the flights as they were, as in flights.json) and unpolished.csv (their reference paths).
+Products, in the folder of the flights: polish.json (√J before and after, the bound that no tours as long as the
+longest pass, and of each UAV the costs and the budget), polished.csv (waypoints: uav, x, y [m], and the task each was,
+or -1), unpolished.json (the flights as they were, as in flights.json) and unpolished.csv (their reference paths).
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from shapely.geometry import Polygon
 
 from formulations.average_variance import AverageVariance
 from formulations.mapping.flight import STRAY_RADII, Flight, plan_flight, reference_waypoints
+from formulations.path_bound import path_bound
 from formulations.polish.path_polish import PolishProblem, polish, split
 from formulations.polish.straight_legs import StraightLegs
 from formulations.task_location.criterion import Convention
@@ -105,6 +106,16 @@ class Judge:
         samples = np.concatenate([flight.measurements(self.mission.sensing.period)[1] for flight in flights])
         return math.sqrt(self.unknown.value(samples)), len(samples)
 
+    def least(self, flights: list[Flight]) -> float:
+        """Return a √J that no tours from the depots pass, none longer than the longest of `flights`."""
+        period, depots = self.mission.sensing.period, self.scenario.depots
+        if any(flight.clock is not None for flight in flights):  # of uneven speed: by number alone
+            most = max(len(flight.measurements(period)[0]) for flight in flights)
+            return math.sqrt(self.unknown.lower_bound(most * len(depots)))
+        longest = max(flight.length for flight in flights)
+        bound = path_bound(self.unknown, self.scenario.region, depots, longest, period * self.mission.speed)
+        return math.sqrt(bound)
+
 
 def polished_plan(
     judge: Judge, instance: Instance, routes: Routes, before: tuple[list[Flight], list[list[Floats]]], out: Path,
@@ -135,7 +146,7 @@ def polished_plan(
     told = {
         "rms_sd_before": rms_before,
         "rms_sd_after": rms_after,
-        "bound": math.sqrt(judge.unknown.lower_bound(now)),
+        "bound": judge.least(then),
         "samples_before": samples,
         "samples_after": now,
         "costs_before": costs.tolist(),
@@ -158,7 +169,8 @@ def said_of(told: dict[str, object]) -> str:
     before, after, bound = (float(str(told[name])) for name in ("rms_sd_before", "rms_sd_after", "bound"))
     return (
         f"path polish: root mean square sd promised at the test points {before:.3g} → {after:.3g} "
-        f"({after / before - 1:+.0%}; no {told['samples_after']} samples anywhere can leave less than {bound:.3g})"
+        f"({after / before - 1:+.0%}; no tours from the depots, none longer than the longest of these, leave less than "
+        f"{bound:.3g})"
     )
 
 

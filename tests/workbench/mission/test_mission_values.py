@@ -69,9 +69,3 @@ def test_code_of_others_is_refused_where_asked(changes: dict[str, Any]) -> None:
 @pytest.mark.parametrize("text", ["x" * 400, "a\0b", "\udcff"], ids=["long", "zero", "bytes"])
 def test_a_text_that_no_file_can_be_named_is_none(tmp_path: Path, text: str) -> None:
     assert referenced_files({"provenance": {"about": text}}, tmp_path) == {}
-
-
-def test_a_wind_that_changes_with_time_is_refused_before_anything_is_made() -> None:
-    wind = {"kind": "turning", "velocity": [5.0, 0.0], "turning": 4e-4}
-    with pytest.raises(InputError, match=r"\[wind\]: a mission plans for a wind that stays"):
-        mission_of(TABLE | {"cost": "time", "wind": wind}, Path(), "m")

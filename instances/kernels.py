@@ -28,6 +28,7 @@ from platformdirs import user_cache_path
 
 from instances import compilation
 from instances.code import KERNEL_PACKAGES, ROOT, closure_digest, code_digest
+from instances.kernel_compiler import Kernel
 
 __all__ = ["njit"]
 
@@ -42,7 +43,13 @@ def njit(**options: Any) -> Callable[[Any], Any]:
 
     None is wrapped for callers in C, of which there are none.
     """
-    made: Callable[[Any], Any] = numba.njit(**{**options, "cache": True, "no_cfunc_wrapper": True})
+    chosen = {key: value for key, value in options.items() if key != "cache"}
+
+    def made(function: Any) -> Kernel:
+        kernel = Kernel(function, targetoptions={**chosen, "nopython": True, "no_cfunc_wrapper": True})
+        kernel.enable_caching()
+        return kernel
+
     return made
 
 

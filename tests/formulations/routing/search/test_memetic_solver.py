@@ -122,7 +122,7 @@ from instances import Instance
 def compiled():
     modules = [module for name, module in sys.modules.items() if name.startswith("formulations.routing.search.")]
     kernels = {kernel for module in modules for kernel in vars(module).values() if isinstance(kernel, Dispatcher)}
-    return sum(len(kernel.signatures) for kernel in kernels)
+    return sum(len(kernel.signatures) + len(kernel.inner.signatures) for kernel in kernels)
 
 cost = np.random.default_rng(6).uniform(1.0, 100.0, (34, 34)) * (1.0 - np.eye(34))
 solver = make_solver("memetic")

@@ -1,0 +1,231 @@
+"""How kernels are compiled: as numba compiles functions, with less work and fewer counts of references.
+
+numba makes of each function machine code that Python can call, and copies the code of all that a function calls into
+it, to be optimised and turned into machine code once more. Here
+
+* a kernel has two sides (`Kernel`): what Python calls, and what kernels call, which is not wrapped for Python;
+* a kernel that LLVM would not inline for its size is called where it lies instead of copied (`KernelLibrary`), and kept
+  machine code knows what it calls (`Callee`);
+* a kernel that makes no array counts no references to arrays (`CountNoReferences`): its caller holds them.
+
+`instances.kernels.njit` makes kernels of this kind.
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import llvmlite.binding as llvm
+from numba.core import ir, types
+from numba.core.caching import FunctionCache
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import AnalysisPass, register_pass
+from numba.core.registry import CPUDispatcher
+from numba.core.typed_passes import IRLegalization
+
+__all__ = ["Kernel"]
+
+COPIED = 400
+"""Instructions of the largest kernels that are copied into their callers; larger ones LLVM would not inline there."""
+BORROWING = (
+    "build_tuple", "cast", "exhaust_iter", "getattr", "getiter", "iternext", "pair_first", "phi", "static_getitem"
+)  # fmt: skip
+"""Expressions whose arrays are those they are made of."""
+PLAIN = (ir.Branch, ir.Del, ir.Jump, ir.Return, ir.StaticRaise)
+"""Statements that make no array; of others `makes_arrays` decides."""
+
+
+class StaleError(Exception):
+    """Kept machine code calls a kernel of another compilation than is kept or in use."""
+
+
+class Callee(NamedTuple):
+    """A kernel that is called where it lies: kept machine code calls it when it is loaded, to have it there before."""
+
+    module: str
+    name: str
+    arguments: tuple[types.Type, ...]
+    symbol: str
+
+    @classmethod
+    def of(cls, compiled: Any, function: Any) -> Callee:
+        """Return the callee that a compiled function is."""
+        return cls(function.__module__, function.__qualname__, compiled.signature.args, compiled.fndesc.llvm_func_name)
+
+    def __call__(self) -> None:
+        """Load the kernel; raise `StaleError` where it is not there under the name it is called by."""
+        try:
+            inner = getattr(import_module(self.module), self.name).inner
+        except (ImportError, AttributeError):
+            raise StaleError(self.name) from None
+        if not inner.load(self.arguments) or inner.overloads[self.arguments].fndesc.llvm_func_name != self.symbol:
+            raise StaleError(self.name)
+
+
+class KernelLibrary(JITCodeLibrary):
+    """The machine code of a kernel; callers of a large one are linked to it, not to a copy of it."""
+
+    _called: Callee | None = None
+
+    def call_if_large(self, compiled: Any, function: Any) -> None:
+        """Have callers call this kernel and load it before them, where it is large and found under its name."""
+        callee = Callee.of(compiled, function)
+        code = self._final_module.get_function(callee.symbol)
+        instructions = (instruction for block in code.blocks for instruction in block.instructions)
+        found = getattr(sys.modules.get(callee.module), callee.name, None)
+        if getattr(found, "py_func", None) is function and next(itertools.islice(instructions, COPIED, None), None):
+            self._called = callee
+            self._reload_init = {callee}
+
+    def _get_module_for_linking(self) -> Any:
+        if self._called and self._shared_module is None:
+            self._shared_module = llvm.parse_assembly(str(self._codegen._create_empty_module(self.name)))
+        return super()._get_module_for_linking()
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Simplify the functions of a module; numba prepares this anew for each, for those declared as well."""
+        ll_module.data_layout = self._codegen._data_layout
+        passes, builder = self._codegen._function_pass_manager()
+        for function in ll_module.functions:
+            if not function.is_declaration:
+                passes.run(function, builder)
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class CountNoReferences(AnalysisPass):
+    """Lower a kernel without reference counts where every array is its caller's: none is made and none returned."""
+
+    _name = "count_no_references"
+
+    def __init__(self) -> None:
+        AnalysisPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        """Decide it for the function that is being compiled."""
+        if not makes_arrays(state):
+            state.targetctx = state.targetctx.subtarget(enable_nrt=False)
+        return True
+
+
+def makes_arrays(state: Any) -> bool:
+    """Return whether a typed function may make, keep or return anything that is counted; if in doubt it may."""
+    models = state.targetctx.data_model_manager
+
+    def counted(a_type: types.Type) -> bool:
+        return bool(models[a_type].contains_nrt_meminfo())
+
+    def of_arrays(a_type: Any) -> bool:
+        if isinstance(a_type, types.BaseTuple):
+            members: Any = a_type
+            return all(map(of_arrays, members))
+        return isinstance(a_type, types.Array) or not counted(a_type)
+
+    def borrowed(value: Any, a_type: types.Type) -> bool:
+        if isinstance(value, ir.Yield):
+            return False
+        if not isinstance(value, ir.Expr) or not counted(a_type):
+            return True
+        if value.op == "call":
+            return isinstance(state.typemap[value.func.name], types.NamedTupleClass)
+        if value.op == "getitem":  # a view, where no array chooses what is taken
+            whole, index = state.calltypes[value].args
+            return isinstance(whole, types.Array) and not counted(index)
+        return value.op in BORROWING
+
+    def harmless(statement: Any) -> bool:
+        if isinstance(statement, ir.Assign):
+            return borrowed(statement.value, state.typemap[statement.target.name])
+        if isinstance(statement, ir.SetItem | ir.StaticSetItem):
+            return not any(map(counted, state.calltypes[statement].args[1:]))
+        return isinstance(statement, PLAIN)
+
+    if counted(state.return_type) or not all(map(of_arrays, state.args)):
+        return True
+    return not all(harmless(statement) for block in state.func_ir.blocks.values() for statement in block.body)
+
+
+class KernelCompiler(CompilerBase):
+    """numba's compiler of functions, for kernels."""
+
+    def define_pipelines(self) -> list[Any]:
+        """Return numba's passes and ours."""
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(CountNoReferences, IRLegalization)
+        passes.finalize()
+        return [passes]
+
+    def compile_extra(self, func: Any) -> Any:
+        """Compile `func` for the types of arguments this was made for."""
+        library = self.state.library = KernelLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        library.enable_object_caching()
+        compiled = super().compile_extra(func)
+        if self.state.flags.no_cpython_wrapper:
+            library.call_if_large(compiled, func)
+        return compiled
+
+
+class KernelCache(FunctionCache):
+    """numba's machine code on disk; what calls another compilation than is kept counts as not there."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what is kept for these types, or None."""
+        try:
+            return super().load_overload(sig, target_context)
+        except StaleError:
+            return None
+
+
+class InnerCache(KernelCache):
+    """That of the sides that kernels call."""
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        return ("inner", *super()._index_key(sig, codegen))
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what is kept; numba forgets what has to be loaded before its callers."""
+        found = super().load_overload(sig, target_context)
+        if found is not None:
+            called = not any(found.library._shared_module.functions)
+            found.library._reload_init = {Callee.of(found, self._py_func)} if called else set(found.reload_init)
+        return found
+
+
+class Inner(CPUDispatcher):
+    """A kernel as kernels call it."""
+
+    def enable_caching(self) -> None:
+        """Keep what is compiled."""
+        self._cache = InnerCache(self.py_func)
+
+    def load(self, arguments: tuple[types.Type, ...]) -> bool:
+        """Return whether the kernel is there for these types; what is kept is loaded, nothing is compiled."""
+        if arguments not in self.overloads:
+            found = self._cache.load_overload(arguments, self.targetctx)
+            if found is None:
+                return False
+            self.targetctx.insert_user_function(found.entry_point, found.fndesc, [found.library])
+            self.add_overload(found)
+        return True
+
+
+class Kernel(CPUDispatcher):
+    """A kernel as Python calls it; kernels call `inner`."""
+
+    def __init__(
+        self, py_func: Any, locals: Any = None, targetoptions: Any = None, pipeline_class: Any = KernelCompiler
+    ) -> None:
+        super().__init__(py_func, locals, targetoptions, pipeline_class)
+        self.inner = Inner(py_func, locals, {**(targetoptions or {}), "no_cpython_wrapper": True}, pipeline_class)
+
+    @property
+    def _numba_type_(self) -> Any:
+        return types.Dispatcher(self.inner)
+
+    def enable_caching(self) -> None:
+        """Keep what is compiled, of both sides."""
+        self._cache = KernelCache(self.py_func)
+        self.inner.enable_caching()

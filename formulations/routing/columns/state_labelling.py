@@ -102,7 +102,7 @@ class StateLabels:
         home = np.full((len(first) - 1, s.spent.shape[1]), np.inf)
         for j in np.flatnonzero(problem.legs.home <= problem.cap):
             home[j, : first[j + 1] - first[j]] = legs.ends[0, first[j] : first[j + 1]]
-        whole = s.spent[begin:end] + home[last]
+        whole = np.where(home[last] < np.inf, s.spent[begin:end] + home[last], np.inf)  # no state: never written
         state = whole.argmin(axis=1)
         cost = whole[np.arange(len(state)), state]
         found = np.flatnonzero(cost <= problem.cap)

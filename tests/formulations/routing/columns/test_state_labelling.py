@@ -36,6 +36,7 @@ def between_states(seed: int, n: int, *, classes: int = 1, endurance: Floats | N
 def test_pricing_finds_the_cheapest_tour_of_every_set_and_its_order(seed: int) -> None:
     instance = between_states(seed, 4, classes=2)
     cap, labels = 220.0, StateLabels.of(instance, 10_000)
+    labels.store.spent.fill(np.nan)  # as its room may be at first
     duals = Duals(np.full(4, 60.0), np.array([0.6, 0.4]), np.zeros(2), np.array([9.0]), ((0, 1, 3),))
     for k in range(2):
         tours = [t for size in range(1, 5) for t in permutations(range(4), size)]

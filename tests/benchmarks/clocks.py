@@ -3,7 +3,8 @@
     python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss] [speed] [optima] [proofs]
 
 Sections: loss (40 tasks, 3 UAVs at the paper's depots, winds that turn: what the plan for the wind of take-off
-promised, what it takes, what it takes with every tour in its better direction, what `memetic` by the clock finds;
+promised, what it takes, what it takes with every tour in its better direction, what `memetic` by the clock finds; of
+static plans that promise the same that of several seeds which takes least in its better directions;
 losses against the latter, beside those once measured), speed (steps a second of the annealing by the clock and of the
 static one), optima (`memetic` against `subset-dp`), proofs (`branch-and-price` in turning winds). One thread; seconds
 are those of each search.
@@ -43,6 +44,9 @@ LOSSES: dict[Case, tuple[tuple[float, ...], tuple[float, ...]]] = {
 }
 """Airspeed, wind [m/s], turning [degree/h] → losses [%] once measured, as planned and in the better directions."""
 
+PLANS = 4
+"""Static plans of different seeds: the longest tour leaves the others free, so that optima are many."""
+
 
 def of_case(case: Case, seed: int) -> Instance:
     """Return the instance: wind from the north-east, paper depots."""
@@ -66,7 +70,10 @@ def loss(args: argparse.Namespace) -> None:
     for case, (once, once_directed) in LOSSES.items():
         for seed in range(min(args.seeds, len(once))):
             instance = of_case(case, seed)
-            plan = judged(instance, searched(frozen(instance), args.seconds, 0))
+            plans = [judged(instance, searched(frozen(instance), args.seconds, s)) for s in range(PLANS)]
+            least = min(plan.promised for plan in plans)
+            equals = [plan for plan in plans if plan.promised <= least * (1 + 1e-6)]
+            plan = min(equals, key=lambda plan: plan.directed)
             clocked = min(makespan(instance, searched(instance, args.seconds, s)) for s in range(2))
             lost, lost_directed = (100 * (value / clocked - 1) for value in (plan.taken, plan.directed))
             wrong = 100 * (plan.taken / plan.promised - 1)

@@ -106,7 +106,7 @@ def dubins_length(x0: float, y0: float, h0: float, x1: float, y1: float, h1: flo
 @njit(cache=True)
 def advance(x: float, y: float, h: float, turn: int, length: float, radius: float) -> tuple[float, float, float]:
     """Return the pose after flying `length` [m] with `turn` 1 (left), −1 (right) or 0 (straight)."""
-    if turn == 0:
+    if turn == 0 or radius == 0.0:  # a polyline has no radius, and turns of length 0
         return x + length * math.cos(h), y + length * math.sin(h), h
     h1 = h + turn * length / radius
     return x + turn * radius * (math.sin(h1) - math.sin(h)), y - turn * radius * (math.cos(h1) - math.cos(h)), h1

@@ -44,7 +44,7 @@ class Flight:
     starts : pose (x [m], y [m], heading [rad]) at the start of each leg, shape (w, 3).
     words : Dubins word of each leg (row of dubins.TURNS), shape (w,).
     segments : lengths of its three segments [m], shape (w, 3).
-    radius : minimum turning radius r_min [m].
+    radius : minimum turning radius r_min [m]; 0 for a polyline.
     speed : v [m/s], over ground; with a clock or a wind the airspeed.
     clock : times [s] at equal steps of the tour, from 0 at take-off to landing, linear between (`clock.clocked`).
     wind : the steady wind [m/s] legs drift in, or None.
@@ -126,6 +126,15 @@ class Flight:
         if clock is not None:
             clock = np.append(0.0, (clock[1:] + clock[-1] * np.arange(laps)[:, None]).reshape(-1))
         return replace(self, starts=starts, words=np.tile(self.words, laps), segments=segments, clock=clock)
+
+    @classmethod
+    def straight(cls, points: Floats, speed: float) -> Flight:
+        """Return the flight along the polyline `points` (w + 1, 2) [m], which turns on the spot; none for (0, 2)."""
+        steps = np.diff(points, axis=0)
+        headings, lengths = np.arctan2(steps[:, 1], steps[:, 0]), np.hypot(*steps.T)
+        starts = np.column_stack([points[:-1], headings])
+        segments = np.column_stack([0.0 * lengths, lengths, 0.0 * lengths])
+        return cls(starts, np.zeros(len(steps), dtype=np.int64), segments, 0.0, speed)
 
     def to_json(self) -> dict[str, Any]:
         """Return the flight as JSON values."""

@@ -98,12 +98,14 @@ class Offered:
 
     tau : that of every model [s], infinite for fields that stay; None where it is to be told by likelihood, too.
     turned : whether two length scales may hold along any direction and across it; else they are those along x and y.
+    lengths : bounds of the length scales [m]; LENGTHS unless given.
     """
 
     kernels: tuple[type[Kernel], ...] = tuple(KERNELS.values())
     trends: tuple[Trend, ...] = (CONSTANT,)
     tau: float | None = math.inf
     turned: bool = False
+    lengths: tuple[float, float] | None = None
 
 
 EVERY_KERNEL = Offered(turned=True)
@@ -199,7 +201,8 @@ def _likeliest(
     """Return the likeliest of the kernels and means offered, None where none can be fitted. taus : bounds of τ [s]."""
     found: dict[tuple[str, str], tuple[float, Floats]] = {}
     mapped = given.kernel.relative_sd
-    searches = {trend.name: _Search(noise_sd, *samples, trend, taus, mapped) for trend in offered.trends}
+    prior = (mapped, offered.lengths)
+    searches = {trend.name: _Search(noise_sd, *samples, trend, taus, *prior) for trend in offered.trends}
     for name, search in searches.items():
         for kernel in offered.kernels:
             found[kernel.name, name] = search.isotropic(kernel, given)
@@ -215,7 +218,7 @@ def _likeliest(
 class _Search:
     """Searches for the peak of the likelihood of samples under one mean.
 
-    taus : bounds of τ [s], the same twice where it is known; None for fields that stay.
+    taus : bounds of τ [s], the same twice where it is known; None for fields that stay. lengths : as in `Offered`.
     """
 
     def __init__(
@@ -227,12 +230,14 @@ class _Search:
         trend: Trend,
         taus: tuple[float, float] | None,
         mapped: ValueMap | None,
+        lengths: tuple[float, float] | None = None,
     ) -> None:
         times, relative_sd = None if taus is None else t, None if mapped is None else mapped(X)
         self.likelihood = RestrictedLikelihood(noise_sd, X, y, trend, times, relative_sd)
         self.mapped = mapped
         self.trend, self.noise_sd, self.spread = trend, noise_sd, float(y.std())
         self.extent, self.lasted = float(np.ptp(X, axis=0).max()), float(np.ptp(t))
+        self.lengths = (LENGTHS[0] * self.extent, LENGTHS[1] * self.extent) if lengths is None else lengths
         self.price = 0.5 * np.log(len(y))
         self.drift = [] if taus is None else [(np.log(taus[0]), np.log(taus[1]))]
 
@@ -312,7 +317,7 @@ class _Search:
         return -float(found.fun), found.x
 
     def _bounds(self, lengths: int) -> list[tuple[float, float]]:
-        length = (np.log(LENGTHS[0] * self.extent), np.log(LENGTHS[1] * self.extent))
+        length = (np.log(self.lengths[0]), np.log(self.lengths[1]))
         signal, nugget = (
             (np.log(low * self.noise_sd), np.log(high * self.noise_sd)) for low, high in (SIGNALS, NUGGETS)
         )

@@ -14,7 +14,7 @@ from formulations.replanning.spending import track_cost
 from formulations.replanning.ways import Ways
 from instances.arrays import Floats
 from instances.environment.region import Region
-from instances.environment.wind import WindField
+from instances.environment.wind import Uniform, WindField
 from instances.moving_cost import CostKind, CostMeasure
 
 PASSED = 1.0
@@ -41,6 +41,11 @@ class World:
     def measure(self) -> CostMeasure:
         """What flying costs."""
         return self.ways.measure
+
+    @property
+    def windy(self) -> bool:
+        """Whether the air moves."""
+        return self.measure.wind != Uniform((0.0, 0.0))
 
     @property
     def clock_wind(self) -> WindField | None:

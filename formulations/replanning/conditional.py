@@ -10,7 +10,8 @@ b(y) = (K_Q + σ² I)⁻¹ k(Q, y), of which no derivative is needed,
 
     ∂/∂x_i ½ log det(k(T, T | Q) + σ² I) = Σ_j M_ij (∂₁k(x_i, x_j) − ∂₁k(x_i, Q) b(x_j))
 
-Under the noise convention (b): test points are read with noise σ, too. The kernel is the squared exponential.
+Under the noise convention (b): test points are read with noise σ, too. Where the field drifts, what is to be read and
+the test points are taken as of one time, which the readings at S are older than, each by its age.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.optimize import minimize
 
-from formulations.kernel import SquaredExponential
+from formulations.average_variance import slope_sums
+from formulations.kernel import Kernel
 from formulations.task_location.boundary import box
 from instances.arrays import Floats
 from instances.environment.region import Region
@@ -33,31 +35,30 @@ ITERATIONS = 30
 class _Open:
     """½ log det(k(T, T | Q) + σ² I) of the readings at T that are still to be made, where Q (q, 2) [m] are read."""
 
-    def __init__(self, kernel: SquaredExponential, noise_sd: float, read: Floats) -> None:
+    def __init__(self, kernel: Kernel, noise_sd: float, read: Floats, ages: Floats) -> None:
         self.kernel, self.noise, self.read = kernel, noise_sd**2, read
+        self.faded = np.exp(-ages)[:, None]
         covariance = kernel(read, read)
+        covariance *= np.exp(-np.abs(np.subtract.outer(ages, ages)))
         covariance[np.diag_indices_from(covariance)] += self.noise
         self._lower = cholesky(covariance, lower=True, check_finite=False)
 
     def features(self, points: Floats) -> Floats:
         """Return φ(x) as columns, shape (q, p): k(x, y | Q) = k(x, y) − φ(x)ᵀφ(y)."""
-        told: Floats = solve_triangular(self._lower, self.kernel(self.read, points), lower=True, check_finite=False)
+        far = self.faded * self.kernel(self.read, points)
+        told: Floats = solve_triangular(self._lower, far, lower=True, check_finite=False)
         return told
 
     def at(self, points: Floats) -> tuple[float, Floats]:
         """Return the value [nats] and its gradient [nats/m], shape (n, 2), at the readings `points` (n, 2) [m]."""
-        scales = np.asarray(self.kernel.length_scales)
-        own, far = self.kernel(points, points), self.kernel(self.read, points)
+        own, far = self.kernel(points, points), self.faded * self.kernel(self.read, points)
         weights = cho_solve((self._lower, True), far, check_finite=False)
         left = own - far.T @ weights
         left[np.diag_indices_from(left)] += self.noise
         factor = cho_factor(left, lower=True, check_finite=False)
         inverse = cho_solve(factor, np.eye(len(points)), check_finite=False)
-        gradient = np.empty_like(points)
-        for d in (0, 1):
-            near_slope = -np.subtract.outer(points[:, d], points[:, d]) / scales[d] ** 2 * own
-            far_slope = -np.subtract.outer(points[:, d], self.read[:, d]) / scales[d] ** 2 * far.T
-            gradient[:, d] = np.einsum("ij,ij->i", inverse, near_slope - far_slope @ weights)
+        gradient = slope_sums(self.kernel, points, points, inverse)
+        gradient -= slope_sums(self.kernel, points, self.read, (weights @ inverse).T * self.faded.T)
         return float(np.log(np.diagonal(factor[0])).sum()), gradient
 
 
@@ -66,20 +67,23 @@ class ConditionalInformation:
     """I(y_T; y_o | y_S) as a function of T.
 
     kernel : of the field. tests : o, shape (m, 2) [m]; known : S, shape (s, 2) [m]. noise_sd : σ > 0 of every reading,
-    in the field's unit.
+    in the field's unit. ages : of the readings at S where the field drifts, in τ, shape (s,); 0 unless given.
     """
 
-    kernel: SquaredExponential
+    kernel: Kernel
     tests: Floats
     known: Floats
     noise_sd: float
+    ages: Floats | None = None
     _before: _Open = field(init=False, repr=False)
     _after: _Open = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         both = np.concatenate([self.tests, self.known])
-        object.__setattr__(self, "_before", _Open(self.kernel, self.noise_sd, self.known))
-        object.__setattr__(self, "_after", _Open(self.kernel, self.noise_sd, both))
+        ages = np.zeros(len(self.known)) if self.ages is None else self.ages
+        fresh = np.zeros(len(self.tests))
+        object.__setattr__(self, "_before", _Open(self.kernel, self.noise_sd, self.known, ages))
+        object.__setattr__(self, "_after", _Open(self.kernel, self.noise_sd, both, np.concatenate([fresh, ages])))
 
     def __call__(self, points: Floats) -> tuple[float, Floats]:
         """Return I [nats] and its gradient [nats/m], shape (n, 2), at the tasks `points` (n, 2) [m]."""
@@ -89,7 +93,7 @@ class ConditionalInformation:
     def greedy(self, candidates: Floats, count: int) -> Floats:
         """Return `count` of the `candidates` (c, 2) [m], each chosen where it tells most beside those before it."""
         phis = [self._before.features(candidates), self._after.features(candidates)]
-        left = [self.kernel.signal_sd**2 - np.einsum("qc,qc->c", phi, phi) for phi in phis]
+        left = [self.kernel.variance(candidates) - np.einsum("qc,qc->c", phi, phi) for phi in phis]
         rows = [np.zeros((count, len(candidates))) for _ in phis]
         noise, free, chosen = self.noise_sd**2, np.ones(len(candidates), dtype=bool), list[int]()
         for step in range(count):

@@ -1,24 +1,26 @@
 """A survey whose plan changes in flight: measured on the way, re-planned every few rounds and at every event.
 
-What comes out are flights, as they were flown in the end, and the re-plans. The survey itself (`mapping.survey`) is
-then flown along them with the same seed, which measures the same: all that maps and judges is one code.
+What comes out are flights, as they were flown in the end, and the re-plans. A survey (`mapping.survey`) that is then
+flown along them with the same seed measures the same: all that maps and judges is one code.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from time import process_time
 
 import numpy as np
 
 from formulations.blas import one_thread
 from formulations.mapping.clock import clocked
 from formulations.mapping.flight import Flight
-from formulations.mapping.survey import Field
+from formulations.mapping.survey import Drifting, Field, field_at
 from formulations.replanning.aloft import Aloft, World
 from formulations.replanning.onward import joined
 from formulations.replanning.replan import LESS, Plan, Planner, Replan, Replanner
 from formulations.replanning.spending import track_cost
+from instances.arrays import Floats
 from instances.errors import InputError
 
 
@@ -32,43 +34,51 @@ class Event:
     world: World | None = None
 
 
-class Measured:
-    """Samples as `mapping.survey` draws them, round by round."""
+Read = Callable[[int, Sequence[int], Floats], Floats]
+"""Round of measurements from 1, UAVs that measure and where, (k, 2) [m], to what they read, (k,)."""
 
-    def __init__(self, field: Field, noise_sd: float, period: float, seed: int) -> None:
-        self.field, self.noise_sd, self.period = field, noise_sd, period
-        self.rng, self.rounds = np.random.default_rng(seed), 0
-        self.positions, self.values = np.empty((0, 2)), np.empty(0)
+
+def drawn(field: Field | Drifting, noise_sd: float, period: float, seed: int) -> Read:
+    """Return readings of `field` as `mapping.survey` draws them; rounds are to be read in order."""
+    rng = np.random.default_rng(seed)
+
+    def read(number: int, uavs: Sequence[int], positions: Floats) -> Floats:
+        return field_at(field, number * period)(positions) + rng.normal(0.0, noise_sd, len(uavs))
+
+    return read
+
+
+class Measured:
+    """What was read so far, round by round: positions (N, 2) [m], values (N,) and times (N,) [s]."""
+
+    def __init__(self, read: Read, period: float) -> None:
+        self.read, self.period, self.rounds = read, period, 0
+        self.positions, self.values, self.times = np.empty((0, 2)), np.empty(0), np.empty(0)
 
     def until(self, time: float, flights: Sequence[Flight]) -> None:
         """Measure along `flights` up to `time` [s]."""
         while (self.rounds + 1) * self.period <= time + 1e-9:
             self.rounds += 1
-            flying = [f for f in flights if int(f.duration / self.period + 1e-9) >= self.rounds]
+            now = self.rounds * self.period
+            flying = [k for k, f in enumerate(flights) if int(f.duration / self.period + 1e-9) >= self.rounds]
             if not flying:
                 return
-            here = np.array([f.poses(f.travelled([self.rounds * self.period]))[0, :2] for f in flying])
-            read = self.field(here) + self.rng.normal(0.0, self.noise_sd, len(here))
-            self.positions, self.values = np.concatenate([self.positions, here]), np.concatenate([self.values, read])
+            here = np.array([flights[k].poses(flights[k].travelled([now]))[0, :2] for k in flying])
+            self.values = np.concatenate([self.values, self.read(self.rounds, flying, here)])
+            self.positions = np.concatenate([self.positions, here])
+            self.times = np.concatenate([self.times, np.full(len(here), now)])
 
 
 @one_thread()
 def fly_replanned(
-    aloft: Aloft,
-    field: Field,
-    planner: Planner,
-    world: World,
-    *,
-    every: int = 10,
-    events: Sequence[Event] = (),
-    seed: int = 0,
+    aloft: Aloft, read: Read, planner: Planner, world: World, *, every: int = 10, events: Sequence[Event] = ()
 ) -> tuple[list[Flight], list[Replan]]:
     """Fly the fleet `aloft` from take-off to its last landing; return the flights as flown, and every re-plan.
 
-    every : rounds of measurements between two re-plans, 0 for none but at events. Raises InputError where an event
-    leaves no safe way home.
+    read : what sensors say. every : rounds of measurements between two re-plans, 0 for none but at events. Raises
+    InputError where an event leaves no safe way home.
     """
-    measured = Measured(field, planner.noise_sd, planner.period, seed)
+    measured = Measured(read, planner.period)
     coming, regular, made, model = sorted(events, key=lambda event: event.time), 1, list[Replan](), planner.model
     while aloft.active:
         event = coming[0] if coming else None
@@ -78,7 +88,7 @@ def fly_replanned(
             break
         measured.until(at, aloft.flights)
         aloft.time = at
-        samples = measured.positions, measured.values
+        samples = measured.positions, measured.values, measured.times
         if event is not None and event.time <= tick:
             coming.pop(0)
             old = world
@@ -117,7 +127,7 @@ def _at_event(event: Event, one: Replanner, old: World) -> Replan:
         return _decided(one, event.words, [], np.nan)
     if event.world is not None:
         broken = _broken(one, old)
-    plans = one.best(again)
+    plans = one.best(again, broken=bool(broken))
     if not broken:
         return _decided(one, event.words, plans, one.promised(one.aloft.flights))
     found = _decided(one, event.words, plans, np.inf, f"the plan in the air {broken}")
@@ -173,6 +183,7 @@ def _decided(one: Replanner, reason: str, plans: list[Plan], before: float, beca
         why=because or ("it promises less and keeps every rule" if chosen else why),
         old=old,
         new=old if chosen is None else chosen.rests,
+        elapsed=process_time() - one.began,
     )
     if chosen is not None:
         aloft.flights, aloft.tasks = chosen.flights, chosen.tasks

@@ -1,5 +1,6 @@
-"""The way on: a Dubins flight from the pose a UAV has, along new legs, to its home; and the flight it completes.
+"""The way on from the pose a UAV has, along new legs, to its home; and the flight that it completes.
 
+A Dubins flight goes on as one, a flight of turning radius 0 as the polyline that it is.
 What was flown stays as it was flown: a flight that is changed in the air is its flown part and the way on together.
 """
 
@@ -36,6 +37,14 @@ def fly_on(
     waypoints = line[np.append(True, np.hypot(*np.diff(line, axis=0).T) > 1e-6)]
     if len(waypoints) < 2:
         return flown, _over(flown)
+    turned = flown.radius > 0
+    on = _turning(flown, waypoints, heading, within) if turned else Flight.straight(waypoints, flown.speed)
+    on = on if wind is None else clocked(on, wind)
+    return joined(flown, on), on
+
+
+def _turning(flown: Flight, waypoints: Floats, heading: float, within: Polygon | None) -> Flight:
+    """Return the Dubins flight over `waypoints` (w + 1, 2) [m] from `heading` [rad], by the UAV that has `flown`."""
     chord = np.gradient(waypoints, axis=0)
     first = np.arctan2(chord[:, 1], chord[:, 0])
     first[0] = heading
@@ -44,9 +53,7 @@ def fly_on(
     poses = np.column_stack([waypoints, headings[np.arange(len(waypoints)), choice]])
     paths = [dubins.dubins_path(*a, *b, flown.radius) for a, b in pairwise(poses.tolist())]
     words = np.array([path[0] for path in paths], dtype=np.int64)
-    on = replace(flown, starts=poses[:-1], words=words, segments=np.array([path[1:] for path in paths]), clock=None)
-    on = on if wind is None else clocked(on, wind)
-    return joined(flown, on), on
+    return replace(flown, starts=poses[:-1], words=words, segments=np.array([path[1:] for path in paths]), clock=None)
 
 
 def joined(flown: Flight, on: Flight) -> Flight:

@@ -14,7 +14,6 @@ from itertools import pairwise
 import numpy as np
 
 from formulations.limits import Limits
-from formulations.replanning.ways import Legs
 from formulations.routing.search.memetic import Memetic
 from instances import Instance, Routes
 from instances.arrays import Floats
@@ -31,32 +30,33 @@ class OpenRoutes:
     left: Floats
 
 
-def open_routes(legs: Legs, n_tasks: int, spent: Floats, limits: Floats, steps: int = STEPS) -> OpenRoutes:
+def open_routes(cost: Floats, n_tasks: int, spent: Floats, limits: Floats, steps: int = STEPS) -> OpenRoutes:
     """Return routes that leave the UAV that has least left as much as can be found.
 
-    legs : between the tasks, the m positions and the m homes. spent, limits : cost so far and endurance [s], (m,).
+    cost : of legs [s] between the tasks, the m positions and the m homes, in this order. spent, limits : cost so far
+    and endurance [s], (m,).
     """
     m = len(spent)
     tasks, here, home = np.arange(n_tasks), n_tasks + np.arange(m), n_tasks + m + np.arange(m)
     handicap = spent + limits.max() - limits
-    finite = np.where(np.isfinite(legs.cost), legs.cost, 1e3 * limits.max())
-    cost = np.zeros((n_tasks + m, n_tasks + m))
-    cost[:n_tasks, :n_tasks] = finite[np.ix_(tasks, tasks)]
-    cost[n_tasks:, :n_tasks] = handicap[:, None] + finite[np.ix_(here, tasks)]
-    cost[:n_tasks, n_tasks:] = finite[np.ix_(tasks, home)]
-    np.fill_diagonal(cost, 0.0)
+    finite = np.where(np.isfinite(cost), cost, 1e3 * limits.max())
+    legs = np.zeros((n_tasks + m, n_tasks + m))
+    legs[:n_tasks, :n_tasks] = finite[np.ix_(tasks, tasks)]
+    legs[n_tasks:, :n_tasks] = handicap[:, None] + finite[np.ix_(here, tasks)]
+    legs[:n_tasks, n_tasks:] = finite[np.ix_(tasks, home)]
+    np.fill_diagonal(legs, 0.0)
     routes: Routes = tuple(() for _ in range(m))
     if n_tasks:
-        found = Memetic(depth=0.1).solve(Instance("replan", cost, n_tasks, m), limits=Limits(iterations=steps))
+        found = Memetic(depth=0.1).solve(Instance("replan", legs, n_tasks, m), limits=Limits(iterations=steps))
         assert found.routes is not None
         routes = found.routes
     stops = [[here[k], *route, home[k]] for k, route in enumerate(routes)]
-    needed = np.array([sum(legs.cost[i, j] for i, j in pairwise(s)) for s in stops])
+    needed = np.array([sum(cost[i, j] for i, j in pairwise(s)) for s in stops])
     return OpenRoutes(routes, limits - spent - needed)
 
 
-def empty_routes(legs: Legs, n_tasks: int, spent: Floats, limits: Floats) -> OpenRoutes:
+def empty_routes(cost: Floats, n_tasks: int, spent: Floats, limits: Floats) -> OpenRoutes:
     """Return what all UAVs have left that fly straight home; arguments as `open_routes`."""
     m = len(spent)
-    needed = np.array([legs.cost[n_tasks + k, n_tasks + m + k] for k in range(m)])
+    needed = np.array([cost[n_tasks + k, n_tasks + m + k] for k in range(m)])
     return OpenRoutes(tuple(() for _ in range(m)), limits - spent - needed)

@@ -15,8 +15,9 @@ All that re-planning gains, it gains through the hyperparameters, and through wh
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from time import process_time
 
 import numpy as np
 
@@ -25,7 +26,6 @@ from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight
 from formulations.mapping.gaussian_process import GaussianProcess
 from formulations.mapping.map_model import MapModel, Offered, choose_model
-from formulations.mapping.trend import CONSTANT, Trend
 from formulations.polish.path_polish import PolishProblem, polish
 from formulations.polish.straight_legs import StraightLegs
 from formulations.replanning.aloft import Aloft, World
@@ -47,17 +47,24 @@ LEAST = 10
 QUICK = 1000
 """Steps of the search of routes while the number of tasks is sought."""
 TURNS = 0.995
-"""Share of what endurance leaves that routes of straight legs are to need: turns cost 0.3 %."""
+"""Share of what endurance leaves that routes of straight legs are to need where turns are flown: they cost 0.3 %."""
+LENGTHS = (0.04, 0.75)
+"""Length scales are fitted between these shares of the sites' extent: few samples tell of none beyond them."""
+CROWDED = 6.0
+"""Turning radii between waypoints, at least, where polish splits legs."""
 LESS = 1.0 - 1e-9
 """A promise is less where it is below this share."""
+SMOOTH = Offered((SquaredExponential,))
+"""Planning stays with the squared exponential, whose derivatives it needs."""
 
 
 @dataclass(frozen=True, eq=False)
 class Planner:
     """How re-plans are made.
 
-    model : believed before the first sample; trends : means that fits choose from; noise_sd : σ_n of a sample; period
-    [s] : between two samples of a UAV; tests : points (m, 2) [m] at which the field is to be known.
+    model : believed before the first sample; offered : what fits choose from; noise_sd : σ_n of a sample; period [s] :
+    between two samples of a UAV; tests : points (m, 2) [m] by which tasks are placed; targets : points (p, 2) [m] at
+    which the field is to be known; weights : of these, (p,), 1 each unless given.
     polish : whether waypoints are moved for what is sensed along the path (`formulations.polish`), too.
     """
 
@@ -65,7 +72,9 @@ class Planner:
     noise_sd: float
     period: float
     tests: Floats
-    trends: tuple[Trend, ...] = (CONSTANT,)
+    targets: Floats
+    weights: Floats | None = None
+    offered: Offered = SMOOTH
     polish: bool = False
 
 
@@ -88,10 +97,10 @@ class Plan:
 class Replan:
     """What was decided at `time` [s], why, and what it changed.
 
-    reason : what it was made for. samples : so many were known. model : as fitted to them. before, after : mean
+    reason : what it was made for. samples : so many were known. model : as fitted to them. before, after : average
     posterior variance promised by the plan in the air and by the best that was tried, NaN where none may be flown.
     tried : number of tasks of each plan and what became of it. accepted, why : whether it is flown now. old, new : the
-    rests of the flights.
+    rests of the flights. elapsed : processor time it took [s].
     """
 
     time: float
@@ -105,16 +114,25 @@ class Replan:
     why: str
     old: list[Flight] = field(default_factory=list)
     new: list[Flight] = field(default_factory=list)
+    elapsed: float = 0.0
 
 
 class Replanner:
-    """Makes one re-plan for the fleet `aloft` in `world`, from the samples (positions (N, 2) [m], values (N,))."""
+    """Makes one re-plan for the fleet `aloft` in `world`.
 
-    def __init__(self, planner: Planner, aloft: Aloft, world: World, samples: tuple[Floats, Floats], model: MapModel):
+    samples : positions (N, 2) [m], values (N,) and times (N,) [s]. model : believed until now.
+    """
+
+    def __init__(
+        self, planner: Planner, aloft: Aloft, world: World, samples: tuple[Floats, Floats, Floats], model: MapModel
+    ) -> None:
+        self.began = process_time()
         self.planner, self.aloft, self.world = planner, aloft, world
-        self.known, self.values = samples
-        offered = Offered((SquaredExponential,), planner.trends)
-        self.model = choose_model(model, offered, planner.noise_sd, self.known, self.values).model
+        self.known, self.values, self.times = samples
+        x0, y0, x1, y1 = world.sites.bounds
+        low, high = (share * max(x1 - x0, y1 - y0) for share in LENGTHS)
+        offered = replace(planner.offered, lengths=(low, high))
+        self.model = choose_model(model, offered, planner.noise_sd, *samples).model
         self.uavs = aloft.active
         self.here = np.array([aloft.flown(k).poses(aloft.flown(k).length)[0, :2] for k in self.uavs]).reshape(-1, 2)
         self.spent = np.array([aloft.spent(k, world.measure) for k in self.uavs])
@@ -122,19 +140,19 @@ class Replanner:
         self.tried: list[tuple[int, str]] = []
 
     def promised(self, flights: Sequence[Flight]) -> float:
-        """Return the mean posterior variance at the test points after all that `flights` are to measure yet."""
-        process = GaussianProcess(self.model, self.planner.noise_sd, self.planner.tests)
-        process.extend(self.known, self.values)
+        """Return the average posterior variance at the targets after all that `flights` are to measure yet."""
+        process = GaussianProcess(self.model, self.planner.noise_sd, self.planner.targets)
+        process.extend(self.known, self.values, self.times)
         for flight in flights:
             times, positions = flight.measurements(self.planner.period)
-            coming = positions[times > self.aloft.time + 1e-9]
-            process.extend(coming, np.zeros(len(coming)))
-        return float((process.posterior().sd ** 2).mean())
+            coming = times > self.aloft.time + 1e-9
+            process.extend(positions[coming], np.zeros(coming.sum()), times[coming])
+        return float(np.average(process.posterior().sd ** 2, weights=self.planner.weights))
 
-    def best(self, again: Floats | None = None) -> list[Plan]:
+    def best(self, again: Floats | None = None, *, broken: bool = False) -> list[Plan]:
         """Return the plans within endurance, the one that promises least variance first.
 
-        again : tasks of the plan in the air to route anew, before others are placed.
+        again : tasks of the plan in the air to route anew, before others are placed. broken : it can be flown no more.
         """
         found = []
         if again is not None and len(again):
@@ -149,23 +167,24 @@ class Replanner:
             expected = int(count * share)
             count = min(expected, count - 1) if plan is None else max(expected, count + 1)
         plans = [plan for plan in found if plan is not None]
-        if self.planner.polish:
-            plans += self._polished(min([self._aloft(), *plans], key=lambda plan: plan.promised))
+        begin = plans if broken else [self._aloft(), *plans]
+        if self.planner.polish and begin:
+            plans += self._polished(min(begin, key=lambda plan: plan.promised))
         return sorted(plans, key=lambda plan: plan.promised)
 
     def home(self) -> Plan:
         """Return the plan by which all fly straight home, whatever endurance says; InputError where there is no way."""
         legs = self._legs(np.empty((0, 2)))
-        found = empty_routes(legs, 0, self.spent, self.limits)
+        found = empty_routes(legs.cost, 0, self.spent, self.limits)
         if not np.isfinite(found.left).all():
             k = self.uavs[int(np.argmin(found.left))]
             raise InputError(f"at {self.aloft.time:g} s there is no way home for UAV {k}")
         return self._flown(legs, np.empty((0, 2)), found)
 
     def _worth(self) -> ConditionalInformation:
-        kernel = self.model.kernel
-        assert isinstance(kernel, SquaredExponential)
-        return ConditionalInformation(kernel, self.planner.tests, self.known, self._reading_sd)
+        landing = max(flight.duration for flight in self.aloft.flights)
+        ages = (landing - self.times) / self.model.tau
+        return ConditionalInformation(self.model.kernel, self.planner.tests, self.known, self._reading_sd, ages)
 
     @property
     def _reading_sd(self) -> float:
@@ -176,25 +195,29 @@ class Replanner:
 
     def _fitting(self, order: Floats) -> int:
         """Return how many tasks of `order`, from its first, routes within endurance can hold, by bisection."""
+        cost, ends = self._legs(order).cost, len(order) + np.arange(2 * len(self.uavs))
         low, high = 0, len(order) + 1
         while high - low > 1:
             count = (low + high) // 2
-            routes = open_routes(self._legs(order[:count]), count, self.spent, self.limits, QUICK)
+            some = np.concatenate([np.arange(count), ends])
+            routes = open_routes(cost[np.ix_(some, some)], count, self.spent, self.limits, QUICK)
             low, high = (count, high) if self._fits(routes) else (low, count)
         return low
 
     def _fits(self, found: OpenRoutes) -> bool:
         """Say whether routes of straight legs leave room for turns within endurance."""
-        there = self.limits - self.spent
-        return bool((there - found.left <= TURNS * there).all())
+        there, turned = self.limits - self.spent, self.aloft.flights[0].radius > 0
+        return bool((there - found.left <= (TURNS if turned else 1.0) * there).all())
 
     def _plan(self, tasks: Floats) -> tuple[Plan | None, float]:
         """Return the plan by `tasks`, None where endurance is too short; and how many times as many would just fit."""
         legs = self._legs(tasks)
-        found = open_routes(legs, len(tasks), self.spent, self.limits)
+        found = open_routes(legs.cost, len(tasks), self.spent, self.limits)
         plan = self._flown(legs, tasks, found) if found.left.min() >= 0 else None
         left = found.left.min() if plan is None else plan.left
-        home = empty_routes(legs, len(tasks), self.spent, self.limits).left  # beyond it tours grow with the root of r
+        home = empty_routes(
+            legs.cost, len(tasks), self.spent, self.limits
+        ).left  # beyond it tours grow with the root of r
         share = float((home / np.maximum(home - found.left, 1e-9)).min().clip(0.0, 2.0) ** 2)
         if plan is None or left < 0:
             self.tried.append((len(tasks), f"needs {-left:.1f} s more than the endurance"))
@@ -213,13 +236,15 @@ class Replanner:
 
     def _polished(self, plan: Plan) -> list[Plan]:
         """Return `plan` polished, where that makes it another within endurance."""
-        kernel, world = self.model.kernel, self.world
-        judged = AverageVariance(kernel, self._reading_sd, self.planner.tests, known=self.known)
-        room, speed = world.ways.region, self.aloft.flights[0].speed
-        legs = StraightLegs.of(world.measure, room, world.measure.speed, speed)
+        kernel, world, planner = self.model.kernel, self.world, self.planner
+        judged = AverageVariance(kernel, self._reading_sd, planner.targets, planner.weights, self.known)
+        room, first = world.ways.region, self.aloft.flights[0]
+        legs = StraightLegs.of(world.measure if world.windy else None, room, world.measure.speed, first.speed)
         budgets = np.maximum(self.limits - self.spent, 0.0)
-        problem = PolishProblem(judged, legs, self.planner.period, plan.lines, budgets, room, world.sites, self._costs)
-        done = polish(problem, warm=True)
+        flown = self._costs if first.radius > 0 or world.windy else None
+        problem = PolishProblem(judged, legs, planner.period, plan.lines, budgets, room, world.sites, flown)
+        apart = max(0.5 * min(kernel.length_scales), planner.period * first.speed, CROWDED * first.radius)
+        done = polish(problem, spacing=apart, warm=True)
         if not done.moved.any():
             return []
         found = self._along([_legs_of(path) for path in done.paths], [path[1:-1] for path in done.paths])

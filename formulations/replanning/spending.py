@@ -21,6 +21,9 @@ STEP = 10.0
 
 def track_cost(flight: Flight, measure: CostMeasure) -> float:
     """Return the cost [s] of flying the track of `flight`; InputError, for times, where the wind is as strong."""
+    if flight.radius == 0.0 and len(flight.starts):
+        line = np.concatenate([flight.starts[:, :2], flight.poses(flight.length)[:, :2]])
+        return float(measure.segments(line[:-1], line[1:]).sum())
     if flight.length == 0.0 or measure.wind == Uniform((0.0, 0.0)):
         return flight.length / measure.speed
     pieces = math.ceil(flight.length / STEP)

@@ -8,7 +8,7 @@ from instances.registry import MethodRegistry
 BUILT_IN = {
     "workbench": ("formulations.surveying.placed:Workbench", "tasks of most information, as many as fit, routed"),
     "polished": ("formulations.surveying.polished:Polished", "the same, waypoints moved for what is sensed on the way"),
-    "adaptive": ("formulations.surveying.adaptive:Adaptive", "polished, and polished again in flight by what was read"),
+    "adaptive": ("formulations.surveying.adaptive:Adaptive", "the workbench's, re-planned in flight by what was read"),
     "greedy": ("formulations.surveying.placed:Greedy", "tasks placed one after the other, as many as fit, routed"),
     "random": ("formulations.surveying.placed:RandomTasks", "uniform random tasks, as many as fit, routed"),
     "lawnmower": ("formulations.surveying.lanes:Lawnmower", "parallel lanes, the most that fit"),

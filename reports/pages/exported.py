@@ -20,6 +20,12 @@ FILES = (
     ("flight", "uav-*.geojson", "GeoJSON, tours: QGIS"),
     ("flight", "flown.geojson", "GeoJSON, flown tracks: QGIS"),
     ("flight", "area.geojson", "GeoJSON, region and no-fly zones: QGIS"),
+    ("map", "uav-*.plan", "QGroundControl, as flown in the end"),
+    ("map", "uav-*.waypoints", "MAVLink waypoints, as flown in the end"),
+    ("map", "uav-*.kml", "KML, as flown in the end"),
+    ("map", "uav-*.geojson", "GeoJSON, tours as flown in the end: QGIS"),
+    ("map", "flown.geojson", "GeoJSON, tracks as flown in the end: QGIS"),
+    ("map", "area.geojson", "GeoJSON, region and no-fly zones in the end: QGIS"),
     ("place", "tasks.geojson", "GeoJSON, tasks: QGIS"),
     ("map", "*.tif", "GeoTIFF, the last map and the field: QGIS"),
     ("map", "maps.nc", "NetCDF, the maps over time: QGIS, xarray"),
@@ -38,7 +44,16 @@ def exported(folders: Mapping[str, Path]) -> list[Block]:
         if found:
             rows.append((what, [(name, quote(f"{folders[stage].name}/{name}")) for name in found]))
     links: Markup = fragment("exported.html.j2", rows=rows)
-    return [links, *_heights(folders["flight"] / "exports.json")]
+    return [links, *_heights(folders["flight"] / "exports.json"), *_without(folders["map"] / "exports.json")]
+
+
+def _without(path: Path) -> list[str]:
+    """Return which flights are not exported as flown in the end; nothing where nothing was re-planned."""
+    if not path.is_file():
+        return []
+    with reading(path, "exports"):
+        said: dict[str, str] = read_json(path).get("without", {})
+        return [f"{name}, as flown in the end: {sentence}." for name, sentence in said.items()]
 
 
 def _heights(path: Path) -> list[str]:

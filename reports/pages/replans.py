@@ -29,8 +29,8 @@ def replanned(said: dict[str, Any] | None, unit: str) -> list[Section]:
     if rows:
         blocks.append(table_of(pd.DataFrame([_row(row) for row in rows]), columns(unit), key="replans"))
     blocks.append(
-        "The map and the comparison are of the flights as they were flown in the end. Files for ground control and the "
-        "figures of the plan are those at take-off. Events meet no plan but the mission's own."
+        "The map and the comparison are of the flights as they were flown in the end; the figures of the plan are "
+        "those at take-off. Files for ground control there are of both. Events meet no plan but the mission's own."
     )
     return [Section("Plans changed in flight", blocks, "replans", "Re-plans")]
 

@@ -25,7 +25,6 @@ from formulations.mapping.flight_check import length_outside
 from formulations.mapping.map_grid import MapGrid
 from formulations.mapping.survey import Tick, last_map
 from instances.disk import write_aside
-from instances.environment.drift import DriftingField
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_field, kept_scenario, kept_terrain
 from reports.verdicts import named, plans, sentence, verdicts
@@ -90,7 +89,6 @@ def _again(mission: Mission, folders: dict[str, Path]) -> Callable[[Measured, in
     replanning = Replanning(mission, folders)
 
     def flown(field: Measured, seed: int) -> Plan:
-        assert not isinstance(field, DriftingField)  # events.py has looked
         return Plan("mission", replanning.scenario.n_tasks, replanning.flown(field, seed).flights)
 
     return flown

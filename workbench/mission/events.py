@@ -28,13 +28,6 @@ def check_replan(mission: Mission) -> None:
     if mission.flight.laps != 1:
         raise InputError(f"replan: tours flown again are not re-planned: leave [replan] or flight.laps out, got "
                          f"flight.laps = {mission.flight.laps!r}")  # fmt: skip
-    for key, value in (("field.tau", mission.field.tau), ("map.tau", mission.map.tau)):
-        if value is not None:
-            raise InputError(f"replan: fields that drift are not re-planned for: leave [replan] or {key} out")
-    maps = {"place.weights": mission.place.weights, "place.prior_sd": mission.place.prior_sd}
-    for key, file in (maps | {"map.prior_sd": mission.map.prior_sd}).items():
-        if file is not None:
-            raise InputError(f"replan: re-planning takes all places as alike: leave [replan] or {key} out")
     for number, event in enumerate(mission.replan.event, 1):
         with naming(f"[[replan.event]] {number}"):
             _check_event(mission, event)

@@ -1,7 +1,8 @@
-"""What the flight stage writes for other software, where the mission has an origin: all in WGS 84.
+"""What is written for other software, where the mission has an origin: all in WGS 84.
 
-Products: uav-K.plan, .waypoints, .kml and .geojson of each tour, flown.geojson of the flown tracks, area.geojson of the
-region and the no-fly zones, exports.json (what the heights of each tour start from). A mission in local metres alone
+Products, of the flight stage and, where plans change in flight, of the map stage, too: uav-K.plan, .waypoints, .kml and
+.geojson of each tour, flown.geojson of the flown tracks, area.geojson of the region and the no-fly zones, exports.json
+(what the heights of each tour start from, and why there are no plans of the others). A mission in local metres alone
 has none of them.
 """
 
@@ -106,10 +107,11 @@ def export(
     *,
     frame: str,
     vehicle: Vehicle,
+    without: Mapping[int, str] | None = None,
 ) -> None:
     """Write the tours (UAV → tour) and the flown tracks (columns uav, x, y [m]) into `out`.
 
-    The scenario's borders are the geofence; heights are in `frame`.
+    The scenario's borders are the geofence; heights are in `frame`. without : UAV → why it has no tour here.
     """
     region, no_fly = scenario.region.polygon, scenario.no_fly
     for k, tour in tours.items():
@@ -117,7 +119,10 @@ def export(
             path = out / f"uav-{k}{ending}"
             write_tour(tour, plane, path, frame=frame, vehicle=vehicle, region=region, no_fly=no_fly)
     said = {f"UAV {k}": tour.said_of_heights(frame) for k, tour in tours.items()}
-    write_aside(out / "exports.json", json.dumps({"heights": said}, indent=1))
+    missing = {f"UAV {k}": why for k, why in (without or {}).items()}
+    write_aside(
+        out / "exports.json", json.dumps({"heights": said} | ({"without": missing} if missing else {}), indent=1)
+    )
     tracks = ((LineString(track[["x", "y"]].to_numpy()), {"uav": int(str(k))}) for k, track in flown.groupby("uav"))
     write_features(tracks, plane, out / "flown.geojson")
     area = [(region, {"kind": "region"}), *((zone, {"kind": "no-fly"}) for zone in no_fly)]

@@ -46,6 +46,7 @@ from workbench.mission.routes import kept_routes
 from workbench.mission.safety import refuse_beyond_borders, refuse_near_ground, room_to_fly
 from workbench.mission.settings import Mission
 from workbench.mission.spacing import SPACING_FILE, spacing_of
+from workbench.mission.turns import TurnCosts, refuse_beyond_endurance
 
 TRACK_STEP = 0.2
 """Time between the poses of a track [s]."""
@@ -94,6 +95,11 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     if isinstance(scenario.wind, ChangingWind):
         told += _by_clock(mission, scenario, instance, fleet.flights)
     refuse_beyond_borders(mission, scenario, instance, routes, fleet.flights)
+    if (
+        TurnCosts(mission, scenario, instance, paths, limits_of(mission, instance)).counted
+        and not mission.flight.coupled
+    ):
+        refuse_beyond_endurance(scenario, fleet.flights, limits_of(mission, instance))
     heights = heights_flown(mission, fleet.flights, ground)
     refuse_near_ground(mission, fleet.flights, heights)
     longest = max(flight.duration for flight in fleet.flights)

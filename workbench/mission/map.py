@@ -90,7 +90,6 @@ def flown_flights(mission: Mission, folders: dict[str, Path], field: Measured, o
         return kept_flights(folders["flight"]), ""
     from workbench.mission.replan import Replanning  # here: most missions need none of it
 
-    assert not isinstance(field, DriftingField)  # events.py has looked
     replanning = Replanning(mission, folders)
     flown = replanning.flown(field, mission.sensing.seed)
     return flown.flights, f"; {replanning.write(flown, out)}"

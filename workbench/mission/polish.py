@@ -26,20 +26,19 @@ from formulations.mapping.flight import STRAY_RADII, Flight, plan_flight, refere
 from formulations.path_bound import path_bound
 from formulations.polish.path_polish import PolishProblem, polish, split
 from formulations.polish.straight_legs import StraightLegs
+from formulations.replanning.spending import track_cost
 from formulations.task_location.criterion import Convention
 from instances import Instance, Routes
 from instances.arrays import Floats
 from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.environment.terrain import Terrain
-from instances.moving_cost import CostMeasure
 from instances.scenario import Scenario
 from workbench.mission.place import criterion_of, kept_off, widened
 from workbench.mission.safety import room_to_fly
 from workbench.mission.settings import Mission
+from workbench.mission.turns import measure_of
 
-STEP = 20.0
-"""Distance [m] between the points of a track whose cost in a wind is computed."""
 LEAST_SPACING = 6.0
 """Turning radii between waypoints at least, where legs are split: nearer ones cannot be flown over without loops."""
 
@@ -62,9 +61,9 @@ class Judge:
         self.free = widened(scenario, mission.clearance).free
         criterion = criterion_of(mission, self.free).under(Convention.BOTH_NOISY)
         self.unknown = AverageVariance(criterion.kernel, criterion.noise_sd, criterion.tests, criterion.weights)
-        wind = scenario.wind
-        self.measure = None if wind is None else CostMeasure(scenario.cost, wind, scenario.speed)
-        self.legs = StraightLegs.of(self.measure, scenario.region, scenario.speed, mission.speed)
+        self.measure = measure_of(scenario)
+        windy = None if scenario.wind is None else self.measure
+        self.legs = StraightLegs.of(windy, scenario.region, scenario.speed, mission.speed)
 
     @property
     def room(self) -> Region:
@@ -89,10 +88,7 @@ class Judge:
 
     def cost(self, flight: Flight) -> float:
         """Return what a flight costs [s], its turns included."""
-        if self.measure is None or flight.length == 0.0:
-            return flight.length / self.scenario.speed
-        track = flight.poses(np.linspace(0.0, flight.length, math.ceil(flight.length / STEP) + 1))[:, :2]
-        return float(self.measure.segments(track[:-1], track[1:]).sum())
+        return track_cost(flight, self.measure)
 
     def flown(self, uav: int, path: Floats) -> tuple[float, bool]:
         """Return what the flight of `uav` along `path` costs [s], and whether it may be flown."""

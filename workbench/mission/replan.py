@@ -5,7 +5,8 @@ UAV spends more than the longest tour at take-off. What may be flown is said by 
 refused by: of borders and zones for what is still to be flown, of heights for the whole flight from the depot on.
 
 Products, in the folder of the map: replans.json, and flights.json, flown.csv and flight-check.csv as they were flown in
-the end. There the reference path is the polyline of the waypoints that were flown.
+the end; there the reference path is the polyline of the waypoints that were flown. Where the mission has an origin,
+what `workbench.mission.export` writes, too, but for lost UAVs and for flights that passed what is closed now.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,29 +25,31 @@ import pandas as pd
 from formulations.kernel import SquaredExponential
 from formulations.mapping.flight import Flight
 from formulations.mapping.flight_check import FlightCheck, check_flight
+from formulations.mapping.heights import Heights
 from formulations.mapping.map_model import MapModel
-from formulations.mapping.survey import Field
+from formulations.mapping.survey import Drifting, Field
 from formulations.replanning.aloft import Allowed, Aloft, World
-from formulations.replanning.in_flight import Event, fly_replanned
+from formulations.replanning.in_flight import Event, drawn, fly_replanned
 from formulations.replanning.replan import Planner, Replan
 from formulations.replanning.spending import track_cost
 from formulations.replanning.ways import Ways
+from formulations.task_location.criterion import Convention
 from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.environment.terrain import Terrain
-from instances.environment.wind import Uniform
 from instances.errors import InputError
-from instances.moving_cost import CostMeasure
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
 from reports.numbers import counted
 from workbench.mission.baselines import beyond, too_low
-from workbench.mission.belief import belief_of, map_kernel
+from workbench.mission.belief import belief_of, known_tau, map_kernel
 from workbench.mission.events import scenarios_after, words_of
+from workbench.mission.export import export, tour_of
 from workbench.mission.flight import heights_flown, kept_flights, write_flights
-from workbench.mission.place import kept_off, widened, zones_of
+from workbench.mission.place import criterion_of, kept_off, widened, zones_of
 from workbench.mission.safety import room_to_fly
 from workbench.mission.settings import Mission
+from workbench.mission.turns import measure_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +74,16 @@ class Replanning:
             Event(event.time, words_of(event), event.uav, None if event.kind == "lost-uav" else self._world(after))
             for event, after in scenarios_after(mission, self.scenario)
         ]
+        belief = belief_of(mission, folders["environment"])
+        wanted = criterion_of(mission, self.scenario.region).under(Convention.BOTH_NOISY)
         self.planner = Planner(
-            MapModel(map_kernel(mission, SquaredExponential)),
+            MapModel(map_kernel(mission, SquaredExponential), tau=known_tau(mission)),
             mission.sensing.noise_sd,
             mission.sensing.period,
-            self.scenario.region.cell_centres(*mission.place.tests),
-            belief_of(mission, folders["environment"]).offered.trends,
+            wanted.tests,
+            wanted.tests,
+            wanted.weights,
+            replace(belief.offered, kernels=(SquaredExponential,)),
             polish=mission.place.polish,
         )
         costs = np.array([track_cost(flight, self.world.measure) for flight in self.plan])
@@ -89,13 +96,12 @@ class Replanning:
     def _world(self, scenario: Scenario) -> World:
         return world_of(self.mission, scenario, self.ground)
 
-    def flown(self, field: Field, seed: int) -> Flown:
+    def flown(self, field: Field | Drifting, seed: int) -> Flown:
         """Fly and re-plan over `field`, the noise drawn by `seed`."""
         fleet = Aloft(list(self.plan), list(self.tasks), self.scenario.depots, self.budgets)
         every = self.mission.replan.every or 0
-        flights, made = fly_replanned(
-            fleet, field, self.planner, self.world, every=every, events=self.events, seed=seed
-        )
+        read = drawn(field, self.planner.noise_sd, self.planner.period, seed)
+        flights, made = fly_replanned(fleet, read, self.planner, self.world, every=every, events=self.events)
         if max(flight.duration for flight in flights) < self.planner.period:
             raise InputError("replan.event: all UAVs are lost before anything is measured")
         return Flown(flights, fleet, made)
@@ -103,7 +109,8 @@ class Replanning:
     def write(self, flown: Flown, out: Path) -> str:
         """Write the products; return what was changed, in words."""
         heights = heights_flown(self.mission, flown.flights, self.ground)
-        write_flights(flown.flights, self._checks(flown), heights, out)
+        tracks = write_flights(flown.flights, self._checks(flown), heights, out)
+        self._export(flown, heights, tracks, out)
         landed = max(flight.duration for flight in flown.flights)
         told: dict[str, Any] = {
             "every": self.mission.replan.every,
@@ -116,6 +123,27 @@ class Replanning:
         accepted = sum(replan.accepted for replan in flown.replans)
         late = "".join(f"; after the last landing: {words}" for words in told["late"])
         return f"{counted(len(flown.replans), 're-plan')}, {accepted} accepted{late}"
+
+    def _export(self, flown: Flown, heights: Mapping[int, Heights], tracks: pd.DataFrame, out: Path) -> None:
+        """Write the flights as flown in the end for ground control, those that may be flown so again."""
+        mission, landed = self.mission, max(flight.duration for flight in flown.flights)
+        if mission.origin is None:
+            return
+        now = self.scenario
+        for event, after in scenarios_after(mission, self.scenario):
+            now = after if event.time < landed else now
+        without = dict.fromkeys(sorted(flown.fleet.lost), "no plan: it is lost")
+        for k in heights.keys() - flown.fleet.lost:
+            if why := beyond(mission, now, flown.flights[k]):
+                without[k] = f"no plan: flown again, it would {why}"
+        name, known = self.scenario.name, self.ground is not None
+        tours = {
+            k: tour_of(f"{name} UAV {k}, as flown", flown.flights[k], own, {}, known=known)
+            for k, own in heights.items()
+            if k not in without
+        }
+        frame = mission.altitude.frame.value
+        export(tours, tracks, now, mission.origin, out, frame=frame, vehicle=mission.vehicle, without=without)
 
     def _checks(self, flown: Flown) -> list[FlightCheck]:
         scenario, fleet = self.scenario, flown.fleet
@@ -131,9 +159,8 @@ class Replanning:
 def world_of(mission: Mission, scenario: Scenario, ground: Terrain | None) -> World:
     """Return what holds for flights of a mission while `scenario` does."""
     free = widened(scenario, mission.clearance).free
-    wind = Uniform((0.0, 0.0)) if scenario.wind is None else scenario.wind
     sites = kept_off(free, scenario.region, mission.clearance) or free
-    ways = Ways(free, CostMeasure(scenario.cost, wind, scenario.speed))
+    ways = Ways(free, measure_of(scenario))
     return World(ways, sites, room_to_fly(mission, scenario), rules_of(mission, scenario, ground))
 
 
@@ -167,6 +194,8 @@ def _tasks(folder: Path, uavs: int) -> list[Floats]:
 
 def _line(flight: Flight) -> Floats:
     """Return the waypoints that were flown, and the end, (k, 2) [m]."""
+    if not len(flight.starts):
+        return np.empty((0, 2))
     return np.concatenate([flight.starts[:, :2], flight.poses(flight.length)[:, :2]])
 
 
@@ -187,4 +216,6 @@ def _row(replan: Replan) -> dict[str, Any]:
         "tried": [[count, words] for count, words in replan.tried],
         "left_before": [flight.length for flight in replan.old],
         "left_after": [flight.length for flight in replan.new],
+        "elapsed": round(replan.elapsed, 3),
+        **({"tau": replan.model.tau} if replan.model.tau < math.inf else {}),
     }

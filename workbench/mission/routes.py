@@ -1,8 +1,8 @@
 """Stage 4, routes: the min-max multi-depot multiple TSP (sub-problem 3) by a registered solver, in its own process.
 
-Where endurance does not suffice for all tasks on every lap, those that fit and tell most are selected first, and the
-solver routes these (`workbench.mission.selection`). Then a lower bound is sought, so that the routes carry a gap: no
-tours can be better by more.
+Where endurance does not suffice for all tasks on every lap, turns included (`workbench.mission.turns`), those that fit
+and tell most are selected first, and the solver routes these (`workbench.mission.selection`). Then a lower bound is
+sought, so that the routes carry a gap: no tours can be better by more.
 
 Products: routes.sol, run.json, tours.csv (what each tour takes and costs along its reference path), bound.json (the
 bounds found, the best of them and the gap to it), where tasks are left out selection.json, where headings are planned
@@ -38,10 +38,13 @@ from workbench.jobs.runner import run
 from workbench.mission.costs import kept_costs
 from workbench.mission.laps import limits_of
 from workbench.mission.settings import Mission
+from workbench.mission.turns import TurnCosts
 from workbench.problems.routing import ROUTING
 
 SELECTION_FILE = "selection.json"
 ENSEMBLE_FILE = "ensemble.json"
+TRIES = 5
+"""Times that tours are routed, at most, until their turns fit within endurance, too."""
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -50,9 +53,10 @@ def settings(mission: Mission) -> dict[str, Any]:
     flown = mission.flight
     if flown.coupled:
         own |= {"coupled": [mission.speed, flown.turning_radius, flown.border_clearance]}
-    limited = flown.endurance is not None or flown.laps != 1
-    place = structs.asdict(mission.place)
-    return own | ({"endurance": flown.endurance, "laps": flown.laps, "place": place} if limited else {})
+    if flown.endurance is None and flown.laps == 1 and mission.scenario.fleet.endurance is None:
+        return own
+    own |= {"turns": [mission.speed, flown.turning_radius, flown.border_clearance]}
+    return own | {"endurance": flown.endurance, "laps": flown.laps, "place": structs.asdict(mission.place)}
 
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
@@ -68,19 +72,23 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     limits = limits_of(mission, instance) / laps
     if laps > 1 and instance.endurance is not None:
         instance = replace(instance, endurance=limits)
-    found = attempt(mission, instance, mission.routes.time_limit, mission.routes.seed)
-    left_out = ""
-    if not flies_all(replace(instance, endurance=limits), found):
-        if "time" in instance.axes:
-            raise InputError(
-                "flight.endurance: no routes past all tasks within it were found, and to choose among tasks the wind "
-                "must stay: give more, or fewer tasks"
-            )
-        from workbench.mission.selection import route_what_fits  # here: most missions need none of it
+    turns = TurnCosts(mission, scenario, instance, paths, limits)
+    whole, left_out = attempt(mission, instance, mission.routes.time_limit, mission.routes.seed), ""
+    for _ in range(TRIES):
+        found = whole
+        if not flies_all(replace(instance, endurance=limits), whole):
+            if "time" in instance.axes:
+                raise InputError(
+                    "flight.endurance: no routes past all tasks within it were found, and to choose among tasks the "
+                    "wind must stay: give more, or fewer tasks"
+                )
+            from workbench.mission.selection import route_what_fits  # here: most missions need none of it
 
-        found, selection = route_what_fits(mission, instance, limits, tell)
-        write_aside(out / SELECTION_FILE, selection.text)
-        left_out = f"; {selection.said}"
+            found, selection = route_what_fits(mission, instance, limits, tell)
+            write_aside(out / SELECTION_FILE, selection.text)
+            left_out = f"; {selection.said}"
+        if not turns.counted or (limits == (limits := turns.left_for_legs(found.own["routes"], limits))).all():
+            break
     assert found.objective is not None
     visited = sorted(task for route in found.own["routes"] for task in route)
     part = only(instance, visited) if left_out else instance

@@ -9,6 +9,7 @@ from formulations.task_location.criterion import Criterion
 from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import lattice
 from instances.environment.region import Region
+from instances.environment.value_map import ValueMap
 
 SQUARE = Region.rectangle(20e3, 20e3)
 TESTS = SQUARE.cell_centres(10, 10)
@@ -42,3 +43,19 @@ def test_placing_ascends_from_the_greedy_choice_and_stays_inside():
     assert len(np.unique(begin, axis=0)) == 8
     assert sites.signed_distance(placed).min() > -1e-6
     assert worth(placed)[0] > worth(begin)[0] + 0.1
+
+
+def test_the_gradient_holds_for_a_map_of_the_prior_sd_and_for_old_readings():
+    rng = np.random.default_rng(5)
+    x = np.linspace(0.0, 20e3, 5)
+    prior = ValueMap(x, x, rng.uniform(10.0, 30.0, (5, 5)))
+    kernel = SquaredExponential.of_prior(prior, (4000.0, 5000.0))
+    tasks, known = rng.uniform(1e3, 19e3, (4, 2)), rng.uniform(0, 20e3, (12, 2))
+    worth = ConditionalInformation(kernel, TESTS, known, 1.0, rng.uniform(0.0, 2.0, 12))
+    gradient, step = worth(tasks)[1], 1.0
+    for i, d in np.ndindex(tasks.shape):
+        moved = [tasks + sign * step * np.eye(8)[2 * i + d].reshape(4, 2) for sign in (1, -1)]
+        assert gradient[i, d] == pytest.approx((worth(moved[0])[0] - worth(moved[1])[0]) / 2.0, rel=1e-3, abs=1e-8)
+    ancient = ConditionalInformation(kernel, TESTS, known, 1.0, np.full(12, 50.0))
+    nothing = ConditionalInformation(kernel, TESTS, np.empty((0, 2)), 1.0)
+    assert ancient(tasks)[0] == pytest.approx(nothing(tasks)[0], rel=1e-9)

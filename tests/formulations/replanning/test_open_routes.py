@@ -33,7 +33,7 @@ def test_no_assignment_and_order_leaves_more(seed):
         rng.uniform(0, 8000, (n + 2 * m, 2))
     )
     spent, limits = rng.uniform(0, 60, m), np.array([400.0, 330.0])
-    found = open_routes(legs, n, spent, limits)
+    found = open_routes(legs.cost, n, spent, limits)
     every = (
         tuple(tuple(t for t in order if who[t] == k) for k in range(m))
         for order in permutations(range(n))
@@ -47,7 +47,7 @@ def test_no_assignment_and_order_leaves_more(seed):
 def test_an_empty_route_costs_the_way_home():
     points = np.array([[1000.0, 1000.0], [4000.0, 1000.0], [1000.0, 2000.0], [4000.0, 4000.0]])
     legs = Ways(SQUARE, CostMeasure(CostKind.ENERGY, CALM, 100.0)).between(points)
-    found = empty_routes(legs, 0, np.array([5.0, 7.0]), np.array([50.0, 50.0]))
+    found = empty_routes(legs.cost, 0, np.array([5.0, 7.0]), np.array([50.0, 50.0]))
     assert found.left == pytest.approx([35.0, 13.0])
 
 

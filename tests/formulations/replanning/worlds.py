@@ -50,7 +50,8 @@ def aloft(rng: np.random.Generator, endurance: float, per_uav: int = 3) -> Aloft
 def planner(length: float = 2000.0, polish: bool = False) -> Planner:
     """Return a planner that believes in one length scale [m]."""
     kernel = SquaredExponential(30.0, (length, length))
-    return Planner(MapModel(kernel), 1.0, 5.0, SQUARE.cell_centres(8, 8), polish=polish)
+    points = SQUARE.cell_centres(8, 8)
+    return Planner(MapModel(kernel), 1.0, 5.0, points, points, polish=polish)
 
 
 def field(points: Floats) -> Floats:

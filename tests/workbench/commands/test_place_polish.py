@@ -10,46 +10,21 @@ import pytest
 import shapely
 
 from formulations.mapping.flight import plan_flight
+from tests.workbench.mission.small import SMALL, ZONE
 
-MISSION = """
-airspeed = 50.0
-size = [6000, 5000]
-no_fly = "zones.geojson"
-depots = [[500, 500], [5500, 500]]
-task_points = {tasks}
-{more}
-
-[wind]
-kind = "rotation"
-rate = 1e-3
-centre = [3000, 2500]
-
-[radio]
-position = [3000, 2500]
-
-[place]
-tests = [6, 6]
-length_scale = 1500.0
-
-[costs]
-method = "dijkstra"
-
-[routes]
-solver = "greedy"
-time_limit = 1.0
-"""
-ZONE = shapely.box(2600, 1800, 3400, 3000)
+AREA = shapely.geometry.shape(ZONE)
 RADIUS = 50.0
 
 
 @pytest.fixture
 def mission(tmp_path):
     rng = np.random.default_rng(7)
-    tasks = [p for p in rng.uniform([300, 300], [5700, 4700], (12, 2)) if ZONE.distance(shapely.Point(p)) > 250][:6]
-    (tmp_path / "zones.geojson").write_text(shapely.to_geojson(ZONE))
+    tasks = [p for p in rng.uniform([300, 300], [5700, 4700], (12, 2)) if AREA.distance(shapely.Point(p)) > 250][:6]
+    (tmp_path / "zones.geojson").write_text(json.dumps(ZONE))
 
     def write(more=""):
-        text = MISSION.format(tasks=[p.round(1).tolist() for p in tasks], more=more).replace("task_points", "tasks")
+        text = SMALL.replace("tasks = 8", f"tasks = {[p.round(1).tolist() for p in tasks]}")
+        text = text.replace("origin = [47.0, 8.0]", more)
         (tmp_path / "m.toml").write_text(text)
         return "m.toml"
 
@@ -71,7 +46,7 @@ def test_less_stays_unknown_within_budget_radius_and_borders(cli, mission, tmp_p
         assert (turned <= 1.001 * flight.length / 3999 / RADIUS).all()
         line = shapely.linestrings(track[:, :2])
         assert shapely.box(-0.1, -0.1, 6000.1, 5000.1).covers(line)
-        assert shapely.intersection(line, ZONE.buffer(-0.1)).is_empty
+        assert shapely.intersection(line, AREA.buffer(-0.1)).is_empty
         assert flight.length == pytest.approx(said["lengths_after"][int(str(uav))], rel=0.01)
 
 

@@ -40,7 +40,8 @@ STAGES = ("environment", "place", "costs", "routes", "flight", "map")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("replan")
     events = [LOST, CLOSED, {"time": 9000.0, "kind": "wind", "velocity": [1.0, 0.0]}]
-    mission = mission_of(TABLE | {"flight": {"endurance": 200.0}, "replan": {"every": 5, "event": events}}, Path(), "m")
+    more = {"origin": [47.0, 8.0], "flight": {"endurance": 200.0}, "replan": {"every": 5, "event": events}}
+    mission = mission_of(TABLE | more, Path(), "m")
     for stage in STAGES:
         run_mission(mission, out, only=stage)
     return out
@@ -86,6 +87,14 @@ def test_a_zone_that_appears_is_flown_round_from_then_on(made: Path) -> None:
     assert crossing == {"5-flight": True, "6-map": False}
 
 
+def test_flights_that_may_be_flown_so_again_are_exported(made: Path) -> None:
+    said = json.loads((made / "6-map/exports.json").read_text())
+    assert said["without"]["UAV 1"] == "no plan: it is lost"
+    assert not (made / "6-map/uav-1.plan").exists()
+    plan = json.loads((made / "6-map/uav-0.plan").read_text())
+    assert [fence["inclusion"] for fence in plan["geoFence"]["polygons"]] == [True, False]  # the zone that appeared
+
+
 def test_without_replan_nothing_is_different() -> None:
     plain, empty = (mission_of(TABLE | more, Path(), "m") for more in ({}, {"replan": {}}))
     assert settings(plain) == settings(empty)
@@ -125,8 +134,6 @@ def test_events_that_cannot_be_are_refused(event: dict[str, Any], said: str) -> 
     ("more", "said"),
     [
         ({"flight": {"laps": 2}}, r"leave \[replan\] or flight\.laps out, got flight\.laps = 2"),
-        ({"map": {"tau": 300.0}}, r"leave \[replan\] or map\.tau out"),
-        ({"field": {"tau": 300.0}}, r"leave \[replan\] or field\.tau out"),
         ({"replan": {"every": 0}}, "every"),
     ],
 )

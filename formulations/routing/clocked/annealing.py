@@ -1,33 +1,50 @@
 """Annealed ruin-and-recreate by the clock, the loop inside `ruin-recreate` and `memetic` where costs change with time.
 
-Ruins and moves of long segments go by the costs of half time. A move that these let pass is booked exactly and judged
-again; so is a whole tour turned round, which no static search need try.
+A ruin and recreation is priced to first order (`bookings.py`) and flown exactly only where it may be accepted; half of
+them put every task back where it was, and are not priced at all. Moves of long segments go by the costs of half time:
+one that these let pass is booked exactly and judged again; so is a whole tour turned round, which no static search need
+try.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from formulations.routing.clocked.bookings import Bookings, Eras, book_all, book_tour, fly_tour, reverse
+from formulations.routing.clocked.bookings import (
+    DEPARTS,
+    KNOT,
+    SENSE,
+    SINCE,
+    Bookings,
+    Eras,
+    book_all,
+    book_tour,
+    fly_tour,
+    reverse,
+)
 from formulations.routing.clocked.recreate import recreate
 from formulations.routing.clocks import Clocks
-from formulations.routing.search.annealing import AnnealingParameters
+from formulations.routing.search.annealing import AnnealingParameters, undo
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.energy import Measure, Objective, energy, fitness
 from formulations.routing.search.moves import MoveParameters, Workspace, empty_workspace, move
 from formulations.routing.search.problem_data import Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import GUIDES, shuffle
-from formulations.routing.search.ruin import Removed, remove_adjacent, remove_strings, restore
-from formulations.routing.search.tours import Tours, copy_tours, longest, unlink
+from formulations.routing.search.ruin import Removed, remove_adjacent, remove_strings
+from formulations.routing.search.tours import Tours, copy_tours, longest
 from instances.arrays import Bools, Floats
 from instances.kernels import njit
 
 TURNS = 0.02
 """Share of steps that turn a tour round."""
+DOUBT = 4.0
+"""How many mean errors a step's energy to first order may be above what would be accepted, and is still flown."""
+LEARNING = 0.02
+"""Share of that mean which the last step flown makes."""
 
 
 @njit(cache=True, nogil=True)
@@ -49,6 +66,13 @@ def _book_touched(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, 
     for k in range(touched.size):
         if touched[k]:
             book_tour(clocks, eras, tours, bookings, k)
+
+
+@njit(cache=True, nogil=True)
+def _fly_touched(clocks: Clocks, tours: Tours, bookings: Bookings, touched: Bools) -> None:
+    for k in range(touched.size):
+        if touched[k]:
+            fly_tour(clocks, tours, bookings, k)
 
 
 @njit(cache=True, nogil=True)
@@ -139,47 +163,100 @@ def _move_segments(
 
 
 @njit(cache=True, nogil=True)
-def _ruin_and_recreate(
-    search: Search, rng: Rng, now: float, temperature: float, objective: Objective, parameters: AnnealingParameters
+def _turn_or_move(
+    search: Search,
+    turns: bool,
+    rng: Rng,
+    now: float,
+    temperature: float,
+    objective: Objective,
+    parameters: MoveParameters,
 ) -> float:
-    """Take tasks out and insert them again where that is accepted; return the energy then [s]."""
-    clocks, eras, data, tours, bookings, room = search
-    costs, removed, queue, sizes, touched = data.costs, room.removed, room.queue, room.sizes, room.touched
-    times, marks, rows, row_marks, costs_before = bookings.times, bookings.marks, room.rows, room.marks, room.costs
-    for k in range(sizes.size):
-        sizes[k], costs_before[k] = tours.size[k], tours.cost[k]
-    if uniform(rng) < parameters.strings:
-        count = remove_strings(costs, data.near.tasks, tours, removed, rng)
-    else:
-        count = remove_adjacent(costs, data.near.tasks, tours, removed, rng)
-    for k in range(sizes.size):
-        touched[k] = tours.size[k] != sizes[k]
+    """Turn a tour round or make a move; return the energy then [s]."""
+    if turns:
+        return _turn_round(search, rng, now, temperature, objective)
+    return _move_segments(search, rng, now, temperature, objective, parameters)
+
+
+@njit(cache=True, nogil=True)
+def _copy(source: Any, target: Any) -> None:
+    """Copy an array; a slice would take many times as long, these being short."""
+    for i in range(source.size):
+        target[i] = source[i]
+
+
+@njit(cache=True, nogil=True)
+def _ruin(costs: Costs, nearest: Nodes, tours: Tours, removed: Removed, strings: float, rng: Rng) -> int:
+    """Take tasks out, strings of them or neighbours; return how many."""
+    if uniform(rng) < strings:
+        return remove_strings(costs, nearest, tours, removed, rng)
+    return remove_adjacent(costs, nearest, tours, removed, rng)
+
+
+@njit(cache=True, nogil=True)
+def _close_gaps(
+    clocks: Clocks,
+    tours: Tours,
+    bookings: Bookings,
+    removed: Removed,
+    count: int,
+    was: Nodes,
+    sizes: Nodes,
+    costs: Floats,
+    touched: Bools,
+) -> None:
+    """Mark the tours that tasks were taken from, and take what they save, to first order, from their `costs` before.
+
+    was (n+m,), sizes (m,) : the nodes after each and the sizes of the tours, before. A gap behind a node that is left
+    saves (A_w − A'_w)·S_w at the next node w.
+    """
+    lines, classes, times, marks, scales = clocks.lines, clocks.classes, bookings.times, bookings.marks, bookings.scale
+    tour, after, cost, size, tasks, behind = tours.tour, tours.after, tours.cost, tours.size, *removed[:2]
+    n = after.size - cost.size
+    for k in range(cost.size):
+        cost[k], touched[k] = costs[k], size[k] != sizes[k]
     for i in range(count):
-        v = removed.tasks[i]
+        u = behind[i]
+        k = tour[u]
+        if k < 0 or was[u] != tasks[i]:  # taken out itself, or the gap behind it begins with another task
+            continue
+        w, q, g, scale = after[u], marks[u, KNOT], classes[k], scales[k]
+        there = lines[g, u, w, q, 0] + lines[g, u, w, q, 1] * times[u, SINCE] if u != w else 0.0
+        arrival, sense = (costs[k], 1.0) if w >= n else (times[w, DEPARTS] * scale, times[w, SENSE])
+        cost[k] += ((times[u, DEPARTS] + there) * scale - arrival) * sense
+
+
+@njit(cache=True, nogil=True)
+def _remember(
+    times: Floats, marks: Nodes, tasks: Nodes, count: int, queue: Nodes, rows: Floats, row_marks: Nodes
+) -> None:
+    """Queue the tasks taken out, and copy their bookings to `rows` and `row_marks`."""
+    for i in range(count):
+        v = tasks[i]
         queue[i] = v
         for c in range(rows.shape[1]):
             rows[i, c] = times[v, c]
         row_marks[i, 0], row_marks[i, 1] = marks[v, 0], marks[v, 1]
-    shuffle(queue, count, rng)
-    guide = GUIDES[below(rng, parameters.guides)]
-    recreate(clocks, eras, costs, data.near, tours, bookings, queue, count, guide, parameters.recreate, rng, touched)
-    for k in range(sizes.size):
-        if touched[k]:
-            fly_tour(clocks, tours, bookings, k)
-    then = energy(tours.cost, objective)
-    if then < now - temperature * math.log(1.0 - uniform(rng)):
-        _book_touched(clocks, eras, tours, bookings, touched)
-        return then
+
+
+@njit(cache=True, nogil=True)
+def _recall(times: Floats, marks: Nodes, tasks: Nodes, count: int, rows: Floats, row_marks: Nodes) -> None:
+    """Copy the bookings of the tasks taken out back."""
     for i in range(count):
-        v = removed.tasks[i]
-        unlink(costs, tours, v)
+        v = tasks[i]
         for c in range(rows.shape[1]):
             times[v, c] = rows[i, c]
         marks[v, 0], marks[v, 1] = row_marks[i, 0], row_marks[i, 1]
-    restore(costs, tours, count, removed)
-    for k in range(sizes.size):
-        tours.cost[k] = costs_before[k]
-    return now
+
+
+@njit(cache=True, nogil=True)
+def _all_back(tasks: Nodes, count: int, before: Nodes, after: Nodes, was: Nodes) -> bool:
+    """Return whether all tasks taken out are back where they were, `was` being the nodes after each before."""
+    for i in range(count):
+        v = tasks[i]
+        if after[v] != was[v] or was[before[v]] != v:
+            return False
+    return True
 
 
 @njit(cache=True, nogil=True)
@@ -195,18 +272,49 @@ def anneal_by_clock(
     parameters: AnnealingParameters,
 ) -> None:
     """Take `steps` steps from the tours of `search`, in place; `search.annealing.anneal` says what the others are."""
-    tours = search.tours
-    book_all(search.clocks, search.eras, tours, search.bookings)
-    now = energy(tours.cost, objective)
+    clocks, eras, data, tours, bookings, room = search  # once: in the loop each access would count references
+    costs, near, nearest, removed, queue, touched = data.costs, data.near, data.near.tasks, room[0], room[1], room[6]
+    times, marks, rows, row_marks, sizes, costs_before = bookings.times, bookings.marks, *room[2:6]
+    tasks, size, cost, before, after = removed.tasks, tours.size, tours.cost, tours.before, tours.after
+    book_all(clocks, eras, tours, bookings)
+    now, was, doubt = energy(cost, objective), after.copy(), 0.0
     lowest = fitness(fittest.cost, measure)
     for _ in range(steps):
         draw = uniform(rng)
-        if draw < TURNS:
-            then = _turn_round(search, rng, now, temperature, objective)
-        elif draw < TURNS + parameters.moves:
-            then = _move_segments(search, rng, now, temperature, objective, parameters.move)
+        then = now
+        if draw < TURNS + parameters.moves:
+            turns = draw < TURNS
+            then = _turn_or_move(search, turns, rng, now, temperature, objective, parameters.move)
+            _copy(after, was)
         else:
-            then = _ruin_and_recreate(search, rng, now, temperature, objective, parameters)
+            _copy(cost, costs_before)
+            _copy(size, sizes)
+            if uniform(rng) < parameters.strings:
+                count = remove_strings(costs, nearest, tours, removed, rng)
+            else:
+                count = remove_adjacent(costs, nearest, tours, removed, rng)
+            _close_gaps(clocks, tours, bookings, removed, count, was, sizes, costs_before, touched)
+            _remember(times, marks, tasks, count, queue, rows, row_marks)
+            shuffle(queue, count, rng)
+            guide = GUIDES[below(rng, parameters.guides)]
+            recreate(clocks, eras, costs, near, tours, bookings, queue, count, guide, parameters.recreate, rng, touched)
+            if _all_back(tasks, count, before, after, was):
+                _copy(costs_before, cost)
+                _recall(times, marks, tasks, count, rows, row_marks)
+                continue
+            limit = now - temperature * math.log(1.0 - uniform(rng))
+            guess, flown = energy(cost, objective), np.inf
+            if guess < limit + DOUBT * doubt:
+                _fly_touched(clocks, tours, bookings, touched)
+                flown = energy(cost, objective)
+                doubt += LEARNING * (abs(flown - guess) - doubt)
+            if flown < limit:
+                _book_touched(clocks, eras, tours, bookings, touched)
+                _copy(after, was)
+                then = flown
+            else:
+                undo(costs, tours, count, removed, costs_before)
+                _recall(times, marks, tasks, count, rows, row_marks)
         if then != now:
             now = then
             lowest = _keep(tours, best, fittest, lowest, measure)

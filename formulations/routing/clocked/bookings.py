@@ -6,7 +6,7 @@
 so that putting v between u and w makes the tour longer by about (A'_w − A_w)·S_w: three legs looked up, whatever the
 tour's length. That is asked of few places: the others are ruled out by the costs of their era, one of few in which
 time is cut, at whose middle they are known without a clock. While tasks are taken out and put in again bookings of what
-lies behind are a little old; then the tours are flown exactly, leg by leg, and booked anew where they are kept.
+lies behind are a little old; tours are flown exactly, leg by leg, where they may be kept, and booked anew then.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.clocks import Clocks, knot_at, leg_at
+from formulations.routing.clocks import Clocks, knot_at
 from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.tours import Tours
 from instances.arrays import Floats
@@ -27,10 +27,15 @@ ERAS = 8
 
 
 class Eras(NamedTuple):
-    """Costs at the middle of each of few eras: out[g, v, e, w] and into[g, v, e, u] [s], and the era of each knot."""
+    """Costs [s] at the middle of each of few eras, in tables that are cheap to index.
+
+    out[g·N + v, e·N + w], into[g·N + v, e·N + u] : to w from v and to v from u; row (m,) : g·N of each UAV; of_knot :
+    e·N of each knot.
+    """
 
     out: NDArray[np.float32]
     into: NDArray[np.float32]
+    row: Nodes
     of_knot: Nodes
 
 
@@ -64,9 +69,14 @@ def eras_of(clocks: Clocks, horizon: float) -> Eras:
     last = max(1, int(np.searchsorted(knots, horizon)))
     of_knot = np.minimum(np.arange(len(knots)) * min(ERAS, last) // last, min(ERAS, last) - 1).astype(np.int32)
     middles = [float(knots[of_knot == e][:2].mean()) for e in range(of_knot.max() + 1)]
-    cost = np.stack([_at(clocks, time) for time in middles], axis=2).astype(np.float32)  # (G, N, E, N)
-    into = np.stack([_at(clocks, time).transpose(0, 2, 1) for time in middles], axis=2).astype(np.float32)
-    return Eras(cost, into, of_knot)
+    n = clocks.lines.shape[1]
+    out, into = (
+        np.stack([_at(clocks, time).transpose(axes) for time in middles], axis=2).reshape(-1, len(middles) * n)
+        for axes in ((0, 1, 2), (0, 2, 1))
+    )
+    return Eras(
+        out.astype(np.float32), into.astype(np.float32), (clocks.classes * n).astype(np.int32), of_knot * np.int32(n)
+    )
 
 
 def _at(clocks: Clocks, time: float) -> Floats:
@@ -138,17 +148,6 @@ def insertion_change(clocks: Clocks, tours: Tours, bookings: Bookings, v: int, u
     q = knot_at(clocks, time)
     on = lines[g, v, w, q, 0] + lines[g, v, w, q, 1] * (time - clocks.knots[q])
     return (there + on - straight) * times[w, SENSE] * bookings.scale[k]
-
-
-@njit(cache=True, nogil=True)
-def note(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, v: int) -> None:
-    """Book task v, just inserted, as the node before it is booked; the rest of its tour stays as it is."""
-    times, marks = bookings.times, bookings.marks
-    u, w = tours.before[v], tours.after[v]
-    time = times[u, DEPARTS] + leg_at(clocks, clocks.classes[tours.tour[v]], u, v, times[u, DEPARTS])
-    q = knot_at(clocks, time)
-    marks[v, KNOT], marks[v, ERA] = q, eras.of_knot[q]
-    times[v, DEPARTS], times[v, SINCE], times[v, SENSE] = time, time - clocks.knots[q], times[w, SENSE]
 
 
 @njit(cache=True, nogil=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.routing.clocked.bookings import ERA, Bookings, Eras, insertion_change, note
+from formulations.routing.clocked.bookings import DEPARTS, ERA, KNOT, SENSE, SINCE, Bookings, Eras
 from formulations.routing.clocks import Clocks
 from formulations.routing.search.costs import Costs
 from formulations.routing.search.energy import Measure
@@ -16,83 +16,8 @@ from formulations.routing.search.problem_data import GranularNeighbourhood, Node
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.recreate import RecreateParameters, growth
 from formulations.routing.search.tours import Tours, link, longest
-from instances.arrays import Bools, Ints
+from instances.arrays import Bools, Floats
 from instances.kernels import njit
-
-
-@njit(cache=True, nogil=True)
-def best_by_era(
-    classes: Ints,
-    eras: Eras,
-    near: GranularNeighbourhood,
-    tours: Tours,
-    bookings: Bookings,
-    v: int,
-    guide: Measure,
-    scale: float,
-    parameters: RecreateParameters,
-    blink: float,
-    rng: Rng,
-) -> tuple[int, int]:
-    """Return the best two nodes to put task v behind, by eras, −1 if none; 1 / scale [s] is the guide's unit."""
-    tasks, depots, tour, cost, before, after = (
-        near.tasks,
-        near.depots,
-        tours.tour,
-        tours.cost,
-        tours.before,
-        tours.after,
-    )
-    out, into, marks, scales = eras.out, eras.into, bookings.marks, bookings.scale
-    n_depots, nearest = depots.shape[1], parameters.depots
-    n_tasks_seen = min(parameters.width, tasks.shape[1])
-    n_seen = n_tasks_seen + min(2 * nearest, n_depots)
-    overlooked = below(rng, int(n_seen / blink)) if blink > 0.0 else -1
-    best, best_u, second, second_u = np.inf, -1, np.inf, -1
-    for j in range(n_seen):
-        if j < n_tasks_seen:
-            node = tasks[v, j]
-        elif j < n_tasks_seen + nearest or n_depots <= 2 * nearest:
-            node = depots[v, j - n_tasks_seen]
-        else:
-            node = depots[v, nearest + below(rng, n_depots - nearest)]
-        k = tour[node]
-        if k < 0 or j == overlooked:
-            continue
-        g, u, b = classes[k], node, before[node]
-        e, f, w = marks[u, ERA], marks[b, ERA], after[u]
-        change = into[g, v, e, u] + out[g, v, e, w] - out[g, u, e, w]
-        ahead = into[g, v, f, b] + out[g, v, f, node] - out[g, b, f, node]
-        if ahead < change:
-            u, change = b, ahead
-        value = growth(cost[k] * scale, change * scales[k] * scale, guide, parameters.tie)
-        if value < best or best_u < 0:
-            best, best_u, second, second_u = value, u, best, best_u
-        elif value < second and u != best_u:
-            second, second_u = value, u
-    return best_u, second_u
-
-
-@njit(cache=True, nogil=True)
-def better_by_clock(
-    clocks: Clocks,
-    tours: Tours,
-    bookings: Bookings,
-    v: int,
-    places: tuple[int, int],
-    guide: Measure,
-    scale: float,
-    tie: float,
-) -> tuple[int, float]:
-    """Return the better of two nodes to put task v behind, to first order, and the change of its tour's cost [s]."""
-    one, two = places
-    change = insertion_change(clocks, tours, bookings, v, one)
-    if two < 0 or one == two:
-        return one, change
-    other = insertion_change(clocks, tours, bookings, v, two)
-    first = growth(tours.cost[tours.tour[one]] * scale, change * scale, guide, tie)
-    second = growth(tours.cost[tours.tour[two]] * scale, other * scale, guide, tie)
-    return (one, change) if first <= second else (two, other)
 
 
 @njit(cache=True, nogil=True)
@@ -114,16 +39,95 @@ def recreate(
 
     touched : marks the tours that took some.
     """
-    unit, classes = longest(tours.cost), clocks.classes
+    unit = longest(tours.cost)
     scale = 1.0 / unit if unit > 0.0 else 1.0
+    lines, knots, first, per_second = clocks.lines, clocks.knots, clocks.first, clocks.per_second
+    classes, of_knot, scales, times, marks = (
+        clocks.classes,
+        eras.of_knot,
+        bookings.scale,
+        bookings.times,
+        bookings.marks,
+    )
+    tour, cost, after = tours.tour, tours.cost, tours.after
     for i in range(count):
         v = queue[i]
-        found = best_by_era(classes, eras, near, tours, bookings, v, guide, scale, parameters, parameters.blink, rng)
-        if found[0] < 0:
-            found = best_by_era(classes, eras, near, tours, bookings, v, guide, scale, parameters, 0.0, rng)
-        u, change = better_by_clock(clocks, tours, bookings, v, found, guide, scale, parameters.tie)
-        k = tours.tour[u]
-        link(costs, tours, v, u)
-        note(clocks, eras, tours, bookings, v)
-        tours.cost[k] += change
+        places = best_by_era(eras, near, tours, marks, scales, v, guide, scale, parameters, parameters.blink, rng)
+        if places[0] < 0:
+            places = best_by_era(eras, near, tours, marks, scales, v, guide, scale, parameters, 0.0, rng)
+        best, best_u, best_change, best_time, best_q = np.inf, -1, 0.0, 0.0, 0
+        for u in places:
+            if u < 0:
+                break
+            k, w = tour[u], after[u]
+            g, q, since = classes[k], marks[u, KNOT], times[u, SINCE]
+            there = lines[g, u, v, q, 0] + lines[g, u, v, q, 1] * since
+            straight = lines[g, u, w, q, 0] + lines[g, u, w, q, 1] * since if u != w else 0.0
+            time = times[u, DEPARTS] + there
+            q = first[int(min(time * per_second, first.size - 1.0))]
+            while knots[q + 1] <= time:
+                q += 1
+            on = lines[g, v, w, q, 0] + lines[g, v, w, q, 1] * (time - knots[q])
+            change = (there + on - straight) * times[w, SENSE] * scales[k]
+            value = growth(cost[k] * scale, change * scale, guide, parameters.tie)
+            if value < best or best_u < 0:
+                best, best_u, best_change, best_time, best_q = value, u, change, time, q
+        k, w = tour[best_u], after[best_u]
+        link(costs, tours, v, best_u)
+        marks[v, KNOT], marks[v, ERA] = best_q, of_knot[best_q]
+        times[v, DEPARTS], times[v, SINCE], times[v, SENSE] = best_time, best_time - knots[best_q], times[w, SENSE]
+        cost[k] += best_change
         touched[k] = True
+
+
+@njit(cache=True, nogil=True)
+def best_by_era(
+    eras: Eras,
+    near: GranularNeighbourhood,
+    tours: Tours,
+    marks: Nodes,
+    scales: Floats,
+    v: int,
+    guide: Measure,
+    scale: float,
+    parameters: RecreateParameters,
+    blink: float,
+    rng: Rng,
+) -> tuple[int, int]:
+    """Return the best two nodes to put task v behind, by eras, −1 if none; 1 / scale [s] is the guide's unit."""
+    out, into, row = eras.out, eras.into, eras.row
+    tasks, depots, tour, cost, before, after = (
+        near.tasks,
+        near.depots,
+        tours.tour,
+        tours.cost,
+        tours.before,
+        tours.after,
+    )
+    n_depots, nearest = depots.shape[1], parameters.depots
+    n_tasks_seen = min(parameters.width, tasks.shape[1])
+    n_seen = n_tasks_seen + min(2 * nearest, n_depots)
+    overlooked = below(rng, int(n_seen / blink)) if blink > 0.0 else -1
+    best, best_u, second, second_u = np.inf, -1, np.inf, -1
+    for j in range(n_seen):
+        if j < n_tasks_seen:
+            node = tasks[v, j]
+        elif j < n_tasks_seen + nearest or n_depots <= 2 * nearest:
+            node = depots[v, j - n_tasks_seen]
+        else:
+            node = depots[v, nearest + below(rng, n_depots - nearest)]
+        k = tour[node]
+        if k < 0 or j == overlooked:
+            continue
+        g, u, b = row[k], node, before[node]
+        e, f, w = marks[u, ERA], marks[b, ERA], after[u]
+        change = into[g + v, e + u] + out[g + v, e + w] - out[g + u, e + w]
+        ahead = into[g + v, f + b] + out[g + v, f + node] - out[g + b, f + node]
+        if ahead < change:
+            u, change = b, ahead
+        value = growth(cost[k] * scale, change * scales[k] * scale, guide, parameters.tie)
+        if value < best or best_u < 0:
+            best, best_u, second, second_u = value, u, best, best_u
+        elif value < second and u != best_u:
+            second, second_u = value, u
+    return best_u, second_u

@@ -9,11 +9,15 @@ import pytest
 
 from formulations.limits import Limits
 from formulations.moving_cost.families import generate
+from formulations.routing.clocked.annealing import anneal_by_clock
 from formulations.routing.clocked.bookings import insertion_change, reverse
 from formulations.routing.clocked.problem import ClockedProblem
 from formulations.routing.frozen import frozen, in_better_directions, judged
 from formulations.routing.registry import make_solver
+from formulations.routing.search.annealing import AnnealingParameters
+from formulations.routing.search.energy import Objective, p_norm
 from formulations.routing.search.problem_data import NeighbourhoodParameters
+from formulations.routing.search.randomness import seeded
 from formulations.routing.search.tours import duplicate, to_routes
 from instances import Instance, Routes, makespan, tour_costs
 
@@ -45,6 +49,25 @@ def test_first_order_changes_are_nearly_those_of_tours_flown_anew() -> None:
         flown = tour_costs(instance, ((*order[:place], 0, *order[place:]),))[0] - tours.cost[0]
         change = insertion_change(search.clocks, tours, search.bookings, 0, u)
         assert change == pytest.approx(flown, rel=0.08, abs=5.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_whatever_steps_undo_tours_are_booked_as_they_are_flown(clocked: Clocked, seed: int) -> None:
+    """Steps that put all back, that are refused unflown, and refused or kept after: links, costs and bookings agree."""
+    instance, how, energy = clocked(9, 3, 2 * seed), AnnealingParameters(), Objective(p_norm(8), 0.1)
+    problem = ClockedProblem(instance, NeighbourhoodParameters())
+    tours, rng = problem.tours(routes_of(9, 3, seed)), seeded(seed)
+    best, fittest, search = duplicate(tours), duplicate(tours), problem.search(tours, how.removals)
+    for temperature in (300.0, 30.0, 3.0):
+        anneal_by_clock(search, best, fittest, rng, 500, temperature, energy, p_norm(8), how)
+        for some in (tours, best, fittest):
+            assert sorted(i for route in to_routes(some) for i in route) == list(range(9))
+            again = duplicate(some)
+            problem.book(again)
+            assert some.cost == pytest.approx(again.cost, rel=1e-12)
+        booked = problem.search(duplicate(tours), 1).bookings
+        on_tour = [u for u in range(12) if u < 9 or tours.after[u] != u]
+        assert search.bookings.times[on_tour] == pytest.approx(booked.times[on_tour])
 
 
 def test_turning_a_tour_round_twice_changes_nothing() -> None:
@@ -86,6 +109,7 @@ def test_better_directions_are_never_worse() -> None:
 def test_searches_by_the_clock_repeat_themselves(name: str) -> None:
     solver, instance = make_solver(name), generate("wind-turning", 15, 3, 0)
     limits = Limits(time=60, iterations=300)
+    solver.prepare(instance)
     first, second = (solver.solve(instance, limits=limits, seed=3) for _ in range(2))
     assert first.routes == second.routes
     assert first.objective == second.objective

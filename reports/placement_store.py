@@ -19,6 +19,13 @@ def read_placements(*folders: Path | str) -> tuple[list[dict[str, Any]], list[st
     return [{**run.flat(), "path": str(path)} for path, run in runs.items()], warnings
 
 
+def worth_of(run: dict[str, Any]) -> float | None:
+    """Return what a run's points are worth [nats] under the criterion that its study maximises; None without points."""
+    if run["mutual_information"] is None or run["objective"] is None:
+        return None
+    return -float(run["objective"])
+
+
 def placement_contradictions(runs: Sequence[dict[str, Any]]) -> list[tuple[str, str]]:
     """Return (path, sentence) for each run worth more than a certificate that any run states for the same problem."""
     lowest: dict[str, dict[str, Any]] = {}
@@ -26,7 +33,7 @@ def placement_contradictions(runs: Sequence[dict[str, Any]]) -> list[tuple[str, 
         lowest.setdefault(run["instance"]["digest"], run)
     found = []
     for run in runs:
-        value, least = run["mutual_information"], lowest[run["instance"]["digest"]]
+        value, least = worth_of(run), lowest[run["instance"]["digest"]]
         if value is not None and value > least["certificate"] + RELATIVE_ROUNDING * abs(least["certificate"]):
             own = run["certificate"] == least["certificate"]
             whose = "its own certificate" if own else f"the certificate stated by {least['label']}"

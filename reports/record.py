@@ -52,9 +52,11 @@ OWN: dict[str, tuple[Column, ...]] = {
     "placement": (
         Column("points", "points", "m", "task locations, shape (n, 2)"),
         Column("mutual_information", "number", "nats", "information (b) of the points, re-computed"),
-        Column("certificate", "finite", "nats", "upper bound: no placement in the region has more", True),
-        Column("ratio", "number", "", "mutual_information / certificate"),
-        Column("information", "figures", "nats", "information of the points under each convention"),
+        Column("certificate", "finite", "nats", "upper bound of what is maximised, in the region", True),
+        Column("ratio", "number", "", "what is maximised, information (b) unless the study says, / certificate"),
+        Column(
+            "information", "figures", "nats", "information of the points under each convention, under j its worth, too"
+        ),
     ),
     "moving-cost": (
         Column("cost", "matrix", "s", "moving cost of every ordered pair of nodes, shape (N, N)"),

@@ -86,6 +86,10 @@ class VarianceReduction:
         """Return ½ log(J₀/J) [nats] for `points` (n, 2) [m]."""
         return 0.5 * math.log(self.before / self.judged.value(points))
 
+    def upper_bound(self, count: int) -> float:
+        """Return what no `count` points are worth more than [nats], wherever they are, replicates included."""
+        return 0.5 * math.log(self.before / self.judged.lower_bound(count))
+
     def slopes(self, points: Floats) -> Slopes:
         """Return ½ log(J₀/J) and its gradient at `points` (n, 2) [m]."""
         left, gradient = self.judged(points)

@@ -94,7 +94,7 @@ def draw_placement_convergence(
 ) -> Drawn | None:
     """Return gap to `bound` [nats] against elapsed [s], one line a method; None where no method has a trace.
 
-    traces : method → (elapsed [s], mutual information [nats]), improvements in order. look : of each method.
+    traces : method → (elapsed [s], worth [nats]), improvements in order. look : of each method.
     """
     found = {name: np.array(trace, dtype=float) for name, trace in traces.items() if len(trace)}
     if not found:

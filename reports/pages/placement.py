@@ -18,36 +18,41 @@ from reports.figures.svg import Drawn
 from reports.pages.blocks import Beside, Block, Lines, Section, figures_in, table_of
 from reports.pages.made import code_notes, environments_of, limits_and_machines
 from reports.pages.page import Page, write_page
-from reports.placement_store import placement_contradictions
+from reports.placement_store import placement_contradictions, worth_of
 
 RUN_COLUMNS = [
     "instance", "digest", "n_tasks", "method", "seed", "time_limit", "status", "mutual_information", "certificate",
-    "ratio", "gap_found", "elapsed", "cpu_seconds", "peak_memory", "stopped_by", "message", "code",
+    "ratio", "gap_found", "elapsed", "cpu_seconds", "peak_memory", "stopped_by", "message", "code", "worth",
 ]  # fmt: skip
 
 
 def placement_frame(runs: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return a row a run: RUN_COLUMNS; gap_found is 1 − I / best I found on the same problem by any run."""
+    """Return a row a run: RUN_COLUMNS; worth [nats] is of what is maximised; gap_found is 1 − worth / best found.
+
+    What is maximised is mutual information (b) unless the study says another criterion; the best found is that of any
+    run on the same problem.
+    """
     rows = [
         {**run, "instance": run["instance"]["name"], "digest": run["instance"]["digest"], "method": run["label"],
-         "n_tasks": run["instance"]["n_tasks"]}
+         "n_tasks": run["instance"]["n_tasks"], "worth": worth_of(run)}
         for run in runs
     ]  # fmt: skip
     frame = pd.DataFrame(rows, columns=[name for name in RUN_COLUMNS if name != "gap_found"])
-    frame["mutual_information"] = frame["mutual_information"].astype(float)
-    best = frame.groupby("digest")["mutual_information"].transform("max")
-    frame["gap_found"] = 1 - frame["mutual_information"] / best
+    for name in ("worth", "mutual_information"):
+        frame[name] = frame[name].astype(float)
+    best = frame.groupby("digest")["worth"].transform("max")
+    frame["gap_found"] = 1 - frame["worth"] / best
     return frame[RUN_COLUMNS]
 
 
 def placement_summary(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return a row a problem and method, best first: runs, failures, best and mean I, gaps, median times."""
+    """Return a row a problem and method, best first: runs, failures, best and mean worth, gaps, median times."""
     groups = frame.groupby(["instance", "method"], sort=False)
     found = groups.agg(
         runs=("seed", "size"),
-        failed=("mutual_information", lambda column: int(column.isna().sum())),
-        best=("mutual_information", "max"),
-        mean=("mutual_information", "mean"),
+        failed=("worth", lambda column: int(column.isna().sum())),
+        best=("worth", "max"),
+        mean=("worth", "mean"),
         gap_found=("gap_found", "mean"),
         ratio=("ratio", "max"),
         elapsed=("elapsed", "median"),
@@ -70,10 +75,10 @@ def write_placement_page(
     if path is not None:
         about = (
             f"{len(frame)} runs of {frame['method'].nunique()} methods on {frame['digest'].nunique()} problems. Before "
-            "it was stored, every placement was checked to lie in its region and its information recomputed outside "
-            "the method."
+            "it was stored, every placement was checked to lie in its region and what it is worth recomputed outside "
+            "the method: information or, under criterion j, ½ log of how far the weighted mean variance falls."
         )
-        units = "Information in nats, times in seconds."
+        units = "Worth in nats, times in seconds."
         write_page(Page(title, about, blocks, units), path)
 
 
@@ -93,12 +98,12 @@ def _blocks(runs: Sequence[dict[str, Any]], frame: pd.DataFrame) -> list[Block]:
 
 
 def _convergence(runs: Sequence[dict[str, Any]], digest: str) -> Drawn | None:
-    """Return the convergence of each method's median run (by final information) on one problem."""
-    solved = [run for run in runs if run["mutual_information"] is not None]
+    """Return the convergence of each method's median run (by final worth) on one problem."""
+    solved = [run for run in runs if worth_of(run) is not None]
     mine = [run for run in solved if run["instance"]["digest"] == digest and _traced(run)]
     traces: dict[str, list[tuple[float, float]]] = {}
     for label in dict.fromkeys(run["label"] for run in mine):
-        ranked = sorted((run for run in mine if run["label"] == label), key=lambda run: run["mutual_information"])
+        ranked = sorted((run for run in mine if run["label"] == label), key=lambda run: run["objective"], reverse=True)
         traces[label] = _traced(ranked[(len(ranked) - 1) // 2])
     if not traces:
         return None
@@ -110,5 +115,5 @@ def _convergence(runs: Sequence[dict[str, Any]], digest: str) -> Drawn | None:
 
 
 def _traced(run: dict[str, Any]) -> list[tuple[float, float]]:
-    """Return elapsed [s] and information [nats] of each improvement."""
+    """Return elapsed [s] and worth [nats] of each improvement."""
     return [(elapsed, -objective) for elapsed, objective, _ in run["trace"] if objective is not None]

@@ -2,7 +2,10 @@
 
 As everywhere, lower is better: the objective of a run is −I [nats], and its bound minus the certificate, which is
 computed once for each problem. `check` computes it again: it is the claim that nothing better exists, and only its own
-argument can show it.
+argument can show it. With criterion "j" both are of ½ log(J₀/J) instead (`task_location/variance_reduction.py`).
+
+A store explains itself: the values of a map of weights at the test points are kept as the points' own, a map of prior
+sd by its nodes, so that what is judged again needs no file.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ import numpy as np
 from shapely.geometry import mapping
 
 from formulations.limits import Limits
-from formulations.task_location.certificate import certificate
+from formulations.task_location.certificate import Certificate, certificate
 from formulations.task_location.criterion import Convention
 from formulations.task_location.placement import (
     PlacementMethod,
@@ -31,10 +34,13 @@ from formulations.task_location.placement import (
     share_of,
 )
 from formulations.task_location.registry import METHODS
-from formulations.task_location.setting import criterion_of, region_of, rows_of_tests
-from formulations.task_location.variance_reduction import information_of
+from formulations.task_location.setting import goal_of, rows_of_tests, site_of, tests_of, weights_of
+from formulations.task_location.variance_reduction import NAME, VarianceReduction
 from instances.disk import write_aside
 from instances.environment.region import Region, single_polygon
+from instances.environment.site import Site
+from instances.errors import naming
+from instances.value_maps import read_value_map
 from reports.damage import reading
 from reports.record import ITEM_FILES, Run, read_json, study_title
 from workbench.jobs.check import check_runs
@@ -47,7 +53,7 @@ from workbench.summary import Summary
 if TYPE_CHECKING:
     from reports.columns import Column
 
-SETTING = ("tests", "signal_sd", "length_scale", "noise_sd", "test_noise_sd")
+SETTING = ("tests", "signal_sd", "length_scale", "noise_sd", "test_noise_sd", "criterion")
 """Keys of a study that say how information is measured."""
 TOLERANCE = 1e-6
 """Relative: a claim further from the recomputed information is refuted."""
@@ -69,7 +75,7 @@ class PlacementItem:
         """Pickle without `problem`: its eigendecomposition belongs to the search."""
         return PlacementItem, (self.name, self.polygon, self.setting, self.n_tasks, self.certificate)
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """First 12 hexadecimal digits of the SHA-256 of everything but name and certificate."""
         content = json.dumps([self.polygon, self.setting, self.n_tasks], sort_keys=True)
@@ -79,7 +85,7 @@ class PlacementItem:
     def problem(self) -> PlacementProblem:
         """The problem; InputError says what is wrong with it."""
         region = Region(single_polygon(self.polygon))
-        return PlacementProblem(region, criterion_of(region, **self.setting), self.n_tasks)
+        return PlacementProblem(region, goal_of(region, **self.setting), self.n_tasks)
 
     def load(self) -> PlacementItem:
         """Return itself: nothing is left to make."""
@@ -105,13 +111,14 @@ class PlacementStudy(Problem[PlacementItem]):
         setting = {key: value for key in SETTING if (value := getattr(study, key)) is not None}
         setting |= {key: str(setting[key]) for key in ("tests", "length_scale") if key in setting}
         if str(setting.get("tests", "")).lower().endswith(".csv"):
-            setting["tests"] = rows_of_tests(base / setting["tests"]).tolist()  # a store explains itself
+            setting["tests"] = rows_of_tests(base / setting["tests"]).tolist()
         for region in listed(study.regions):
-            area = region_of(None if region == "square" else base / region)
+            site = site_of(None if region == "square" else base / region)
             stem = region if region == "square" else Path(region).stem
-            polygon = json.loads(json.dumps(mapping(area.polygon)))
+            polygon = json.loads(json.dumps(mapping(site.region.polygon)))
+            mapped = setting | _of_maps(study, base, site, setting)
             for count in listed(study.tasks):
-                item = PlacementItem(f"{stem}-n{count}", polygon, setting, count)
+                item = PlacementItem(f"{stem}-n{count}", polygon, mapped, count)
                 _ = item.problem  # refuse now what cannot be built later
                 yield item
 
@@ -125,7 +132,7 @@ class PlacementStudy(Problem[PlacementItem]):
         if path.exists():
             return
         began = time.perf_counter()
-        bound = certificate(information_of(item.problem.criterion), item.problem.region, item.n_tasks)
+        bound = _certificate(item)
         stated = {"bound": bound.bound, "kind": bound.kind, "elapsed": time.perf_counter() - began}
         content = {"name": item.name, "polygon": item.polygon, "setting": item.setting, "n_tasks": item.n_tasks}
         write_aside(path, json.dumps({"schema": 1, "problem": self.name, **content, "certificate": stated}))
@@ -152,8 +159,9 @@ class PlacementStudy(Problem[PlacementItem]):
         self, method: PlacementMethod, item: PlacementItem, limits: Limits, seed: int, tell: Listener, start: Any
     ) -> Claim:
         """Search, streaming improvements."""
+        problem = PlacementItem(item.name, item.polygon, item.setting, item.n_tasks).problem
         found = place(
-            PlacementItem(item.name, item.polygon, item.setting, item.n_tasks).problem,
+            problem,
             method,
             type(method).__name__,
             seed=seed,
@@ -161,7 +169,11 @@ class PlacementStudy(Problem[PlacementItem]):
             observe=lambda elapsed, value, points: tell(Claim(points.tolist(), -value)),
         )
         return Claim(
-            found.points.tolist(), -found.mutual_information, None, found.status.value, stopped_by=found.stopped_by
+            found.points.tolist(),
+            -problem.criterion.value(found.points),
+            None,
+            found.status.value,
+            stopped_by=found.stopped_by,
         )
 
     def bound(self, item: PlacementItem) -> float | None:
@@ -169,7 +181,7 @@ class PlacementStudy(Problem[PlacementItem]):
         return None if item.certificate is None else -item.certificate
 
     def judge(self, item: PlacementItem, product: Any, claimed: float | None) -> tuple[float | None, str]:
-        """Return −I [nats] of the points, and what is wrong with them or the claim."""
+        """Return minus what the points are worth [nats], and what is wrong with them or the claim."""
         try:
             points = checked_points(item.problem, np.array(product, dtype=float), "the method")
         except RuntimeError as error:
@@ -180,16 +192,17 @@ class PlacementStudy(Problem[PlacementItem]):
         return -value, f"claimed {-claimed!r} nats, but its points are worth {value!r}"
 
     def own_columns(self, item: PlacementItem, product: Any) -> dict[str, Any]:
-        """Return the points and what they are worth under every convention."""
+        """Return the points and what they are worth under every convention and the criterion."""
         worth = {} if product is None else _worth(item, product)
-        value = worth.get(Convention.BOTH_NOISY)
+        value = worth.get(_maximised(item))
         bound = item.certificate
         ratio = None if value is None or bound is None else share_of(value, bound)
-        about = {"points": product, "mutual_information": value, "certificate": bound, "ratio": ratio}
+        information = worth.get(Convention.BOTH_NOISY)
+        about = {"points": product, "mutual_information": information, "certificate": bound, "ratio": ratio}
         return about | {"information": worth}
 
     def spell(self, run: Run) -> str:
-        """Return the information in nats."""
+        """Return what the points are worth in nats."""
         return "no placement" if run.objective is None else f"{-run.objective:.4f} nats"
 
     def check(self, folder: Path) -> tuple[str, list[str]]:
@@ -229,13 +242,45 @@ class PlacementStudy(Problem[PlacementItem]):
 PLACEMENT = PlacementStudy()
 
 
+def _of_maps(study: PlacementTable, base: Path, site: Site, setting: dict[str, Any]) -> dict[str, Any]:
+    """Return what the study's maps say at `site`: test points with their weights, and nodes of the prior sd."""
+    found: dict[str, Any] = {}
+    if study.weights is not None:
+        points, own = tests_of(setting.get("tests", "20x20"), site.region)
+        chosen = Convention(study.criterion) if study.criterion not in (None, NAME) else Convention.BOTH_NOISY
+        with naming("weights"):
+            values = weights_of(chosen, points, own, read_value_map(base / study.weights, site, 1.0))
+        assert values is not None  # there is a map
+        found["tests"] = np.column_stack([points, values]).tolist()
+    if study.prior_sd is not None:
+        with naming("prior_sd"):
+            prior = read_value_map(base / study.prior_sd, site, float(setting.get("signal_sd", 30.0)))
+        found["prior_sd"] = {name: getattr(prior, name).tolist() for name in ("x", "y", "values")}
+    return found
+
+
+def _maximised(item: PlacementItem) -> str:
+    """Return the name of the criterion."""
+    goal = item.problem.criterion
+    return NAME if isinstance(goal, VarianceReduction) else str(goal.convention)
+
+
+def _certificate(item: PlacementItem) -> Certificate:
+    """Return what no n points of the region are worth more than."""
+    goal = item.problem.criterion
+    if isinstance(goal, VarianceReduction):
+        return Certificate(goal.upper_bound(item.n_tasks), "average variance, weak duality")
+    return certificate(goal, item.problem.region, item.n_tasks)
+
+
 def _worth(item: PlacementItem, points: Any) -> dict[str, float]:
-    p = np.array(points, dtype=float)
-    return {str(c): item.problem.criterion.under(c).value(p) for c in Convention}
+    p, goal = np.array(points, dtype=float), item.problem.criterion
+    worth = {str(c): goal.under(c).value(p) for c in Convention}
+    return worth | {NAME: goal.value(p)} if isinstance(goal, VarianceReduction) else worth
 
 
 def _false_certificate(item: PlacementItem) -> list[str]:
-    actual = certificate(information_of(item.problem.criterion), item.problem.region, item.n_tasks).bound
+    actual = _certificate(item).bound
     if item.certificate is not None and item.certificate >= actual * (1 - LOOSER):
         return []
     return [f"states a certificate of {item.certificate!r} nats, but recomputed it is {actual!r}"]
@@ -252,8 +297,8 @@ def _false_claims(item: PlacementItem, run: Run) -> list[str]:
         worth = _worth(item, own["points"])
     except (RuntimeError, TypeError, ValueError, np.linalg.LinAlgError) as error:
         return [*found, str(error)]
-    value = worth[Convention.BOTH_NOISY]
-    claims = {"mutual_information": (own["mutual_information"], value)}
+    value = worth[_maximised(item)]
+    claims = {"mutual_information": (own["mutual_information"], worth[Convention.BOTH_NOISY])}
     claims["minus objective"] = (None if run.objective is None else -run.objective, value)
     claims |= {f"information ({name})": (own["information"].get(name), worth[name]) for name in worth}
     found += [

@@ -347,9 +347,16 @@ def test_jobs_of_a_placement_study(tmp_path):
         ({"tasks": [0]}, "at least 1"),
         ({"region": "square"}, "did you mean 'regions'"),
         ({"tests": "no"}, "--tests"),
+        ({"weight": "a.csv"}, "did you mean 'weights'"),
+        ({"prior": "a.csv"}, "did you mean 'prior_sd'"),
+        ({"criterion": "k"}, "criterion must be one of"),
+        ({"weights": "none.csv"}, "weights: .*none.csv"),
+        ({"prior_sd": "none.csv"}, "prior_sd: .*none.csv"),
+        ({"criterion": "ig", "weights": "ones.csv"}, "criterion ig looks at no test points"),
     ],
 )
 def test_bad_placement_studies_are_refused(change, sentence, tmp_path):
+    (tmp_path / "ones.csv").write_text("x,y,value\n0,0,1\n")
     with pytest.raises(InputError, match=sentence):
         study_from(STUDY | change, PLACEMENT, name="x", base=tmp_path)
 

@@ -28,6 +28,8 @@ TOLERANCE = 5e-5
 """Share of the time by which halving the pieces may still change it; the finer pieces are kept."""
 TELLING = 64
 """Flights at least, or every so-many-th, that tell how fine pieces must be."""
+TOGETHER = 1 << 13
+"""Flights that advance together: few are as dear as many, and these lie in a processor's cache."""
 
 
 def polyline_times(
@@ -53,12 +55,14 @@ def polyline_times(
 
 
 class _Pieces:
-    """Pieces of polylines: starts and displacements (p, 2) [m], and where those of each polyline begin."""
+    """Pieces of polylines: starts, displacements, tangents and lengths [m], and where those of each polyline begin.
+
+    A piece's are a row, x, y, Δx, Δy, eₓ, e_y, |Δ|: taken six times as fast as from four arrays.
+    """
 
     def __init__(self, start: Floats, d: Floats, first: Ints) -> None:
-        self.start, self.d, self.first = start, d, first
-        self.far = np.hypot(*d.T)
-        self.tangents = d / self.far[:, None]
+        far = np.hypot(*d.T)[:, None]
+        self.rows, self.first = np.hstack([start, d, d / far, far]), first
 
     @classmethod
     def of(cls, a: Floats, b: Floats, owner: Ints, count: int, longest: float) -> _Pieces:
@@ -74,23 +78,30 @@ class _Pieces:
         """Return the times [s] of the flights along polylines `which` (k,) begun at `departures` (k,) [s]."""
         count = (self.first[1:] - self.first[:-1])[which]
         order = np.argsort(-count, kind="stable")  # those of most pieces first: who still flies is a slice
-        first, left, times = self.first[which][order], count[order], departures[order].astype(np.float64)
+        found = np.empty(len(which))
+        for begin in range(0, len(which), TOGETHER):
+            some = order[begin : begin + TOGETHER]
+            found[some] = self._together(self.first[which[some]], count[some], departures[some], wind, airspeed)
+        return found
+
+    def _together(self, first: Ints, left: Ints, begun: Floats, wind: ChangingWind, airspeed: float) -> Floats:
+        """Return the times (k,) [s] of flights over `left` pieces (k,), falling, from `first` on, begun at `begun`."""
+        times = begun.astype(np.float64)
         for piece in range(int(left.max(initial=0))):
             flying = int(np.searchsorted(-left, -piece, side="left"))
-            at = first[:flying] + piece
-            start, d, far, tangents = self.start[at], self.d[at], self.far[at], self.tangents[at]
+            at = self.rows.take(first[:flying] + piece, axis=0)
+            start, d, tangents, far = at[:, 0:2], at[:, 2:4], at[:, 4:6], at[:, 6]
             now = times[:flying]
             one = far * _slowness(start, now, tangents, wind, airspeed)
             two = far * _slowness(start + 0.5 * d, now + 0.5 * one, tangents, wind, airspeed)
             three = far * _slowness(start + d, now - one + 2.0 * two, tangents, wind, airspeed)
             times[:flying] = now + (one + 4.0 * two + three) / 6.0
-        found = np.empty(len(which))
-        found[order] = times - departures[order]
-        return found
+        return times - begun
 
 
 def _slowness(points: Floats, times: Floats, tangents: Floats, wind: ChangingWind, airspeed: float) -> Floats:
     """Return 1/g [s/m] at `points` (k, 2) [m] and `times` (k,) [s] along unit `tangents` (k, 2)."""
     w = wind.velocities(points, times)
-    refuse_strong(points, np.hypot(*w.T), airspeed)
+    if not (w[:, 0] ** 2 + w[:, 1] ** 2).max(initial=0.0) < (1.0 - 1e-9) * airspeed**2:  # in a tenth of hypot's time
+        refuse_strong(points, np.hypot(*w.T), airspeed)
     return np.asarray(1.0 / ground_speeds(w, tangents, airspeed))

@@ -18,6 +18,7 @@ are those of a wind that stays.
 from __future__ import annotations
 
 import dataclasses
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,6 +44,8 @@ BESIDE = 3
 169 s at most between 33 knots, with three by 0.21 s and 38 s."""
 KNOTS = 65
 """Knots of departure beyond which they are not halved any more."""
+THREADS = 2
+"""Plans made at once: `refined` is in a kernel or in numpy for most of its time, and each plan holds its own memory."""
 PRECISION = 1e-4
 """Of paths by `refined`, unless it is told: far below what costs are off by between knots."""
 
@@ -67,19 +70,20 @@ class PathClock:
         found = np.zeros((len(speeds), len(times), n, n))
         for g, speed in enumerate(speeds):
             planned_for = np.array([0.0, *self.paths[g].departures])
-            plans = (self.paths[g], *self.paths[g].later)
-            for k, time in enumerate(times):
-                before = int(np.searchsorted(planned_for, time, side="right")) - 1
-                beside = plans[before : before + BESIDE]
-                begun = np.repeat(time + half, n)
-                flown = [_flown(plan, begun, scenario.wind, speed) for plan in beside]
-                found[g, k] = leg_costs(scenario, np.min(flown, axis=0).reshape(n, n))
+            before = np.searchsorted(planned_for, times, side="right") - 1
+            quickest = np.full((len(times), n * n), np.inf)
+            for number, plan in enumerate((self.paths[g], *self.paths[g].later)):
+                knots = np.flatnonzero((before <= number) & (number < before + BESIDE))
+                begun = np.repeat(times[knots, None] + half, n, axis=1)
+                quickest[knots] = np.minimum(quickest[knots], _flown(plan, begun, scenario.wind, speed))
+            found[g] = [leg_costs(scenario, each.reshape(n, n)) for each in quickest]
         return found
 
 
 def _flown(paths: Paths, begun: Floats, wind: ChangingWind, airspeed: float) -> Floats:
-    """Return the time [s] of every path begun at `begun` (n²,) [s]."""
-    return polyline_times(paths.points, paths.offsets, np.arange(paths.n_nodes**2), begun, wind, airspeed)
+    """Return the times [s] of all paths begun at `begun` (k, n²) [s], all at once: few flights are as dear as many."""
+    which = np.tile(np.arange(paths.n_nodes**2), len(begun))
+    return polyline_times(paths.points, paths.offsets, which, begun.ravel(), wind, airspeed).reshape(begun.shape)
 
 
 def instance_by_clock(
@@ -91,19 +95,22 @@ def instance_by_clock(
     """
     assert isinstance(scenario.wind, ChangingWind)
     asked = {"precision": PRECISION, **(options or {})} if method == "refined" else options
-    planner, (speeds, classes) = make_method(method, asked), classes_of(scenario)
-    first = [_planned(scenario, planner, speed, 0.0) for speed in speeds]
+    speeds, classes = classes_of(scenario)
+
+    def planned(moment: float) -> list[Paths]:
+        return [_planned(scenario, make_method(method, asked), speed, moment) for speed in speeds]
+
+    paths = first = planned(0.0)
     progress(1 / (PLANS + 1), "planned for the wind of take-off")
     horizon = reach_of(scenario.wind, longest_at_take_off(PathClock(scenario, first)))
     moments = np.linspace(0.0, horizon, PLANS)[1:].tolist()
-    paths = first
-    for done, moment in enumerate(moments, 2):
-        new = [_planned(scenario, planner, speed, moment) for speed in speeds]
-        paths = [
-            dataclasses.replace(each, later=(*each.later, plan), departures=(*each.departures, moment))
-            for each, plan in zip(paths, new, strict=True)
-        ]
-        progress(done / (PLANS + 1), f"planned for the wind {moment:.0f} s later")
+    with ThreadPoolExecutor(THREADS) as pool:
+        for done, (moment, new) in enumerate(zip(moments, pool.map(planned, moments), strict=True), 2):
+            paths = [
+                dataclasses.replace(each, later=(*each.later, plan), departures=(*each.departures, moment))
+                for each, plan in zip(paths, new, strict=True)
+            ]
+            progress(done / (PLANS + 1), f"planned for the wind {moment:.0f} s later")
     departures, costs, clock = clock_of(PathClock(scenario, paths), horizon, KNOTS)
     instance = Instance.of_travel(
         scenario.name,

@@ -70,7 +70,10 @@ class MovingCosts:
 
 
 class MovingCostMethod(Protocol):
-    """A method for sub-problem 2. Options are the fields of the (dataclass) implementation, each with a default."""
+    """A method for sub-problem 2. Options are the fields of the (dataclass) implementation, each with a default.
+
+    In a wind that changes several objects of one method solve at once, in threads.
+    """
 
     def solve(self, query: Query, progress: Progress = silent) -> MovingCosts:
         """Return costs and paths between all terminals.

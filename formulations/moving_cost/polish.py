@@ -290,7 +290,7 @@ def refine(p: Floats, corner: Ints, precision: float) -> tuple[Floats, Ints]:
     return q, c
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def polish_all(
     points: Floats,
     corners: Ints,

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
@@ -217,13 +218,15 @@ class Drifting(TableWind):
     def __post_init__(self) -> None:
         object.__setattr__(self, "velocity", pair(self.velocity, "velocity [m/s]"))
         object.__setattr__(self, "drift", pair(self.drift, "drift [m/s]"))
-        vortices = self._vortices()
+        vortices = self._vortices
         for name in ("centres", "circulation", "core"):
             object.__setattr__(self, name, getattr(vortices, name))
 
     def velocities(self, points: Floats, times: Floats) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m], each at its time (k,) [s], shape (k, 2)."""
-        return np.array(self.velocity) + self._vortices()(points - times[:, None] * np.array(self.drift))
+        moved = (points[:, axis] - times * self.drift[axis] for axis in (0, 1))
+        u, v = self._vortices.components(*moved)
+        return np.column_stack([self.velocity[0] + u, self.velocity[1] + v])
 
     def at(self, time: float) -> Drifting:
         """Return the wind of `time` [s], as if it stayed: one called as a wind field is the one at take-off."""
@@ -237,13 +240,14 @@ class Drifting(TableWind):
 
     def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
         """Return ∫ w·dσ [m²/s] along the segments `a` → `b` at take-off."""
-        return self._vortices().line_integral(a, b) + (points_of(b) - points_of(a)) @ np.array(self.velocity)
+        return self._vortices.line_integral(a, b) + (points_of(b) - points_of(a)) @ np.array(self.velocity)
 
     @classmethod
     def from_toml(cls, table: Mapping[str, Any]) -> Self:
         """Return the field of a ``[wind]`` table; without `core` they are point vortices."""
         return super().from_toml({"core": [0.0] * len(table["circulation"]), **table})
 
+    @cached_property
     def _vortices(self) -> Vortices:
         return Vortices(self.centres, self.circulation, self.core)
 

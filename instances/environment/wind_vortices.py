@@ -45,14 +45,19 @@ class Vortices(TableWind):
     def __call__(self, points: ArrayLike) -> Floats:
         """Return the velocity [m/s] at `points` (k, 2) [m]; zero at the centre of a point vortex."""
         p = points_of(points)
-        w = np.zeros_like(p)
-        for (x, y), g, c in zip(self.centres, self.circulation, self.core, strict=True):
-            dx, dy = p[:, 0] - x, p[:, 1] - y
+        return np.column_stack(self.components(p[:, 0], p[:, 1]))
+
+    def components(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Return u and v [m/s] at `x`, `y` (k,) [m], as `__call__` does."""
+        u, v = np.zeros(len(x)), np.zeros(len(x))
+        for (x0, y0), g, c in zip(self.centres, self.circulation, self.core, strict=True):
+            dx, dy = x - x0, y - y0
             r2 = dx * dx + dy * dy + c * c
-            k = np.divide(g / (2 * np.pi), r2, out=np.zeros_like(r2), where=r2 > 0)
-            w[:, 0] -= k * dy
-            w[:, 1] += k * dx
-        return w
+            gamma = g / (2 * np.pi)
+            k = gamma / r2 if c * c > 0 else np.divide(gamma, r2, out=np.zeros_like(r2), where=r2 > 0)
+            u -= k * dy
+            v += k * dx
+        return u, v
 
     def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
         """Return ∫ w·dσ [m²/s] along the segments `a` → `b`."""

@@ -1,24 +1,29 @@
 """Plans that know no clock against plans that do, and the speed of the searches by the clock.
 
-    python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss] [speed] [optima] [proofs]
+    python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss] [speed] [optima] [proofs] [walls]
 
 Sections: loss (40 tasks, 3 UAVs at the paper's depots, winds that turn: what the plan for the wind of take-off
 promised, what it takes, what it takes with every tour in its better direction, what `memetic` by the clock finds; of
 static plans that promise the same that of several seeds which takes least in its better directions;
 losses against the latter, beside those once measured), speed (steps a second of the annealing by the clock and of the
-static one), optima (`memetic` against `subset-dp`), proofs (`branch-and-price` in turning winds). One thread; seconds
-are those of each search.
+static one), optima (`memetic` against `subset-dp`), proofs (`branch-and-price` in turning winds), walls
+(what costs by departure around walls take: wall clock, CPU and peak memory of this process). One thread but for walls,
+which plans on two; seconds are those of each search.
 """
 
 from __future__ import annotations
 
 import argparse
+import resource
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
+from shapely.geometry import box
 
 from formulations.limits import Limits
+from formulations.moving_cost.costing import instance_of
 from formulations.moving_cost.families import generate
 from formulations.routing.clocked.annealing import anneal_by_clock
 from formulations.routing.clocked.problem import ClockedProblem
@@ -33,6 +38,7 @@ from formulations.routing.search.schedule import Schedule
 from formulations.routing.search.tours import duplicate, sum_costs
 from formulations.routing.solver import Status
 from instances import Instance, Routes, makespan
+from instances.families import make_scenario
 
 Case = tuple[float, float, float]
 LOSSES: dict[Case, tuple[tuple[float, ...], tuple[float, ...]]] = {
@@ -46,6 +52,9 @@ LOSSES: dict[Case, tuple[tuple[float, ...], tuple[float, ...]]] = {
 
 PLANS = 4
 """Static plans of different seeds: the longest tour leaves the others free, so that optima are many."""
+
+WALLS = ((4500, 2000, 5000, 11000), (9800, 8000, 10300, 18000), (14500, 3000, 15000, 12000))
+"""Corners [m] of no-fly zones, x₀, y₀, x₁, y₁."""
 
 
 def of_case(case: Case, seed: int) -> Instance:
@@ -141,11 +150,28 @@ def proofs(args: argparse.Namespace) -> None:
         print(f"{n} tasks, {m} UAVs: {proved} of {len(seconds)} proved, {shown}", flush=True)
 
 
+def walls(args: argparse.Namespace) -> None:
+    """Print what costs of 53 nodes by departure take, among drifting vortices and three walls."""
+    for tasks in (3, 50):  # the few compile
+        scenario = make_scenario("wind-drifting", tasks, 3, 0)
+        scenario = replace(scenario, no_fly=[box(*corners) for corners in WALLS])
+        wall, cpu = time.perf_counter(), time.process_time()
+        instance, _ = instance_of(scenario)
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6  # kB, on Linux
+    assert instance.travel is not None
+    knots, error = len(instance.travel.departures), instance.provenance["clock"]["error"]
+    print(f"{len(scenario.points)} nodes, {knots} knots, off by {error:.2f} s between them at most: ", end="")
+    print(f"{wall:.0f} s, bar: 60; {cpu:.0f} s of CPU; {memory:.2f} GB, bar: 2")
+    print(f"sum of all costs {instance.travel.cost.sum():.9e} s, which a change for speed must leave as it is")
+
+
 SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {
     "loss": loss,
     "speed": speed,
     "optima": optima,
     "proofs": proofs,
+    "walls": walls,
 }
 
 

@@ -11,7 +11,8 @@ from shapely.geometry import box
 
 from formulations.moving_cost.clocked import LegClock
 from formulations.moving_cost.costing import instance_of
-from instances import InputError, Instance, Travel, tour_costs
+from formulations.moving_cost.departures import PathClock
+from instances import InputError, Instance, Travel, tour_costs, wind_flights
 from instances.environment.region import Region
 from instances.environment.wind_changing import ChangingWind, Drifting, Front, Turning
 from instances.environment.wind_forecast import sampled
@@ -100,6 +101,17 @@ def test_whoever_departs_is_there_when_the_clock_says(planned: tuple[Scenario, I
     legs, _ = tour_by_clock(paths, (3, 0, 2, 3), scenario.wind, 20.0)
     np.testing.assert_array_equal(flown.between(0, 2), legs[1])
     np.testing.assert_array_equal(flown.between(1, 0), paths.between(1, 0))
+
+
+def test_flights_of_many_departures_are_those_of_each(
+    planned: tuple[Scenario, Instance, Paths], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In any order, and in groups of any size: which plans lie beside a departure does not change with the others."""
+    scenario, _, paths = planned
+    clock, times = PathClock(scenario, [paths]), np.array([900.0, 0.0, 5000.0, 1700.0])
+    each = np.concatenate([clock.at(times[k : k + 1]) for k in range(4)], axis=1)
+    monkeypatch.setattr(wind_flights, "TOGETHER", 7)
+    np.testing.assert_allclose(clock.at(times), each, rtol=wind_flights.TOLERANCE)
 
 
 @pytest.mark.slow

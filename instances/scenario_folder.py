@@ -9,9 +9,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from instances.arrays import Floats
 from instances.disk import read_toml, write_aside
 from instances.environment.radio import RadioMap
+from instances.environment.radio_changing import ChangingField
 from instances.environment.raster import node_axes
 from instances.environment.terrain import Terrain
 from instances.environment.value_map import ValueMap
@@ -106,17 +109,30 @@ def kept_terrain(folder: Path) -> Terrain | None:
         return Terrain(*_origin_spacing(axes), values["height"].values, "terrain.nc")
 
 
-def keep_field(field: RadioMap, folder: Path, plane: TangentPlane | None = None) -> None:
-    """Write ``field.nc`` into `folder`. plane : where on Earth it is, if known."""
-    values = Variable(("y", "x"), field.values, {"long_name": "field", "units": field.unit or "1"})
-    write_grids(folder / "field.nc", {"x": field.x, "y": field.y}, {"field": values}, plane)
+def keep_field(field: RadioMap | ChangingField, folder: Path, plane: TangentPlane | None = None) -> None:
+    """Write ``field.nc`` into `folder`, of a field that changes over time, too. plane : where on Earth, if known."""
+    first = field if isinstance(field, RadioMap) else field.frames[0]
+    over: tuple[str, ...] = ("y", "x")
+    axes, values = {"x": first.x, "y": first.y}, first.values
+    if isinstance(field, ChangingField):
+        over, axes["time"] = ("time", *over), np.asarray(field.times)
+        values = np.stack([frame.values for frame in field.frames])
+    about = {"long_name": "field", "units": field.unit or "1"}
+    write_grids(folder / "field.nc", axes, {"field": Variable(over, values, about)}, plane)
 
 
-def kept_field(folder: Path) -> RadioMap:
+def kept_field(folder: Path) -> RadioMap | ChangingField:
     """Read what `keep_field` wrote."""
-    axes, values = read_grids(folder / "field.nc", {"field": ("y", "x")})
-    with naming(folder / "field.nc"):
-        return RadioMap(axes["x"], axes["y"], values["field"].values, values["field"].attributes.get("units", "1"))
+    path = folder / "field.nc"
+    over: tuple[str, ...] = ("y", "x")
+    if "time" in read_grids(path)[0]:
+        over = ("time", *over)
+    axes, found = read_grids(path, {"field": over})
+    with naming(path):
+        values, unit = found["field"].values, found["field"].attributes.get("units", "1")
+        if len(over) == 2:
+            return RadioMap(axes["x"], axes["y"], values, unit)
+        return ChangingField(axes["time"], [RadioMap(axes["x"], axes["y"], frame, unit) for frame in values])
 
 
 def keep_value_map(given: ValueMap, name: str, folder: Path, plane: TangentPlane | None = None) -> None:

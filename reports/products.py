@@ -18,6 +18,7 @@ import pandas as pd
 from instances.arrays import Floats
 from instances.disk import read_text
 from instances.environment.radio import RadioMap
+from instances.environment.radio_changing import ChangingField
 from instances.environment.terrain import Terrain
 from instances.environment.value_map import ValueMap
 from instances.errors import InputError, naming
@@ -109,7 +110,17 @@ class Products:
 
     @cached_property
     def field(self) -> RadioMap:
-        """The field that was measured."""
+        """The field that was measured, at take-off."""
+        kept = self._kept_field
+        return kept.at(0.0) if isinstance(kept, ChangingField) else kept
+
+    @cached_property
+    def field_lasts(self) -> float | None:
+        """When the last frame of a field that changes is [s]; None where it has none."""
+        return self._kept_field.lasts if isinstance(self._kept_field, ChangingField) else None
+
+    @cached_property
+    def _kept_field(self) -> RadioMap | ChangingField:
         with reading(self.folders["environment"] / "field.nc", "a field"):
             return kept_field(self.folders["environment"])
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from instances.arrays import Floats
 from instances.environment.raster import Raster, netcdf_raster, node_axes, open_netcdf, read_ascii_grid
-from instances.environment.raster_times import is_time, seconds
+from instances.environment.raster_times import frames_of, is_time, refuse_too_many
 from instances.environment.site import Site, check_metres
 from instances.errors import InputError, naming, shown, suggestion
 from instances.geodesy import WGS84
@@ -34,8 +34,6 @@ COMPONENTS = (
 """For u and v: CF standard names, then usual variable names."""
 
 METRES_PER_SECOND = ("m/s", "m s-1", "m s**-1", "ms-1", "m.s-1", "meter second-1", "metre second-1", "m s^-1")
-MOST_VALUES = 30_000_000
-"""Of a component, over all frames."""
 SPEED = {"m/s": 1.0, "mps": 1.0, "mph": 0.44704, "kph": 1 / 3.6, "km/h": 1 / 3.6, "knots": 1852 / 3600}
 """Unit of a WindNinja file → m/s."""
 
@@ -70,8 +68,7 @@ def read_frames(path: Path | str, units: str | None = None, site: Site | None = 
     made: list[WindData] = []
     for number, (u, v) in enumerate(frames):
         made.append(_placed(u, v, axes, f"{path}: frame {number}" if len(frames) > 1 else str(path), site))
-        if len(frames) * made[0].u.size > MOST_VALUES:
-            raise InputError(f"{path}: {len(frames)} frames of {made[0].u.size} nodes are more than can be used")
+        refuse_too_many(len(frames), made[0].u.size, path)
     return times, [frame._replace(source=str(path)) for frame in made]
 
 
@@ -112,11 +109,9 @@ def read_netcdf(path: Path) -> tuple[Floats, list[tuple[Raster, Raster]], str]:
             if unit not in METRES_PER_SECOND:
                 raise InputError(f"{path}: variable '{w.name}' must be in m/s, its units are '{unit or 'not stated'}'")
         eastward = u.attrs.get("standard_name") == "eastward_wind"
-        along = next((dimension for dimension in u.dims if is_time(u, dimension)), None)
-        times = np.zeros(1) if along is None else seconds(u[along], path)
-        slices = [(u, v)] if along is None else [(u.isel({along: k}), v.isel({along: k})) for k in range(len(times))]
+        (times, along_u), (_, along_v) = frames_of(u, path), frames_of(v, path)
         frames = []
-        for pair in slices:
+        for pair in zip(along_u, along_v, strict=True):
             east, north = (netcdf_raster(data, w, path) for w in pair)
             frames.append((east, north))
         return times, frames, WGS84 if eastward and frames[0][0].crs else frames[0][0].crs

@@ -204,12 +204,17 @@ def _left_out(products: Products) -> str:
 
 
 def _drifting(products: Products) -> list[Block]:
-    """Return that the field drifts, where it does."""
-    if products.field_tau is None:
+    """Return that the field drifts or changes, where it does."""
+    tau, lasts = products.field_tau, products.field_lasts
+    if tau is not None:
+        how = f"The shadowing drifts: its correlation over time falls to 1/e in τ = {tau:g} s."
+    elif lasts is not None:
+        how = f"The field changes over {lasts:g} s after take-off, linear between its frames, and then stays."
+    else:
         return []
     return [
-        f"The shadowing drifts: its correlation over time falls to 1/e in τ = {products.field_tau:g} s. The picture is "
-        "the field at take-off; it is measured as it is at each moment, and each map is judged against the field then."
+        f"{how} The picture is the field at take-off; it is measured as it is at each moment, and each map is judged "
+        "against the field then."
     ]
 
 

@@ -19,7 +19,7 @@ from instances.environment.radio import RadioSource
 from instances.environment.terrain import Terrain
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
-from workbench.mission.environment import field_of
+from workbench.mission.environment import signal_of
 from workbench.mission.place import scales_of, value_map, value_maps
 from workbench.mission.settings import Mission
 
@@ -87,4 +87,4 @@ def _trend(name: str, mission: Mission, scenario: Scenario, ground: Terrain | No
         above = mission.altitude.above - (0.0 if mission.altitude.frame is Frame.ABOVE_GROUND else below)
         return path_loss(*source.position, max(above, source.height))
     diffraction = structs.replace(mission.field, file=None, unit=None, model="diffraction", shadowing_sd=0.0)
-    return Trend(name, field_of(replace(mission, field=diffraction), ground))
+    return Trend(name, signal_of(replace(mission, field=diffraction), ground))

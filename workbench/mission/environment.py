@@ -1,6 +1,7 @@
 """Stage 1, environment: solve the wind, make or read the field that is measured, keep both with the scenario.
 
 Products: scenario.toml, wind.nc (where the wind is a grid), terrain.nc, field.nc and field.csv, environment.json.
+Of a field that changes, field.nc has all frames and field.csv that of take-off.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from formulations.mapping.heights import Frame
 from instances.disk import read_toml, write_aside
 from instances.environment.propagation import radio_map
 from instances.environment.radio import RadioMap, RadioSource
-from instances.environment.radio_files import read_field, write_field
+from instances.environment.radio_changing import ChangingField
+from instances.environment.radio_files import read_measured, write_field
 from instances.environment.terrain import Terrain, read_terrain
 from instances.environment.wind_terrain import TerrainWind
 from instances.errors import InputError
@@ -62,13 +64,16 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         keep_terrain(ground, out, scenario.plane)
     field = field_of(mission, terrain)
     keep_field(field, out, scenario.plane)
-    write_field(field, out / "field.csv")
-    low, high = float(field.values.min()), float(field.values.max())
-    facts: dict[str, Any] = {"unit": field.unit, "least": low, "most": high, "sd": float(field.values.std())}
+    frames = field.frames if isinstance(field, ChangingField) else [field]
+    write_field(frames[0], out / "field.csv")
+    low, high = min(float(f.values.min()) for f in frames), max(float(f.values.max()) for f in frames)
+    facts: dict[str, Any] = {"unit": field.unit, "least": low, "most": high, "sd": float(frames[0].values.std())}
     if mission.field.tau is not None:
         facts["tau"] = mission.field.tau
     write_aside(out / "environment.json", json.dumps({"field": facts}, indent=1))
     said = f"field from {low:.1f} to {high:.1f} {field.unit}".rstrip()
+    if isinstance(field, ChangingField):
+        said += f", in {len(frames)} frames over {field.lasts:g} s, the last one held"
     return "; ".join([said, *differing_heights(mission)])
 
 
@@ -117,28 +122,34 @@ def differing_heights(mission: Mission) -> list[str]:
     return said
 
 
-def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
+def field_of(mission: Mission, terrain: Terrain | None) -> RadioMap | ChangingField:
     """Return the field that is measured; InputError where a file does not cover the region."""
     wanted, scenario = mission.field, mission.scenario
     if wanted.file is None and wanted.unit is not None:
         raise InputError("field.unit is that of a file's values: give field.file, or leave it out")
     if wanted.file is None:
-        assert scenario.radio is not None
-        source = RadioSource.from_table(scenario.radio)
-        more = {key: value for key, value in structs.asdict(wanted).items() if key not in ("file", "unit", "tau")}
-        flown = mission.altitude
-        altitude, above_ground = flown.above, flown.frame is Frame.ABOVE_GROUND
-        if flown.frame is Frame.ABOVE_HOME and terrain is not None:
-            altitude += float(terrain(scenario.depots).mean())
-        bounds = scenario.region.bounds
-        return radio_map(source, bounds, terrain, altitude=altitude, above_ground=above_ground, **more)
-    field = read_field(mission.folder / wanted.file, scenario.site, wanted.unit)
+        return signal_of(mission, terrain)
+    field = read_measured(mission.folder / wanted.file, scenario.site, wanted.unit)
     (x0, y0, x1, y1), (a0, b0, a1, b1) = scenario.region.bounds, field.bounds
     # nodes may be cell centres: half a cell may be missing at the border
-    sx, sy = field.x[1] - field.x[0], field.y[1] - field.y[0]
+    nodes = field.frames[0] if isinstance(field, ChangingField) else field
+    sx, sy = nodes.x[1] - nodes.x[0], nodes.y[1] - nodes.y[0]
     if x0 < a0 - sx or y0 < b0 - sy or x1 > a1 + sx or y1 > b1 + sy:
         raise InputError(
             f"field.file: {wanted.file} covers ({a0:g}, {b0:g}) to ({a1:g}, {b1:g}) m and not all of the region, "
             f"({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) m: are both in the same projection and unit?"
         )
     return field
+
+
+def signal_of(mission: Mission, terrain: Terrain | None) -> RadioMap:
+    """Return the signal of the mission's transmitter at its altitude."""
+    scenario, flown = mission.scenario, mission.altitude
+    assert scenario.radio is not None
+    source = RadioSource.from_table(scenario.radio)
+    more = {key: value for key, value in structs.asdict(mission.field).items() if key not in ("file", "unit", "tau")}
+    altitude, above_ground = flown.above, flown.frame is Frame.ABOVE_GROUND
+    if flown.frame is Frame.ABOVE_HOME and terrain is not None:
+        altitude += float(terrain(scenario.depots).mean())
+    bounds = scenario.region.bounds
+    return radio_map(source, bounds, terrain, altitude=altitude, above_ground=above_ground, **more)

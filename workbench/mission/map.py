@@ -3,7 +3,7 @@
 Products: samples.csv (time [s], uav, x, y [m], value), ticks.csv, model.json (what the last map believes, and the
 likelihoods it was chosen by), maps.nc (the maps of some ticks, the last included), map.csv (the last) and, where the
 mission has an origin, estimate.tif and uncertainty.tif (the last) and field.tif (what was measured). Where the field
-drifts, what was measured is that of the last tick.
+drifts or changes, what was measured is that of the last tick.
 """
 
 from __future__ import annotations
@@ -24,7 +24,6 @@ from formulations.mapping.flight import Flight
 from formulations.mapping.map_grid import MapGrid
 from formulations.mapping.survey import Survey, Tick, fly_survey
 from instances.disk import write_aside
-from instances.environment.drift import DriftingField
 from instances.environment.radio import RadioMap
 from instances.environment.region import Region
 from instances.formats.geotiff import write_geotiff
@@ -60,8 +59,8 @@ def _replanned(mission: Mission) -> dict[str, Any]:
 
 def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[str], None]) -> str:
     """Fly, measure and map."""
-    scenario, field = kept_scenario(folders["environment"]), kept_field(folders["environment"])
-    measured = measured_field(mission, field)
+    scenario = kept_scenario(folders["environment"])
+    measured = measured_field(mission, kept_field(folders["environment"]))
     flights, changed = flown_flights(mission, folders, measured, out)
     last = max(int(flight.duration / mission.sensing.period) for flight in flights)
     kept = frames(last, mission.map.frames)
@@ -73,7 +72,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     write_aside(out / "ticks.csv", ticks_frame(survey).to_csv(index=False))
     write_aside(out / "model.json", json.dumps(_chosen(survey.ticks[-1]), indent=1))
     grid, landed = MapGrid.over(scenario.region, mission.map.cells), survey.ticks[-1].time
-    field = measured.at(landed) if isinstance(measured, DriftingField) else measured
+    field = measured if isinstance(measured, RadioMap) else measured.at(landed)
     _write_maps(survey, grid, field, mission.origin, out)
     if mission.origin is not None:
         _write_rasters(survey, grid, field, mission.origin, out, tell)

@@ -11,37 +11,40 @@ from instances.arrays import Floats
 from instances.environment.drift import DriftingField
 from instances.environment.propagation import shadowing
 from instances.environment.radio import RadioMap
+from instances.environment.radio_changing import ChangingField
 from reports.numbers import counted
 from workbench.mission.settings import Mission
 
-Measured = RadioMap | DriftingField
+Kept = RadioMap | ChangingField
+"""What the environment keeps."""
+Measured = Kept | DriftingField
 
 
-def measured_field(mission: Mission, field: RadioMap) -> Measured:
-    """Return the field that is measured, of which `field` is what it was at take-off."""
-    if mission.field.tau is None:
+def measured_field(mission: Mission, field: Kept) -> Measured:
+    """Return the field that is measured: `field` itself, or one that drifts from it on."""
+    if mission.field.tau is None or isinstance(field, ChangingField):
         return field
     own = _shadowing(mission, field, mission.field.seed)
     return _drifting(mission, replace(field, values=field.values - own), mission.field.seed)
 
 
-def conditions(mission: Mission, field: RadioMap) -> Iterator[tuple[Measured, int]]:
+def conditions(mission: Mission, field: Kept) -> Iterator[tuple[Measured, int]]:
     """Yield a field and a noise seed for each of the comparison's seeds, first the mission's own.
 
-    field : the mission's own at take-off.
+    field : the mission's own at take-off, or as it changes.
     """
     yield measured_field(mission, field), mission.sensing.seed
     made, redrawn = mission.field, _is_redrawn(mission)
-    if redrawn:
+    if redrawn and isinstance(field, RadioMap):
         own = _shadowing(mission, field, made.seed)
     for number in range(1, mission.compare.seeds):
         seed, noise = (_seed(mission, given, number) for given in (made.seed, mission.sensing.seed))
-        if redrawn and made.tau is not None:
-            yield _drifting(mission, replace(field, values=field.values - own), seed), noise
-        elif redrawn:
-            yield replace(field, values=field.values - own + _shadowing(mission, field, seed)), noise
-        else:
+        if not redrawn or isinstance(field, ChangingField):
             yield field, noise
+        elif made.tau is not None:
+            yield _drifting(mission, replace(field, values=field.values - own), seed), noise
+        else:
+            yield replace(field, values=field.values - own + _shadowing(mission, field, seed)), noise
 
 
 def redrawn_words(mission: Mission) -> str:
@@ -50,7 +53,7 @@ def redrawn_words(mission: Mission) -> str:
     if _is_redrawn(mission):
         return f"{seeds}, each with shadowing of its own"
     why = "has no shadowing" if mission.field.file is None else "is a file"
-    return f"{seeds} (the field {why} and stays as it is)"
+    return f"{seeds} (the field {why} and is not drawn again)"
 
 
 def _is_redrawn(mission: Mission) -> bool:

@@ -41,7 +41,8 @@ class FieldSettings(Table, frozen=True, kw_only=True):
     file: Annotated[
         FileName | None,
         about(
-            "what is measured, from a file: CSV, NetCDF or GeoTIFF; made from [radio] where none is given",
+            "what is measured, from a file: CSV, NetCDF or GeoTIFF; of several times in NetCDF, it changes in flight, "
+            "linear between them, from the first at take-off, the last held; made from [radio] where none is given",
             example="field.nc",
         ),
     ] = None

@@ -72,11 +72,11 @@ def test_shadowing_that_drifts_begins_as_drawn_and_every_draw_drifts_on_its_own(
 def test_a_field_without_chance_stays_and_the_words_say_so(tmp_path: Path) -> None:
     still = mission_with(field={"shadowing_sd": 0.0})
     assert all(kept.values is given.values for given in [field(0.0)] for kept, _ in conditions(still, given))
-    assert redrawn_words(still) == "3 noise seeds (the field has no shadowing and stays as it is)"
+    assert redrawn_words(still) == "3 noise seeds (the field has no shadowing and is not drawn again)"
     assert redrawn_words(mission_with()) == "3 noise seeds, each with shadowing of its own"
     (tmp_path / "field.csv").write_text("")
     given = mission_of(TABLE | {"field": {"file": "field.csv"}}, tmp_path, "m")
-    assert redrawn_words(given) == "3 noise seeds (the field is a file and stays as it is)"
+    assert redrawn_words(given) == "3 noise seeds (the field is a file and is not drawn again)"
 
 
 def ring(reach: float) -> list[Flight]:

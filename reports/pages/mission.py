@@ -55,7 +55,7 @@ def write_mission_page(folders: dict[str, Path], path: Path, said: dict[str, Any
     stages = draw_stages(products.maps, scenario.region, scenario.depots, flown, samples, unit)
     judged = [draw_judged(products.maps, scenario.region, unit), draw_progress(ticks, unit)]
     compared = [
-        draw_verdicts(products.draws, judged_plans, unit),
+        *([draw_verdicts(products.draws, judged_plans, unit)] if judged_plans else []),
         draw_comparison(products.of_plans("compare-ticks.csv"), unit),
         draw_plans(scenario.region, scenario.depots, products.of_plans("tracks.csv"), table, unit),
     ]

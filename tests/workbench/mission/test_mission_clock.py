@@ -127,6 +127,7 @@ def test_the_page_says_what_the_clock_is_worth(made: tuple[Path, list[str]]) -> 
     ):
         assert words in page
     assert page.count('class="wind"') == 2
+    assert "Wins, draws and losses" not in page, "nothing else is flown"
     assert not (out / "7-compare/calm.csv").exists()
 
 

@@ -2,7 +2,7 @@
 
 from instances.errors import InputError
 from instances.instance import Instance
-from instances.routes import Routes, as_routes, check_routes, makespan, objective, tour_costs
+from instances.routes import Routes, as_routes, check_routes, makespan, objective, take_offs, tour_costs
 from instances.travel import Travel
 
 __all__ = [
@@ -14,5 +14,6 @@ __all__ = [
     "check_routes",
     "makespan",
     "objective",
+    "take_offs",
     "tour_costs",
 ]

@@ -113,7 +113,10 @@ class Instance:
     def axes(self) -> frozenset[str]:
         """What this instance has beyond one matrix of costs: names of `instances.travel.AXES`."""
         limited = frozenset() if self.endurance is None else frozenset({"endurance"})
-        return limited if self.travel is None else limited | self.travel.axes
+        if self.travel is None:
+            return limited
+        waits = limited and self.travel.window > 0 and "time" in self.travel.axes  # else waiting is of no use
+        return limited | self.travel.axes | (frozenset({"window"}) if waits else frozenset())
 
     @property
     def restricted(self) -> bool:
@@ -151,6 +154,7 @@ class Instance:
         if self.travel is not None:
             arrays += [(name, getattr(self.travel, name)) for name in ("cost", "classes", "departures", "nodes")]
             arrays += [("closed", np.ones(1))] if self.travel.closed else []
+            arrays += [("window", np.array([self.travel.window]))] if self.travel.window else []
         for label, array in arrays:
             if array is not None:
                 h.update(label.encode())

@@ -1,7 +1,8 @@
 """Routes and their independent check: no solver grades itself.
 
 A route's cost is the paper's C_k (eq. costsum): depot to first task, task to task, last task back to depot.
-C_max = max_k C_k (eq. c_max) is what the min-max problem minimises.
+C_max = max_k C_k (eq. c_max) is what the min-max problem minimises. Where a UAV may wait before take-off, C_k is when
+it lands, and its endurance counts from its take-off.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ from operator import index
 
 import numpy as np
 
-from instances.arrays import Bools, Floats
+from instances.arrays import Bools, Floats, Ints
 from instances.instance import Instance
+from instances.take_off import take_off
 
 ENDURANCE_ROUNDING = 1e-9
 """Share by which C_k may pass L_k: what summing the legs in another order can make of it."""
@@ -65,17 +67,38 @@ def _unflyable(instance: Instance, routes: Sequence[Sequence[int]]) -> list[str]
     """Return which UAVs cannot fly their route, and which not on one battery."""
     if not instance.axes:
         return []
-    costs = tour_costs(instance, routes)
-    faults = [f"UAV {k} has a leg that it cannot fly." for k in np.flatnonzero(np.isinf(costs))]
+    flights = tour_costs(instance, routes) - take_offs(instance, routes)
+    faults = [f"UAV {k} has a leg that it cannot fly." for k in np.flatnonzero(np.isinf(flights))]
+    waits = instance.travel is not None and "window" in instance.axes
+    most = " however long it waits" if waits else ""
     return faults + [
-        f"UAV {k} takes {costs[k]:.9g} s, more than its endurance of {instance.limits[k]:.9g} s."
-        for k in np.flatnonzero(past_endurance(instance, costs) & np.isfinite(costs))
+        f"UAV {k} takes {flights[k]:.9g} s, more than its endurance of {instance.limits[k]:.9g} s{most}."
+        for k in np.flatnonzero(past_endurance(instance, flights) & np.isfinite(flights))
     ]
 
 
-def past_endurance(instance: Instance, costs: Floats) -> Bools:
-    """Return which tours, of C_k = `costs` [s], shape (m,), are longer than their UAV can fly."""
-    return costs > instance.limits * (1 + ENDURANCE_ROUNDING)
+def past_endurance(instance: Instance, flights: Floats) -> Bools:
+    """Return which `flights` [s] from take-off to landing, shape (m,), are longer than their UAV can fly."""
+    return flights > instance.limits * (1 + ENDURANCE_ROUNDING)
+
+
+def take_offs(instance: Instance, routes: Sequence[Sequence[int]]) -> Floats:
+    """Return when each UAV takes off [s], shape (m,): as early as its endurance lets it (``take_off.py``).
+
+    0 for all where they may not wait, and for a UAV that stays home; where no take-off is within endurance, that of
+    the least flight.
+    """
+    times = np.zeros(len(routes))
+    if instance.travel is not None and "window" in instance.axes:
+        for k in (k for k, route in enumerate(routes) if len(route)):
+            stops = _stops(instance, k, routes[k])
+            if instance.travel.tour_cost(k, stops) > instance.limits[k] * (1 + ENDURANCE_ROUNDING):
+                times[k] = take_off(instance.travel, k, stops, float(instance.limits[k]))
+    return times
+
+
+def _stops(instance: Instance, k: int, route: Sequence[int]) -> Ints:
+    return np.array([instance.n_tasks + k, *route, instance.n_tasks + k])
 
 
 def tour_costs(instance: Instance, routes: Sequence[Sequence[int]]) -> Floats:
@@ -93,23 +116,24 @@ def tour_costs(instance: Instance, routes: Sequence[Sequence[int]]) -> Floats:
     Returns
     -------
     numpy.ndarray
-        Shape (m,) [s]; 0 for a UAV that stays home, +inf where a leg cannot be flown.
+        Shape (m,) [s], landings where UAVs wait; 0 for a UAV that stays home, +inf where a leg cannot be flown.
     """
-    costs = np.zeros(len(routes))
+    costs, times = np.zeros(len(routes)), take_offs(instance, routes)
     for k, route in enumerate(routes):
         if len(route):
-            stops = np.array([instance.n_tasks + k, *route, instance.n_tasks + k])
+            stops = _stops(instance, k, route)
             if instance.travel is None:
                 costs[k] = instance.cost[stops[:-1], stops[1:]].sum()
             else:
-                costs[k] = instance.travel.tour_cost(k, stops)
+                costs[k] = instance.travel.tour_cost(k, stops, float(times[k]))
     return costs
 
 
 def objective(instance: Instance, routes: Sequence[Sequence[int]]) -> float:
     """Return C_max [s] of complete routes, +inf where a UAV cannot fly its tour."""
     costs = tour_costs(instance, routes)
-    return float("inf") if past_endurance(instance, costs).any() else float(costs.max())
+    past = past_endurance(instance, costs - take_offs(instance, routes)).any()
+    return float("inf") if past else float(costs.max())
 
 
 def makespan(instance: Instance, routes: Sequence[Sequence[int]]) -> float:

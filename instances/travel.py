@@ -34,6 +34,7 @@ AXES = {
     "endurance": "limited endurance",
     "time": "costs that change with time",
     "states": "several states at a node",
+    "window": "take-off within a window",
 }
 """What an instance can have beyond one matrix of costs, in words."""
 
@@ -58,6 +59,9 @@ class Travel:
         Shape (S,): the node of each state, each from 0 to N-1 once or more; one state a node if left out.
     closed
         Whether a tour ends in the state of its depot that it began in; else it may end in another.
+    window
+        Longest wait before take-off [s], ≥ 0: it may keep a flight within endurance (``instances/take_off.py``).
+        Where it is above 0, each node has one state.
 
     Raises
     ------
@@ -70,6 +74,7 @@ class Travel:
     departures: Floats = field(default_factory=_nothing)
     nodes: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     closed: bool = False
+    window: float = 0.0
 
     def __post_init__(self) -> None:
         cost = _checked_cost(self.cost)
@@ -89,6 +94,7 @@ class Travel:
         if nodes[-1] + 1 == n_states and (loops := np.diagonal(cost, axis1=2, axis2=3)).any():
             g, q, i = np.argwhere(loops)[0]
             raise InputError(f"travel.cost[{g}][{q}][{i}][{i}] must be 0 (the diagonal), got {loops[g, q, i]}")
+        object.__setattr__(self, "window", _checked_window(self.window, n_states > nodes[-1] + 1))
         _check_fifo(cost, departures)
         cost, classes = _merged(cost, classes)
         for name, array in (("cost", cost), ("classes", classes), ("departures", departures), ("nodes", nodes)):
@@ -98,7 +104,7 @@ class Travel:
 
     def __reduce__(self) -> tuple[type[Travel], tuple[Any, ...]]:
         """Pickle through the constructor: arrays are read-only again on the other side, which kernels mind."""
-        return Travel, (self.cost, self.classes, self.departures, self.nodes, self.closed)
+        return Travel, (self.cost, self.classes, self.departures, self.nodes, self.closed, self.window)
 
     @classmethod
     def of_uavs(cls, costs: Sequence[Floats]) -> Travel:
@@ -135,15 +141,18 @@ class Travel:
         np.fill_diagonal(least, 0.0)
         return least
 
-    def tour_cost(self, uav: int, stops: Ints) -> float:
-        """Return C_k [s] of UAV `uav` along `stops` (depot, tasks, depot): earliest arrival over chains of states."""
+    def tour_cost(self, uav: int, stops: Ints, take_off: float = 0.0) -> float:
+        """Return C_k [s] of UAV `uav` along `stops` (depot, tasks, depot): earliest arrival over chains of states.
+
+        It departs at `take_off` [s], which counts where costs change with time.
+        """
         cost = self.cost[self.classes[uav]]
         if not self.axes & {"time", "states"}:
             return float(cost[0, stops[:-1], stops[1:]].sum())
         first, after = (np.searchsorted(self.nodes, stops, side=side) for side in ("left", "right"))
-        starts = np.zeros((1, after[0] - first[0]))
+        starts = np.full((1, after[0] - first[0]), take_off)
         if self.closed:
-            starts = np.where(np.eye(starts.size, dtype=bool), 0.0, np.inf)
+            starts = np.where(np.eye(starts.size, dtype=bool), take_off, np.inf)
         ends = np.empty_like(starts)
         for k, arrival in enumerate(starts):
             for here in range(len(stops) - 1):
@@ -205,6 +214,15 @@ def _checked_departures(departures: Any, n_knots: int) -> Floats:
             f"travel.departures must be {n_knots} increasing times [s] from 0, one a knot, got {shown(t.tolist())}"
         )
     return t
+
+
+def _checked_window(window: Any, several_states: bool) -> float:
+    number = isinstance(window, int | float | np.integer | np.floating) and not isinstance(window, bool)
+    if not number or not 0 <= window < np.inf:
+        raise InputError(f"travel.window must be a time [s] of at least 0, got {shown(window)}")
+    if window > 0 and several_states:
+        raise InputError(f"travel.window is {shown(window)}, which wants one state a node; travel.nodes has several")
+    return float(window)
 
 
 def _check_fifo(cost: Floats, departures: Floats) -> None:

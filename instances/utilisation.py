@@ -14,6 +14,9 @@ def utilisation(costs: Floats) -> Floats:
     return costs / longest if longest > 0 else np.zeros(len(costs))
 
 
-def endurance_margins(instance: Instance, costs: Floats) -> Floats:
-    """Return 1 − C_k / L_k of each UAV, shape (m,): what is left of its endurance, 1 where it is unlimited."""
-    return 1.0 - costs / instance.limits
+def endurance_margins(instance: Instance, flights: Floats) -> Floats:
+    """Return what is left of each UAV's endurance L_k after `flights` [s], shapes (m,), a share: 1 where unlimited.
+
+    A flight is C_k without the wait before take-off (`instances.take_offs`).
+    """
+    return 1.0 - flights / instance.limits

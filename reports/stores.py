@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from instances import InputError, Instance, check_routes, tour_costs
+from instances import InputError, Instance, check_routes, take_offs, tour_costs
 from instances.errors import one_line
 from instances.files import read_instance
 from instances.natural import natural
@@ -229,7 +229,7 @@ def _recomputed(run: Run, instance: Instance | None) -> dict[str, Any]:
     right = solved and math.isclose(cost, objective, rel_tol=RELATIVE_ROUNDING)
     used = {"utilisation": float(utilisation(costs).mean())}
     if instance.endurance is not None:
-        used["endurance_margin"] = float(endurance_margins(instance, costs).min())
+        used["endurance_margin"] = float(endurance_margins(instance, costs - take_offs(instance, routes)).min())
     return nothing | used | {"value": cost if right else math.nan, "recomputed": cost, "tour_costs": costs}
 
 

@@ -11,7 +11,8 @@ straight, headings
                in place of the last four where nodes have several states (``state_bounds.py``)
 
 Where costs change with time the last three carry the clock; the others are those of the instance whose legs are
-minimised over time windows (``time_windows.py``), which no routes better than those known take less than. With several
+minimised over time windows (``time_windows.py``), which no routes better than those known take less than. Where UAVs
+may wait before take-off they are bounds of UAVs that need not (`_off_at_once`). With several
 states a node besides, each leg counts at the least of all states at its ends: the chord between the least costs at two
 knots is below all of them.
 """
@@ -20,7 +21,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -64,6 +65,7 @@ class Bound:
 
 def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0) -> Iterator[Bound]:
     """Yield every bound of `instance` as it is ready; `time_limit` [s] is that of each."""
+    instance = _off_at_once(instance)
     upper = _upper(instance)
     if {"time", "states"} <= instance.axes:
         instance = stateless(instance)
@@ -85,6 +87,17 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
         yield root
     if refusal(BranchAndPrice(), instance) is None:
         yield from _columns(instance, upper, time_limit)
+
+
+def _off_at_once(instance: Instance) -> Instance:
+    """Return the instance whose UAVs do not wait, of endurance L_k + window: none lands later for it.
+
+    Who takes off at t ≤ window lands by t + L_k, and who takes off at once on the same tour no later.
+    """
+    if instance.travel is None or "window" not in instance.axes:
+        return instance
+    travel = replace(instance.travel, window=0.0)
+    return replace(instance, travel=travel, endurance=instance.limits + instance.travel.window)
 
 
 def _upper(instance: Instance) -> float:

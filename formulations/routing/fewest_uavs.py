@@ -94,6 +94,8 @@ def fewest_uavs(
     if not 0 < limit < math.inf:
         raise InputError(f"limit must be positive [s], got {limit}")
     limited = replace(instance, endurance=np.minimum(instance.limits, limit))
+    if "window" in limited.axes:  # tours are landings, endurance counts from take-off: one number cannot be both
+        raise InputError(f"instance {instance.name}: the fewest UAVs are not known where take-off is within a window")
     if reason := refusal(solver, limited):
         raise InputError(reason)
     solver.prepare(limited)  # before the clock begins

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from instances import Instance, Routes, Travel, makespan, tour_costs
+from instances import Instance, Routes, Travel, makespan, take_offs, tour_costs
 from instances.arrays import Floats
+from instances.routes import past_endurance
 
 
 def costs_at(travel: Travel, time: float) -> Floats:
@@ -38,12 +39,17 @@ def frozen(instance: Instance, time: float = 0.0) -> Instance:
 
 
 def in_better_directions(instance: Instance, routes: Routes) -> Routes:
-    """Return `routes`, each tour flown the way round that is home first."""
+    """Return `routes`, each tour flown the way round that is home first, within endurance if one way is."""
     back = tuple(route[::-1] for route in routes)
-    forth_costs, back_costs = tour_costs(instance, routes), tour_costs(instance, back)
-    return tuple(
-        b if there > other else a for a, b, there, other in zip(routes, back, forth_costs, back_costs, strict=True)
-    )
+    ways = zip(routes, back, _worth(instance, routes), _worth(instance, back), strict=True)
+    return tuple(b if there > other else a for a, b, there, other in ways)
+
+
+def _worth(instance: Instance, routes: Routes) -> list[tuple[bool, float]]:
+    """Return of each tour whether it is past endurance, and C_k [s]: the less, the better."""
+    costs = tour_costs(instance, routes)
+    past = past_endurance(instance, costs - take_offs(instance, routes))
+    return list(zip(past.tolist(), costs.tolist(), strict=True))
 
 
 @dataclass(frozen=True)

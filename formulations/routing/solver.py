@@ -167,6 +167,7 @@ ABLE = {
     "endurance": "memetic and exact can",
     "time": "branch-and-price, subset-dp, memetic, ruin-recreate, ga and greedy can",
     "states": "memetic and exact can",
+    "window": "subset-dp can",
 }
 """Who to turn to, for each axis of an instance."""
 

@@ -33,7 +33,7 @@ from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.solver import Result
 from formulations.routing.state_dp import LARGEST_TABLE, cheapest_chain, state_tour_table
 from formulations.routing.stateless import stateless
-from formulations.routing.subset_dp_clocks import Extend, arrivals, earliest_order
+from formulations.routing.subset_dp_clocks import Extend, arrivals, earliest_order, let_wait
 from instances import Instance, Routes, Travel
 from instances.arrays import Floats
 from instances.kernels import njit
@@ -41,6 +41,10 @@ from instances.routes import ENDURANCE_ROUNDING
 
 LARGEST = 22
 """Tasks beyond which the tables pass about a gigabyte and the partition a minute."""
+LARGEST_WAITING = 14
+"""Tasks beyond which take-off within a window, a recursion of its own for each set of tasks, takes a minute."""
+WAITING_TOLERANCE = 1e-6
+"""Share by which routes with waiting may be longer than the optimum they prove: take-offs are climbed to from below."""
 
 _BLOCK_BITS = 5
 _PATH_CHUNK = 1 << 17
@@ -53,11 +57,13 @@ class SubsetDp(RecordedSolver):
     """Dynamic programming over all subsets: exact, n ≤ 22, time and memory known beforehand."""
 
     proves: ClassVar[bool] = True
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states", "window"})
 
     def accepts(self, instance: Instance) -> str | None:
         """Refuse instances whose tables do not fit."""
         n = instance.n_tasks
+        if "window" in instance.axes and n > LARGEST_WAITING:
+            return f"subset-dp takes at most {LARGEST_WAITING} tasks where take-off is within a window, not {n}"
         if n <= LARGEST:
             return self._states_fit(instance)
         need = 8 * Decimal(2) ** n * (n + 2 * instance.n_depots) / 10**9  # no float reaches 2 ** 1024
@@ -85,6 +91,7 @@ class SubsetDp(RecordedSolver):
         if "time" in instance.axes:
             twice = Travel(np.stack([cost, cost])[None], np.zeros(3, dtype=np.int64), np.array([0.0, 1.0]))
             tiny = Instance.of_travel("warm-up", twice, 2)
+            let_wait(tiny, 0, np.full(4, 3.0), np.inf, lambda: True)
         self.solve(tiny, limits=Limits(time=3600.0))
 
     def search(self, recorder: Recorder, seed: int) -> Result:
@@ -107,6 +114,8 @@ class SubsetDp(RecordedSolver):
             recorder.incumbent(_recover(instance, tours, best))
         bound = min(value, recorder.objective) * (1 - _RELATIVE_ROUNDING)
         recorder.raise_bound(bound)
+        if "window" in instance.axes and not recorder.objective <= bound * (1 + WAITING_TOLERANCE):
+            return recorder.result("finished", message="Some flight shrinks too slowly with waiting to tell.")
         tolerance = max(2 * _RELATIVE_ROUNDING * recorder.objective, recorder.objective - bound)
         return recorder.result("proof", proved=True, tolerance=tolerance, subsets=1 << instance.n_tasks)
 
@@ -123,6 +132,9 @@ def tour_table(instance: Instance, k: int, clock: Recorder | None = None) -> Flo
     Sets that UAV k cannot fly, or not on one battery, have t_k(S) = +inf.
     """
     tour = (state_tour_table if "states" in instance.axes else _stateless_table)(instance, k, clock)
+    if tour is not None and "window" in instance.axes:
+        below, in_time = (np.inf, lambda: True) if clock is None else (clock.objective, lambda: clock.remaining > 0)
+        return tour if let_wait(instance, k, tour, below, in_time) else None
     if tour is not None and instance.endurance is not None:
         tour[tour > instance.endurance[k] * (1 + ENDURANCE_ROUNDING)] = np.inf
     return tour

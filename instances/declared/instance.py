@@ -83,6 +83,9 @@ class TravelTable(Table, frozen=True, kw_only=True):
     closed: Annotated[bool, about("whether a tour ends in the state of its depot that it began in", example=False)] = (
         False
     )
+    window: Annotated[
+        float, Meta(ge=0), about("longest wait before take-off, to keep within endurance", "s", example=300.0)
+    ] = 0.0
 
 
 class InstanceTable(Table, frozen=True, kw_only=True):

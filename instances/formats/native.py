@@ -84,7 +84,7 @@ def travel_of(said: TravelTable) -> Travel:
     shape = (len(said.cost), len(said.cost[0]) if said.cost else 0, states, states)
     cost = _unlimited(np.array(classes).reshape(shape))
     departures = np.array(said.departures)
-    return Travel(cost, said.classes, departures, said.nodes, said.closed)  # type: ignore[arg-type]  # made arrays there
+    return Travel(cost, said.classes, departures, said.nodes, said.closed, said.window)  # type: ignore[arg-type]  # made arrays there
 
 
 def _endurance(value: list[float | None] | None, n_depots: int) -> Floats | None:
@@ -171,6 +171,7 @@ def _travel_text(travel: Travel) -> str:
     cost = ",\n".join("[" + ",\n".join(each) + "]" for each in knots)
     rest = {name: json.dumps(getattr(travel, name).tolist()) for name in ("classes", "departures", "nodes")}
     rest |= {"closed": "true"} if travel.closed else {}
+    rest |= {"window": json.dumps(travel.window)} if travel.window else {}
     return "{" + f'"cost": [{cost}],\n' + ",\n".join(f'"{name}": {text}' for name, text in rest.items()) + "}"
 
 

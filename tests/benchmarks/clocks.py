@@ -1,14 +1,15 @@
 """Plans that know no clock against plans that do, and the speed of the searches by the clock.
 
-    python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss] [speed] [optima] [proofs] [walls]
+    python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss] [speed] [optima] [proofs] [walls] [windows]
 
 Sections: loss (40 tasks, 3 UAVs at the paper's depots, winds that turn: what the plan for the wind of take-off
 promised, what it takes, what it takes with every tour in its better direction, what `memetic` by the clock finds; of
 static plans that promise the same that of several seeds which takes least in its better directions;
 losses against the latter, beside those once measured), speed (steps a second of the annealing by the clock and of the
 static one), optima (`memetic` against `subset-dp`), proofs (`branch-and-price` in turning winds), walls
-(what costs by departure around walls take: wall clock, CPU and peak memory of this process). One thread but for walls,
-which plans on two; seconds are those of each search.
+(what costs by departure around walls take: wall clock, CPU and peak memory of this process), windows (what a take-off
+within half an hour saves where endurance is 95 % of the least makespan). One thread but for walls, which plans on two;
+seconds are those of each search.
 """
 
 from __future__ import annotations
@@ -166,12 +167,36 @@ def walls(args: argparse.Namespace) -> None:
     print(f"sum of all costs {instance.travel.cost.sum():.9e} s, which a change for speed must leave as it is")
 
 
+def windows(args: argparse.Namespace) -> None:
+    """Print how many fleets of too little endurance fly all tasks where they may wait, proved by subset-dp."""
+    solver, limits = make_solver("subset-dp"), Limits(time=120)
+    for n, m in ((8, 2), (10, 3), (12, 3)):
+        seconds, longer = [], []
+        for seed in range(max(args.seeds, 10)):
+            instance = generate("wind-turning", n, m, seed)
+            assert instance.travel is not None
+            solver.prepare(instance)
+            least = solver.solve(instance, limits=limits).objective or 0.0
+            travel = replace(instance.travel, window=1800.0)
+            waiting = replace(instance, travel=travel, endurance=np.full(m, 0.95 * least))
+            solver.prepare(waiting)
+            began = time.process_time()
+            result = solver.solve(waiting, limits=limits)
+            seconds.append(time.process_time() - began)
+            assert result.status in (Status.OPTIMAL, Status.INFEASIBLE)
+            longer += [] if result.objective is None else [result.objective / least - 1]
+        shown = ", ".join(f"{share:.1%}" for share in sorted(longer))
+        words = f"{len(longer)} of {len(seconds)} flyable with waiting, none at once; they land later by {shown or '-'}"
+        print(f"{n} tasks, {m} UAVs: {words}; at most {max(seconds):.2f} s of CPU", flush=True)
+
+
 SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {
     "loss": loss,
     "speed": speed,
     "optima": optima,
     "proofs": proofs,
     "walls": walls,
+    "windows": windows,
 }
 
 

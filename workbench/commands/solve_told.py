@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from instances import Instance
+from instances import Instance, take_offs
 from instances.utilisation import endurance_margins, utilisation
 from reports.record import Run
 
@@ -28,10 +28,11 @@ def _use(run: Run, instance: Instance) -> dict[str, list[float] | None]:
     """Return how much of its time and of its endurance each UAV uses."""
     costs = np.array(run.own["tour_costs"], dtype=float)
     limited = instance.endurance is not None and len(costs) > 0
+    waits = take_offs(instance, run.own["routes"] or ())
     return {
         "utilisation": utilisation(costs).tolist(),
-        "endurance_margins": endurance_margins(instance, costs).tolist() if limited else None,
-    }
+        "endurance_margins": endurance_margins(instance, costs - waits).tolist() if limited else None,
+    } | ({"take_offs": waits.tolist()} if "window" in instance.axes else {})
 
 
 def as_text(run: Run, instance: Instance) -> str:
@@ -53,8 +54,10 @@ def _shares(run: Run, instance: Instance) -> list[str]:
     used = _use(run, instance)
     margins = used["endurance_margins"] or [math.inf] * instance.n_depots
     shares = []
-    for share, margin in zip(used["utilisation"] or (), margins, strict=False):
+    waits = used.get("take_offs") or [0.0] * instance.n_depots
+    for share, margin, wait in zip(used["utilisation"] or (), margins, waits, strict=False):
         words = [f"{share:.0%} of the longest"] if instance.axes else []
-        words += [f"{margin:.0%} of its endurance left"] if margin < 1 else []
+        words += [f"takes off after {wait:.6g} s"] if wait > 0 else []
+        words += [f"{max(margin, 0.0):.0%} of its endurance left"] if margin < 1 else []
         shares.append(f" ({', '.join(words)})" if words else "")
     return shares

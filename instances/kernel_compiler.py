@@ -6,6 +6,7 @@ it, to be optimised and turned into machine code once more. Here
 * a kernel has two sides (`Kernel`): what Python calls, and what kernels call, which is not wrapped for Python;
 * a kernel that LLVM would not inline for its size is called where it lies instead of copied (`KernelLibrary`), and kept
   machine code knows what it calls (`Callee`);
+* a kernel is compiled once for all widths of integers and for constants (`widened`);
 * a kernel that makes no array counts no references to arrays (`CountNoReferences`): its caller holds them.
 
 `instances.kernels.njit` makes kernels of this kind.
@@ -194,8 +195,20 @@ class InnerCache(KernelCache):
         return found
 
 
+def widened(a_type: types.Type) -> types.Type:
+    """Return the type that an argument is given as: constants are numbers like others, integers have 64 bits."""
+    plain = types.unliteral(a_type)
+    return types.int64 if plain in types.signed_domain else plain
+
+
 class Inner(CPUDispatcher):
-    """A kernel as kernels call it."""
+    """A kernel as kernels call it, compiled once for all widths of integers and not anew for each constant."""
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return what numba types a call with: of the arguments as they are given."""
+        return super().get_call_template(
+            tuple(map(widened, args)), {name: widened(a_type) for name, a_type in kws.items()}
+        )
 
     def enable_caching(self) -> None:
         """Keep what is compiled."""

@@ -42,15 +42,21 @@ def two_cycles(theta: Floats, least: float) -> tuple[Bools, Ints]:
     return sets[:found], visited[:found]
 
 
-@njit(cache=True)
 def subtours(theta: Floats, least: float) -> tuple[Bools, Ints]:
     """Return the sets S violated by more than `least`, shape (cuts, n), and the v of each.
 
     theta : θ of one UAV, shape (n+1, n+1), its depot last. Of every flow that falls short the smallest S and the
         largest are returned; v is the task of S visited most. A task inside a set already found is not tried.
     """
-    n = len(theta) - 1
-    y = theta[:, :n].sum(axis=0)
+    y = theta[:, :-1].sum(axis=0)
+    sets, visited = _subtours(theta, y, np.argsort(-y, kind="stable"), least)
+    return sets, visited
+
+
+@njit(cache=True)
+def _subtours(theta: Floats, y: Floats, order: Ints, least: float) -> tuple[Bools, Ints]:
+    """Return the sets of `subtours`; y (n,): how much enters each task, the first of `order` most."""
+    n = y.size
     near, degree = _neighbours(theta)
     sets = np.zeros((2 * n, n), dtype=np.bool_)
     visited = np.empty(2 * n, dtype=np.int64)
@@ -58,7 +64,7 @@ def subtours(theta: Floats, least: float) -> tuple[Bools, Ints]:
     parent = np.empty(n + 1, dtype=np.int64)
     queue = np.empty(n + 1, dtype=np.int64)
     found = 0
-    for v in np.argsort(-y):
+    for v in order:
         if y[v] <= least:
             break
         if covered[v]:
@@ -77,7 +83,7 @@ def subtours(theta: Floats, least: float) -> tuple[Bools, Ints]:
         smallest = parent >= 0
         for side in range(2):
             S = smallest if side == 0 else largest
-            if side == 1 and np.array_equal(smallest, largest):
+            if side == 1 and (smallest ^ largest).sum() == 0:
                 break
             top = v
             for i in range(n):

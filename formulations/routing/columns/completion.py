@@ -109,7 +109,7 @@ class Bins(NamedTuple):
             whole, cost = rows(courses, legs.between, legs.out if backwards else legs.home, cap, most)
             return cls._ordered(cap, most, whole, cost, courses)
         between, home = (legs.between.T, legs.out) if backwards else (legs.between, legs.home)
-        cost = np.column_stack([between, home])[None]
+        cost = np.ascontiguousarray(np.column_stack([between, home]))[None]  # else a second version is compiled
         whole = np.maximum(np.minimum(np.floor(cost / (cap / most) - _SLACK), most + 1), 0).astype(np.int32)
         return cls._ordered(cap, most, whole, cost, still(cost[0]))
 
@@ -144,7 +144,8 @@ def completion(bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: f
         for i in range(n):
             row = best[i, b]
             if by_clock and b > 0:
-                row[:] = best[i, b - 1]
+                for at in range(row.size):  # numba compiles assigned slices ten times as long, to word their errors
+                    row[at] = best[i, b - 1, at]
             if legs[i, n] <= b:
                 for block in range(blocks):
                     for memory_there in range(states):

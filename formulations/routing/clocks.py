@@ -43,8 +43,12 @@ def clocks_of(instance: Instance) -> Clocks:
         travel = Travel(instance.cost[None, None], np.zeros(instance.n_depots, dtype=np.int64))
     if "states" in travel.axes:
         raise ValueError(f"instance {instance.name}: costs depend on the states of nodes")
-    knots = travel.departures
-    return Clocks(lines_of(travel.cost, knots), np.append(knots, np.inf), *_index(knots), travel.classes)
+    return clocks_at(travel.cost, travel.departures, travel.classes)
+
+
+def clocks_at(cost: Floats, knots: Floats, classes: Ints) -> Clocks:
+    """Return the clocks of costs (G, Q, N, N) [s] at `knots` (Q,) [s] for UAVs of `classes` (m,)."""
+    return Clocks(lines_of(cost, knots), np.append(knots, np.inf), *_index(knots), classes)
 
 
 def lines_of(cost: Floats, knots: Floats) -> Floats:

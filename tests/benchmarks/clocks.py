@@ -1,6 +1,6 @@
 """Plans that know no clock against plans that do, and the speed of the searches by the clock.
 
-    python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss] [speed] [optima] [proofs] [walls] [windows]
+    python tests/benchmarks/clocks.py [--seconds 10] [--seeds 4] [loss speed optima proofs walls windows risk]
 
 Sections: loss (40 tasks, 3 UAVs at the paper's depots, winds that turn: what the plan for the wind of take-off
 promised, what it takes, what it takes with every tour in its better direction, what `memetic` by the clock finds; of
@@ -8,13 +8,17 @@ static plans that promise the same that of several seeds which takes least in it
 losses against the latter, beside those once measured), speed (steps a second of the annealing by the clock and of the
 static one), optima (`memetic` against `subset-dp`), proofs (`branch-and-price` in turning winds), walls
 (what costs by departure around walls take: wall clock, CPU and peak memory of this process), windows (what a take-off
-within half an hour saves where endurance is 95 % of the least makespan). One thread but for walls, which plans on two;
-seconds are those of each search.
+within half an hour saves where endurance is 95 % of the least makespan), risk (36 tasks, 3 UAVs, five members: best of
+five seeds of `memetic`, a tenth of the seconds each, against the search over members from there in half of them, the
+members' costs left out). One thread but for walls, which plans on two; seconds are those of each search.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
+import itertools
+import math
 import resource
 import time
 from collections.abc import Callable
@@ -24,10 +28,13 @@ import numpy as np
 from shapely.geometry import box
 
 from formulations.limits import Limits
+from formulations.moving_cost.clocked import clocked_instance
 from formulations.moving_cost.costing import instance_of
+from formulations.moving_cost.ensemble import member_costs
 from formulations.moving_cost.families import generate
 from formulations.routing.clocked.annealing import anneal_by_clock
 from formulations.routing.clocked.problem import ClockedProblem
+from formulations.routing.clocked.risk import routes_of_less_risk
 from formulations.routing.frozen import frozen, judged
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.registry import make_solver
@@ -39,7 +46,15 @@ from formulations.routing.search.schedule import Schedule
 from formulations.routing.search.tours import duplicate, sum_costs
 from formulations.routing.solver import Status
 from instances import Instance, Routes, makespan
+from instances.environment.region import Region
+from instances.environment.wind_changing import Turning
+from instances.environment.wind_forecast import Forecast, sampled
 from instances.families import make_scenario
+from instances.moving_cost import CostKind
+from instances.paths import Paths
+from instances.scenario import Scenario
+from instances.wind_ensemble import spread
+from workbench.commands.solve_risk import REACH, WORST_SHARES
 
 Case = tuple[float, float, float]
 LOSSES: dict[Case, tuple[tuple[float, ...], tuple[float, ...]]] = {
@@ -190,6 +205,47 @@ def windows(args: argparse.Namespace) -> None:
         print(f"{n} tasks, {m} UAVs: {words}; at most {max(seconds):.2f} s of CPU", flush=True)
 
 
+def of_members(seed: int, n: int = 36, members: int = 5) -> tuple[Scenario, Forecast]:
+    """Return a scenario in open country and its forecast, of winds that turn by 0° to 180° an hour at 7 to 13 m/s."""
+    rng, side = np.random.default_rng(seed), 20e3
+    region, frames = Region.rectangle(side, side), np.arange(0.0, 7201.0, 600.0)
+
+    def forecast(turning: float, speed: float, towards: float) -> Forecast:
+        angle = np.radians(towards)
+        wind = Turning((speed * math.cos(angle), speed * math.sin(angle)), math.radians(turning) / 3600)
+        return sampled(wind, region, frames, 4)
+
+    drawn = (rng.uniform(0, 180, members), rng.uniform(7, 13, members), rng.uniform(195, 255, members))
+    others = tuple(forecast(*each) for each in zip(*drawn, strict=True))
+    wind, depots, tasks = replace(forecast(90, 10, 225), members=others), rng.uniform(0, side, (3, 2)), (n, 2)
+    return Scenario("ensemble", region, depots, 20.0, wind, rng.uniform(0, side, tasks), cost=CostKind.TIME), wind
+
+
+def risk(args: argparse.Namespace) -> None:
+    """Print what choosing among seeds gives and what searching over the members gives, for every risk."""
+    print("seed risk | of the seeds' routes [s] | chosen searched [s] gain [%]")
+    for seed in range(args.seeds):
+        scenario, wind = of_members(seed)
+        instance, points = clocked_instance(scenario), scenario.points
+        n, legs = instance.n_tasks, itertools.product(points, repeat=2)
+        paths = Paths.of(len(points), [np.array([a, b]) if a is not b else np.empty((0, 2)) for a, b in legs])
+        judge = functools.partial(spread, paths, n_tasks=n, wind=wind, speed=scenario.speed)
+        all_routes = [searched(instance, 0.1 * args.seconds, s) for s in range(5)]
+        spreads = [judge(routes) for routes in all_routes]
+        began = time.process_time()
+        knots, costs = member_costs(paths, wind, scenario.speed, REACH * max(each.worst for each in spreads))
+        print(f"{seed} costs of members: {time.process_time() - began:.1f} s of CPU")
+        limits = Limits(time=0.5 * args.seconds)
+        for name, share in WORST_SHARES.items():
+            values = [getattr(each, name) for each in spreads]
+            first = int(np.argmin(values))
+            found = routes_of_less_risk(instance, knots, costs, share, all_routes[first], limits=limits, seed=0)
+            least = min(values[first], *(getattr(judge(each), name) for each in found))
+            gain = 100 * (1 - least / values[first])
+            told = " ".join(f"{value:.1f}" for value in values)
+            print(seed, name, "|", told, "|", f"{values[first]:.1f} {least:.1f} {gain:.2f}", flush=True)
+
+
 SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {
     "loss": loss,
     "speed": speed,
@@ -197,6 +253,7 @@ SECTIONS: dict[str, Callable[[argparse.Namespace], None]] = {
     "proofs": proofs,
     "walls": walls,
     "windows": windows,
+    "risk": risk,
 }
 
 

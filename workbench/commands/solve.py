@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @click.option(
     "--risk",
     type=click.Choice(["mean", "cvar", "worst"]),
-    help="Of the routes of five seeds, take those best over the members of an ensemble of forecasts.",
+    help="Search on from the best of five seeds for routes that are best over the members of an ensemble of forecasts.",
 )
 @JSON
 @click.option("--out", type=click.Path(path_type=Path), help="Write the routes (.sol, .tour).")

@@ -231,7 +231,7 @@ def risk(args: argparse.Namespace) -> None:
         paths = Paths.of(len(points), [np.array([a, b]) if a is not b else np.empty((0, 2)) for a, b in legs])
         judge = functools.partial(spread, paths, n_tasks=n, wind=wind, speed=scenario.speed)
         all_routes = [searched(instance, 0.1 * args.seconds, s) for s in range(5)]
-        spreads = [judge(routes) for routes in all_routes]
+        spreads = [each for routes in all_routes if (each := judge(routes)) is not None]
         began = time.process_time()
         knots, costs = member_costs(paths, wind, scenario.speed, REACH * max(each.worst for each in spreads))
         print(f"{seed} costs of members: {time.process_time() - began:.1f} s of CPU")

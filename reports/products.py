@@ -5,7 +5,6 @@ Each is checked as it is read: what is missing, no number or of another shape is
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -16,7 +15,6 @@ import numpy as np
 import pandas as pd
 
 from instances.arrays import Floats
-from instances.disk import read_text
 from instances.environment.radio import RadioMap
 from instances.environment.radio_changing import ChangingField
 from instances.environment.terrain import Terrain
@@ -31,46 +29,15 @@ from reports.damage import reading
 from reports.figures.field import Extent, extent_of
 from reports.kinds import is_number
 from reports.numbers import missing
+from reports.product_tables import LARGEST, read_table
 from reports.record import Run, read_json, read_run
 from reports.verdicts import MISSION
 
 FOLDERS = ("environment", "place", "costs", "routes", "flight", "map", "compare")
 """The stages that have products."""
 
-_SCORES = ("rmse", "nlpd", "coverage", "mean_sd", "max_sd")
-NUMBERS: dict[str, tuple[str, ...]] = {
-    "tasks.csv": ("x", "y"),
-    "reference.csv": ("uav", "x", "y"),
-    "flown.csv": ("uav", "time", "x", "y", "z"),
-    "flight-check.csv": (
-        "uav", "length", "reference_length", "task_distance", "least_radius", "deviation", "closure", "in_no_fly",
-        "outside", "margin", "clearance", "home", "lowest", "highest", "duration",
-    ),
-    "tours.csv": ("uav", "tasks", "length", "flight_time", "energy", "calm"),
-    "samples.csv": ("time", "x", "y"),
-    "ticks.csv": ("time", "samples", "information", *_SCORES),
-    "compare.csv": ("draws", "count", "length", "longest", "outside", "samples", "information", *_SCORES),
-    "compare-draws.csv": ("draw", "length", *_SCORES),
-    "compare-ticks.csv": ("flown", *_SCORES),
-    "tracks.csv": ("uav", "x", "y"),
-    "calm.csv": ("longest", "total"),
-    "calm-paths.csv": ("uav", "x", "y"),
-    "unpolished.csv": ("uav", "x", "y"),
-    "polished.csv": ("uav", "x", "y", "task"),
-}  # fmt: skip
-"""Table → its columns of numbers that are read."""
-NAMED = ("compare.csv", "compare-draws.csv", "compare-ticks.csv", "tracks.csv")
-"""Tables of several plans, whose `name` says which."""
 POLISHED = ("costs_before", "costs_after", "budgets", "lengths_before", "lengths_after")
 """Of ``polish.json``, a number of each UAV."""
-UNKNOWN = ("energy",)
-"""Columns that may be missing: in a wind that changes there is no energy."""
-WHOLE = ("uav", "draw", "draws")
-"""Columns of whole numbers from 0."""
-ENDLESS = ("least_radius", "flight_time")
-"""Columns that may be infinite: a UAV that stays home makes no turn; against a wind as strong there is no flight."""
-LARGEST = 1e12
-"""No product has a greater number; pictures of greater ones cannot be drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -385,29 +352,7 @@ class Products:
 
     def table(self, stage: str, file: str) -> pd.DataFrame:
         """Return a CSV product as a frame, its `NUMBERS` being numbers."""
-        path = self.folders[stage] / file
-        with reading(path, "a table"):
-            frame = pd.read_csv(io.StringIO(read_text(path)))
-            for name in NUMBERS[file]:
-                frame[name] = _numbers(frame[name], name)
-            if file in NAMED:
-                frame["name"] = frame["name"].astype(str)
-            if frame.empty:
-                raise InputError("has no rows")
-            return frame
-
-
-def _numbers(column: pd.Series, name: str) -> pd.Series:
-    values = pd.to_numeric(column).astype(float)
-    endless = values.eq(float("inf")) if name in ENDLESS else False
-    unknown = values.isna() if name in UNKNOWN else False
-    if not ((values.abs() <= LARGEST) | endless | unknown).all():
-        raise InputError(f"column '{name}' must hold finite numbers up to {LARGEST:g}")
-    if name not in WHOLE:
-        return values
-    if (values < 0).any() or (values % 1 != 0).any():
-        raise InputError(f"column '{name}' must hold whole numbers from 0")
-    return values.astype(int)
+        return read_table(self.folders[stage] / file)
 
 
 def _check_maps(maps: Maps) -> None:

@@ -8,7 +8,8 @@ import pytest
 
 from instances import InputError
 from instances.formats.netcdf import Variable, write_grids
-from reports.products import NAMED, NUMBERS, Products
+from reports.product_tables import NAMED, NUMBERS
+from reports.products import Products
 
 STAGES = ("environment", "place", "costs", "routes", "flight", "map", "compare")
 X, TIME = np.array([50.0, 150.0, 250.0]), np.array([1.0, 2.0])

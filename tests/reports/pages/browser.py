@@ -76,6 +76,7 @@ class Browser:
     def open(self, path, hash=""):
         """Open the file as if typed into an empty tab, and wait until it is loaded."""
         self._go("about:blank")
+        self.call("Page.resetNavigationHistory")  # of 50 entries at most: a full one loses count of what is pushed
         self._go(path.as_uri() + hash)
 
     def _go(self, url):

@@ -18,6 +18,7 @@ from instances.formats.mavlink_items import Vehicle
 from instances.geodesy import TangentPlane
 from instances.registry import LARGEST
 from instances.scenario import Scenario
+from workbench.map_keys import MAXIMISED, Criterion, PriorSd, Weights
 
 SMALLEST = 1e-100
 """The square of a smaller positive number is 0 in float64."""
@@ -76,23 +77,9 @@ class PlaceSettings(Table, frozen=True, kw_only=True):
     options: Annotated[dict[str, Any], about("options of the method", example={"starts": 8})] = key(
         default_factory=dict
     )
-    criterion: Annotated[
-        Literal["b", "a", "ig", "j"],
-        about(
-            "what is maximised: information (b both noisy, a latent tests, ig information gain), or j, how far the "
-            "weighted mean variance falls"
-        ),
-    ] = "b"
-    weights: Annotated[
-        FileName | None,
-        about(
-            "how much places count, from a file: GeoTIFF, polygons or CSV; take criterion j", example="roads.geojson"
-        ),
-    ] = None
-    prior_sd: Annotated[
-        FileName | None,
-        about("a map in place of signal_sd, which counts where no polygon lies", example="unsure.tif"),
-    ] = None
+    criterion: Annotated[Criterion, about(MAXIMISED)] = "b"
+    weights: Weights = None
+    prior_sd: PriorSd = None
     tests: Annotated[
         tuple[Cells, Cells], about("columns and rows of the test points, at which the field is to be known")
     ] = (20, 20)

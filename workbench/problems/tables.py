@@ -27,6 +27,7 @@ from workbench.jobs.study_table import (
     Texts,
     Threads,
 )
+from workbench.map_keys import MAXIMISED, Criterion, PriorSd, Weights
 
 Amount = Whole | NotNegative
 """A whole number stays one: it enters the digest of a problem as it is written."""
@@ -79,24 +80,9 @@ class PlacementTable(StudyTable, frozen=True, kw_only=True):
     test_noise_sd: Annotated[
         Amount | None, about("of a reading at a test point, noise_sd unless given", example=1.0, words=AMOUNT)
     ] = None
-    criterion: Annotated[
-        Literal["b", "a", "ig", "j"] | None,
-        about(
-            "what is maximised: information (b both noisy, a latent tests, ig information gain), or j, how far the "
-            "weighted mean variance falls; b unless given",
-            example="j",
-        ),
-    ] = None
-    weights: Annotated[
-        FileName | None,
-        about(
-            "how much places count, from a file: GeoTIFF, polygons or CSV; take criterion j", example="roads.geojson"
-        ),
-    ] = None
-    prior_sd: Annotated[
-        FileName | None,
-        about("a map in place of signal_sd, which counts where no polygon lies", example="unsure.tif"),
-    ] = None
+    criterion: Annotated[Criterion | None, about(f"{MAXIMISED}; b unless given", example="j")] = None
+    weights: Weights = None
+    prior_sd: PriorSd = None
     methods: Annotated[list[MethodTable], about("who places them, at least one", example=[{"name": "nlp"}])] = field(
         default_factory=list
     )

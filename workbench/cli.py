@@ -31,6 +31,7 @@ COMMANDS = {
     "place": "choose task locations of most information",
     "costs": "compute moving costs of a scenario in wind",
     "bound": "print lower bounds of an instance",
+    "certify": "prove a bound and write the proof",
     "mission": "run the paper's whole chain",
     "figures": "draw the paper's Figs. 1 and 2",
     "import": "take results of other programs into a store",

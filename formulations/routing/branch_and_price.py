@@ -39,12 +39,13 @@ import numpy as np
 from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.columns.fixing import fix_legs
-from formulations.routing.columns.label_search import Labels
+from formulations.routing.columns.label_search import Clock, Labels
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pool import Pool, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer, efforts
+from formulations.routing.columns.proof_log import ProofLog
 from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.state_labelling import StateLabels
 from formulations.routing.columns.tree import StoppedBy, Tree
@@ -149,14 +150,9 @@ class BranchAndPrice(RecordedSolver):
             recorder.raise_bound(simple_bound(plain, upper))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
             return StoppedBy.PROOF.value, {}
-        n, limits = instance.n_tasks, recorder.limits
-        store, legs = labels_for(instance, self.labels), Legs.of(least)
-        patience = _Patience(recorder)
-        far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
-        work = Workspace(patience.over, store, self.tours, *efforts(n, self.bins), far)
-        if self.starts > 0:
-            work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
-        tree = Tree(legs, _columns(recorder), work, recorder.bound, most)
+        limits, patience = recorder.limits, _Patience(recorder)
+        tree = self.tree(recorder, seed, patience.over, bound=recorder.bound)
+        work = tree.work
         nodes = np.inf if limits.iterations is None else limits.iterations
         patience.share(1 / 3)
         ended = tree.grow(recorder, TOLERANCE, nodes)
@@ -171,6 +167,19 @@ class BranchAndPrice(RecordedSolver):
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])
         recorder.raise_bound(tree.bound(min(recorder.objective * (1 - TOLERANCE), most)) * (1 - 1e-12))
         return ended.value, dict(work.counts)
+
+    def tree(
+        self, recorder: Recorder, seed: int, over: Clock, *, bound: float = 0.0, log: ProofLog | None = None
+    ) -> Tree:
+        """Return the tree before it grows: `over` says when it must stop, `bound` [s] what is known before."""
+        instance = recorder.instance
+        store, legs = labels_for(instance, self.labels), Legs.of(stateless(instance))
+        far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
+        work = Workspace(over, store, self.tours, *efforts(instance.n_tasks, self.bins), far, log=log or ProofLog())
+        if self.starts > 0:
+            work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
+        most = worst_makespan(instance) if instance.restricted else np.inf
+        return Tree(legs, _columns(recorder), work, bound, most)
 
     def improve(self, recorder: Recorder, seed: int, runs: int) -> None:
         """Look for routes: search `runs` times, from different seeds, for a third of the time left.

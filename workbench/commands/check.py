@@ -14,7 +14,10 @@ from workbench.terminal import print_json, say
 @click.command("check")
 @click.argument("target", metavar="INSTANCE|RUNS-DIR|NAME.paths.json.gz", type=click.Path(path_type=Path))
 @click.argument(
-    "routes_file", metavar="[ROUTES.sol|SELECTION.json|SCENARIO.toml]", required=False, type=click.Path(path_type=Path)
+    "routes_file",
+    metavar="[ROUTES.sol|SELECTION.json|CERTIFICATE|SCENARIO.toml]",
+    required=False,
+    type=click.Path(path_type=Path),
 )
 @JSON
 @click.pass_context
@@ -25,6 +28,8 @@ def command(context: click.Context, target: Path, routes_file: Path | None, as_j
 
     A SELECTION (workbench select --out) is made out from scratch: tasks, classes, endurance, prizes or information.
 
+    A CERTIFICATE (workbench certify) is gone through case by case: tours are listed and bounds computed anew.
+
     Planned paths (NAME.paths.json.gz) are flown again in their scenario: length, wind, collisions.
 
     \b
@@ -32,6 +37,7 @@ def command(context: click.Context, target: Path, routes_file: Path | None, as_j
       workbench check a.json a.sol
       workbench check runs/quick
       workbench check a.json a-selection.json --json
+      workbench check a.json a.certificate.json.gz
     """
     if target.is_dir():
         if routes_file is not None:
@@ -44,7 +50,8 @@ def command(context: click.Context, target: Path, routes_file: Path | None, as_j
     else:
         if routes_file is None:
             raise InputError(f"{target}: give the routes to check as well (ROUTES.sol), or a folder of runs")
-        check_file = _check_selection if routes_file.suffix == ".json" else _check_routes
+        kinds = {".json": _check_selection, ".gz": _check_certificate}
+        check_file = kinds.get(routes_file.suffix, _check_routes)
         looked_at, problems = check_file(target, routes_file)
     if as_json:
         print_json({"target": target, "looked_at": looked_at, "problems": problems})
@@ -72,6 +79,18 @@ def _check_selection(instance_file: Path, selection_file: Path) -> tuple[str, li
     from instances.files import read_instance
 
     return check_selection(selection_file, read_instance(instance_file))
+
+
+def _check_certificate(instance_file: Path, certificate_file: Path) -> tuple[str, list[str]]:
+    from instances.certificate import read_certificate, verify
+    from instances.errors import naming
+    from instances.files import read_instance
+
+    instance, certificate = read_instance(instance_file), read_certificate(certificate_file)
+    with naming(certificate_file):
+        verdict = verify(instance, certificate)
+    looked_at = f"no longest tour of at most {certificate.bound!r} s: {verdict.closed} cases closed"
+    return looked_at, [f"{certificate_file}: {problem}" for problem in verdict.problems]
 
 
 def _check_store(folder: Path) -> tuple[str, list[str]]:

@@ -17,6 +17,7 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, DualBound, Effort, Efforts, Pricer
+from formulations.routing.columns.proof_log import ProofLog
 from instances.arrays import Bools, Floats
 
 _FIRST_ROOM = 1_000_000  # labels of the first attempt to list the tours
@@ -40,6 +41,7 @@ class Workspace:
     far: Floats
     better: Callable[[Column | None], bool] = lambda _: False
     counts: Counter[str] = field(default_factory=Counter)
+    log: ProofLog = field(default_factory=ProofLog)
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""
@@ -50,6 +52,7 @@ class Workspace:
 class Node:
     """Tours allowed (by `legs`, or in `pool` where a UAV is listed), a valid `bound` [s], columns and cuts to start.
 
+    number : the node's place in the proof that is kept; proof : the prices at which `bound` holds.
     centre : the best bound of the last relaxation solved here or above.
     room : labels to list the tours with next time.
     listing_failed : gap [s] at which the tours did not fit a list.
@@ -65,15 +68,23 @@ class Node:
     room: int = _FIRST_ROOM
     listing_failed: float = np.inf
     fixed_at: float = np.inf
+    number: int = 0
+    proof: DualBound | None = None
 
     def may_visit(self) -> Bools:
         """Say which UAV may still take which task, shape (m, n)."""
         return np.where(self.pool.listed[:, None], self.pool.may_visit(self.legs.n_tasks), self.legs.may_visit())
 
-    def child(self, task: int, uavs: list[int]) -> Node:
+    def raise_bound(self, best: DualBound) -> None:
+        """Take a bound where it is higher."""
+        if best.value > self.bound:
+            self.bound, self.proof = best.value, best
+
+    def child(self, task: int, uavs: list[int], number: int) -> Node:
         """Return the node with `task` forbidden to `uavs`."""
         columns = [c for c in self.columns if c.uav not in uavs or task not in c.tasks]
-        return replace(self, legs=self.legs.without(task, uavs), columns=columns, pool=self.pool.without(task, uavs))
+        legs, pool = self.legs.without(task, uavs), self.pool.without(task, uavs)
+        return replace(self, legs=legs, columns=columns, pool=pool, number=number)
 
     def lighten(self, cap: float) -> None:
         """Drop the cuts that nothing pays for, and the columns that are in no routes of cost ≤ `cap`."""

@@ -85,7 +85,8 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         relaxation = generate(master, _pricers(node, master, cap, work), cap, work.out_of_time, node.centre)
         best, raised = relaxation.best, relaxation.best.value - node.bound
         stalled = stalled + 1 if raised < _STALLED * gap else 0
-        node.bound, node.columns = max(node.bound, best.value), list(master.columns)
+        node.raise_bound(best)
+        node.columns = list(master.columns)
         work.counts["rounds"] += relaxation.rounds
         if relaxation.ended is Ended.PRUNED:
             return Pruned()
@@ -101,8 +102,9 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
             return Overtaken()
         if not dived and (routes := _dive(master)) is not None:
             return Improved(routes)
-        dived = True
+        dived, listed = True, node.pool.listed
         _reduce(node, best, cap, work)
+        work.log.put_aside(node.number, best, node.pool.listed & ~listed)
         cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
         wide = cap - best.value > _WORTH_LISTING * cap  # then a branch does more than cuts, and sooner
         dear = not node.pool.complete and raised < _DEAR * gap

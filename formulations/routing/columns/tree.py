@@ -66,6 +66,11 @@ class Tree:
         """Return a lower bound on all routes, no higher than `cap` [s]."""
         return min(cap, self._stuck, *(node.bound for _, _, node in self._open))
 
+    def close(self) -> None:
+        """Note the bounds of the nodes left open in the proof that is kept."""
+        for _, _, node in self._open:
+            self.work.log.close(node.number, node.proof)
+
     def grow(self, recorder: Recorder, tolerance: float, nodes: float) -> StoppedBy:
         """Improve the recorder's routes and bound until they meet, or time is up, or `nodes` are done.
 
@@ -83,6 +88,7 @@ class Tree:
                 return StoppedBy.MEMORY if self._stuck < math.inf else limit
             node = self.pop()
             if node.bound > cap():
+                self.work.log.close(node.number, node.proof)
                 continue
             outcome = tighten(node, cap(), self.work)
             if not isinstance(outcome, Overtaken):
@@ -92,12 +98,13 @@ class Tree:
                 recorder.incumbent(outcome.routes)
             match outcome:
                 case Pruned():
-                    pass
+                    self.work.log.close(node.number, node.proof)
                 case Branch(uav=k, task=i):
-                    self.push(node.child(i, [k]))
-                    self.push(node.child(i, [other for other in range(self.m) if other != k]))
+                    for uavs in ([k], [other for other in range(self.m) if other != k]):
+                        self.push(node.child(i, uavs, self.work.log.split(node.number, i, uavs)))
                 case Stuck():
                     self._stuck = min(self._stuck, node.bound)
+                    self.work.log.close(node.number, node.proof)
                 case Improved() | Interrupted() | Overtaken():
                     self.push(node)
             recorder.raise_bound(self.bound(cap()))

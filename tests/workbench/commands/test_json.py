@@ -27,6 +27,7 @@ TYPED = {
     "place --polish": "place --polish wind.toml",
     "costs": "costs wind.toml --option samples=300 --out wind.json",
     "bound": "bound small.json --routes a.sol",
+    "certify": "certify small.json --routes a.sol --time-limit 20",
     "mission": "mission m.toml --out m --stage environment",
     "figures": "figures --out figures",
     "status": "status runs",

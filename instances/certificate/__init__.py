@@ -1,0 +1,16 @@
+"""Certificates of lower bounds: what a proof by columns relied on, and a check that shares no code with it."""
+
+from instances.certificate.checking import Verdict, verify
+from instances.certificate.file import SUFFIX, Certificate, Node, Prices, Step, read_certificate, write_certificate
+
+__all__ = [
+    "SUFFIX",
+    "Certificate",
+    "Node",
+    "Prices",
+    "Step",
+    "Verdict",
+    "read_certificate",
+    "verify",
+    "write_certificate",
+]

@@ -1,0 +1,212 @@
+"""The check of a certificate: every case is gone through again, with tours listed and bounds computed here.
+
+Let S_k be the tours that UAV k may still use in a case, of cost ≤ bound. For any prices σ ≥ 0, Σσ ≤ 1, π, ρ ≥ 0, and
+r_k no more than the reduced cost of any tour in S_k, routes of these tours have
+
+    longest tour ≥ L = Σπ − Σρ + Σ_k min(0, r_k),
+
+because every task is visited once and of three tasks at most one tour holds two (Jepsen et al. 2008). So
+
+* a case is at its end where L > bound;
+* a tour of UAV k with reduced cost above bound − L + min(0, r_k) is in no routes as good, and is put aside;
+* the two cases after a case give a task to some of the UAVs, and to the others: together they miss no routes.
+
+Rounding: a reduced cost sums at most 2n + 2 numbers and the ρ, each partial sum at most U = bound + Σ|π| + Σρ in size;
+`_margin` is above what that can add up to in L, and every comparison leaves it to the doubter's side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from instances.arrays import Bools, Floats
+from instances.certificate.file import Certificate, Prices, Step
+from instances.certificate.tours import Tours, UavLegs, list_tours
+from instances.errors import InputError
+from instances.instance import Instance
+from instances.routes import ENDURANCE_ROUNDING, check_routes, makespan
+
+ROOM = 20_000_000
+"""Paths of one list, at most, unless said otherwise."""
+_SAME = 1e-9
+"""Share by which the cost of the routes may differ from what is claimed."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a certificate comes to: what is wrong with it, empty where it holds, and how many cases were closed."""
+
+    problems: tuple[str, ...]
+    closed: int
+
+
+@dataclass
+class _Case:
+    """What a case still allows: tasks forbidden (m, n); tours of the UAVs listed; for the others the prices and the
+    reduced costs [s] above which tours were put aside."""
+
+    forbidden: Bools
+    tours: dict[int, Tours]
+    aside: list[tuple[Prices, Floats]] = field(default_factory=list)
+
+    def child(self, task: int, uavs: list[int]) -> _Case:
+        """Return the case in which `task` is forbidden to `uavs`."""
+        forbidden, tours = self.forbidden.copy(), dict(self.tours)
+        forbidden[uavs, task] = True
+        for k in uavs:
+            if k in tours:
+                tours[k] = tours[k].only(~tours[k].holds[:, task])
+        return _Case(forbidden, tours, list(self.aside))
+
+
+class _RefutedError(Exception):
+    """The certificate does not hold; the text says why."""
+
+
+def verify(
+    instance: Instance, certificate: Certificate, room: int = ROOM, watch: Callable[[int], None] = lambda _: None
+) -> Verdict:
+    """Go through the whole proof; `watch` is told the number of cases closed so far.
+
+    Raises InputError where the certificate is of another instance, or of costs that change with time or state, and
+    `tours.TooManyError` where a case takes more than `room` paths.
+    """
+    if certificate.digest != instance.digest:
+        raise InputError(f"is the certificate of {certificate.digest}, not of {instance.name} ({instance.digest})")
+    if {"time", "states"} & instance.axes:
+        raise InputError("certificates are of instances whose costs do not change with time or state")
+    problems = _routes_problems(instance, certificate)
+    check = _Check(instance, certificate, room, watch)
+    try:
+        check.run()
+    except _RefutedError as why:
+        problems.append(str(why))
+    return Verdict(tuple(problems), check.closed)
+
+
+def _routes_problems(instance: Instance, certificate: Certificate) -> list[str]:
+    if not certificate.routes:
+        return []
+    if faults := check_routes(instance, certificate.routes):
+        return [f"the routes: {faults[0]}"]
+    value, claimed = makespan(instance, certificate.routes), certificate.objective
+    if claimed is None or abs(value - claimed) > _SAME * value:
+        return [f"the routes take {value!r} s, not {claimed!r} s"]
+    return [f"the bound {certificate.bound!r} s is above the routes, {value!r} s"] if certificate.bound > value else []
+
+
+class _Check:
+    """One run over the cases of a certificate, depth first: a case's lists are gone before the next one's are made."""
+
+    def __init__(self, instance: Instance, certificate: Certificate, room: int, watch: Callable[[int], None]) -> None:
+        self.certificate, self.room, self.watch = certificate, room, watch
+        self.n, self.m, self.bound, self.closed = instance.n_tasks, instance.n_depots, certificate.bound, 0
+        costs, depots, n = instance.class_costs[instance.classes], np.array(instance.depots), self.n
+        self.legs = [
+            UavLegs(costs[k, depots[k], :n], _without_loops(costs[k, :n, :n]), costs[k, :n, depots[k]])
+            for k in range(self.m)
+        ]
+        self.caps = np.minimum(self.bound, instance.limits * (1 + ENDURANCE_ROUNDING))
+        self.steps: dict[int, list[Step]] = {}
+        for step in certificate.steps:
+            self._sound(step)
+            self.steps.setdefault(step.node, []).append(step)
+        self.children: dict[int | None, list[int]] = {}
+        for number, node in enumerate(certificate.nodes):
+            if node.parent is not None and not 0 <= node.parent < number:
+                raise InputError(f"node {number}: its parent must come before it, got {node.parent}")
+            self.children.setdefault(node.parent, []).append(number)
+
+    def run(self) -> None:
+        """Close every case from the first on."""
+        if self.children.get(None) != [0]:
+            raise _RefutedError("the first node alone must have no parent")
+        open_cases = [(0, _Case(np.zeros((self.m, self.n), np.bool_), {}))]
+        while open_cases:
+            number, case = open_cases.pop()
+            if self._closes(number, case):
+                self.closed += 1
+                self.watch(self.closed)
+                continue
+            open_cases += [(child, self._case(child, case)) for child in self._split(number)]
+
+    def _sound(self, step: Step) -> None:
+        """Refuse prices of other sizes or signs than they must have."""
+        at, prices = f"node {step.node}", step.prices
+        numbers = np.array([*prices.task, *prices.uav, *prices.least, *prices.rho])
+        sizes = len(prices.task), len(prices.uav), len(prices.least), len(prices.rho)
+        if sizes != (self.n, self.m, self.m, len(prices.sets)) or not np.isfinite(numbers).all():
+            raise InputError(f"{at}: prices of {self.n} tasks, {self.m} UAVs and each set must be finite numbers")
+        if min(prices.uav) < 0 or min(prices.rho, default=0.0) < 0 or max(prices.least) > 0:
+            raise InputError(f"{at}: prices of UAVs and sets must not be negative, least reduced costs not positive")
+        if any(len({*s} & {*range(self.n)}) < 3 for s in prices.sets):
+            raise InputError(f"{at}: a set must be of three different tasks")
+
+    def _split(self, number: int) -> list[int]:
+        """Return the two cases after one; refute it where they are not all there is."""
+        nodes, children = self.certificate.nodes, self.children.get(number, [])
+        tasks = {nodes[child].task for child in children}
+        whose = sorted(k for child in children for k in nodes[child].forbidden)
+        if len(children) != 2 or len(tasks) != 1 or None in tasks or whose != list(range(self.m)):
+            raise _RefutedError(f"node {number} is neither closed nor split into two cases that miss no routes")
+        return children
+
+    def _case(self, number: int, parent: _Case) -> _Case:
+        node = self.certificate.nodes[number]
+        if node.task is None or not 0 <= node.task < self.n:
+            raise _RefutedError(f"node {number}: there is no task {node.task}")
+        return parent.child(node.task, list(node.forbidden))
+
+    def _closes(self, number: int, case: _Case) -> bool:
+        """Take the steps of a case; say whether one of them closes it."""
+        for step in self.steps.get(number, []):
+            prices, margin = step.prices, self._margin(step.prices)
+            least = np.array([self._least(case, prices, k, margin) for k in range(self.m)])
+            total = float(np.sum(prices.task)) - float(np.sum(prices.rho)) + float(np.minimum(least, 0.0).sum())
+            total -= max(0.0, float(np.sum(prices.uav)) - 1.0) * self.bound + margin
+            if step.closes and not total > self.bound:
+                raise _RefutedError(
+                    f"node {number} is not closed: its bound is {total!r} s, not above {self.bound!r} s"
+                )
+            if step.closes:
+                return True
+            self._put_aside(case, step, self.bound - total + np.minimum(least, 0.0), margin)
+        return False
+
+    def _least(self, case: _Case, prices: Prices, k: int, margin: float) -> float:
+        """Return no more than the least reduced cost of the tours left to UAV k [s]."""
+        if k in case.tours:
+            return float(case.tours[k].reduced(prices, k).min(initial=0.0)) - margin
+        below = self._list(case, prices, k, prices.least[k])
+        return float(below.reduced(prices, k).min(initial=prices.least[k])) - margin
+
+    def _list(self, case: _Case, prices: Prices, k: int, threshold: float) -> Tours:
+        """Return the tours left to UAV k of reduced cost at most `threshold` [s]."""
+        legs = self.legs[k].without(case.forbidden[k])
+        tours = list_tours(legs, float(self.caps[k]), prices, k, threshold, self.room)
+        for earlier, allowed in case.aside:
+            tours = tours.only(tours.reduced(earlier, k) <= allowed[k])
+        return tours
+
+    def _put_aside(self, case: _Case, step: Step, allowed: Floats, margin: float) -> None:
+        """Leave only the tours that routes as good as the bound can still use; list those of the UAVs named."""
+        allowed = allowed + 2 * margin
+        for k in {*step.listed} - case.tours.keys():
+            case.tours[k] = self._list(case, step.prices, k, float(allowed[k]))
+        for k, tours in case.tours.items():
+            case.tours[k] = tours.only(tours.reduced(step.prices, k) <= allowed[k])
+        case.aside.append((step.prices, allowed))
+
+    def _margin(self, prices: Prices) -> float:
+        """Return more than rounding can add up to in a bound at these prices [s]."""
+        size = self.bound + float(np.abs(prices.task).sum() + np.sum(prices.rho))
+        return 8 * (self.m + 1) * (self.n + 2 + len(prices.rho)) * 2.0**-53 * size
+
+
+def _without_loops(between: Floats) -> Floats:
+    legs = between.copy()
+    np.fill_diagonal(legs, np.inf)
+    return legs

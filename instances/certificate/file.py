@@ -1,0 +1,121 @@
+"""The certificate of a lower bound: a tree of cases and, in each, the prices at which it is closed; and its file.
+
+The file is JSON in gzip. It says nothing that has to be believed: prices may be any numbers, and what they prove is
+computed anew (`checking`).
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from instances.disk import read_unpacked, write_aside
+from instances.documents import json_of, text_of
+from instances.errors import InputError, naming, shown
+
+SUFFIX = ".certificate.json.gz"
+_FORMAT, _VERSION = "mmmdmtsp-certificate", 1
+
+
+@dataclass(frozen=True)
+class Prices:
+    """Dual prices: `task` π_i [s] (n,); `uav` σ_k ≥ 0 (m,), Σσ ≤ 1; `rho` ρ_S ≥ 0 [s] of the `sets` S of three tasks.
+
+    least : r_k ≤ 0 [s] (m,), what the reduced costs of the tours of UAV k are said not to fall below.
+    """
+
+    task: tuple[float, ...]
+    uav: tuple[float, ...]
+    least: tuple[float, ...]
+    sets: tuple[tuple[int, int, int], ...] = ()
+    rho: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Node:
+    """A case: that of `parent` (none: all routes) in which `task` is forbidden to the UAVs `forbidden`."""
+
+    parent: int | None = None
+    task: int | None = None
+    forbidden: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Step:
+    """What is done in case `node` at `prices`: tours are put aside, those of the UAVs `listed` from then on one by one,
+    or, where it `closes`, the case is at its end."""
+
+    node: int
+    prices: Prices
+    listed: tuple[int, ...] = ()
+    closes: bool = False
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The claim that no routes of the instance with that `digest` have a longest tour of at most `bound` [s].
+
+    `routes`, where there are any, are those known, of cost `objective` [s].
+    """
+
+    instance: str
+    digest: str
+    bound: float
+    objective: float | None
+    routes: tuple[tuple[int, ...], ...]
+    nodes: tuple[Node, ...]
+    steps: tuple[Step, ...]
+
+
+def write_certificate(path: Path, certificate: Certificate) -> None:
+    """Write the file, whole or not at all."""
+    text = json.dumps({"format": _FORMAT, "version": _VERSION, **asdict(certificate)}, separators=(",", ":"))
+    write_aside(path, gzip.compress(text.encode(), mtime=0))
+
+
+def read_certificate(path: Path) -> Certificate:
+    """Return the certificate in the file; InputError names the file and the field that cannot be used."""
+    with naming(path):
+        content = json_of(text_of(read_unpacked(path)))
+        if not isinstance(content, dict) or content.get("format") != _FORMAT:
+            raise InputError(f"is no certificate: its format must be {_FORMAT!r}")
+        if content.get("version") != _VERSION:
+            raise InputError(f"version must be {_VERSION}, got {shown(content.get('version'))}")
+        try:
+            return _certificate(content)
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError(f"is no certificate that can be read ({type(error).__name__}: {error})") from None
+
+
+def _certificate(content: dict[str, Any]) -> Certificate:
+    objective = content["objective"]
+    return Certificate(
+        str(content["instance"]),
+        str(content["digest"]),
+        float(content["bound"]),
+        None if objective is None else float(objective),
+        tuple(tuple(int(i) for i in route) for route in content["routes"]),
+        tuple(
+            Node(
+                None if node["parent"] is None else int(node["parent"]),
+                None if node["task"] is None else int(node["task"]),
+                tuple(int(k) for k in node["forbidden"]),
+            )
+            for node in content["nodes"]
+        ),
+        tuple(
+            Step(int(s["node"]), _prices(s["prices"]), tuple(int(k) for k in s["listed"]), bool(s["closes"]))
+            for s in content["steps"]
+        ),
+    )
+
+
+def _prices(content: dict[str, Any]) -> Prices:
+    task, uav, least, rho = (tuple(float(x) for x in content[name]) for name in ("task", "uav", "least", "rho"))
+    sets = tuple((int(a), int(b), int(c)) for a, b, c in content["sets"])
+    return Prices(task, uav, least, sets, rho)

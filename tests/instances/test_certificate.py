@@ -1,0 +1,122 @@
+"""Certificates: those of true bounds hold, what is false is refuted, by code that shares none with what makes them."""
+
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from formulations.limits import Limits
+from formulations.routing.branch_and_price import BranchAndPrice
+from formulations.routing.certifying import certify
+from formulations.routing.subset_dp import SubsetDp
+from instances import InputError, Instance, makespan
+from instances.certificate import Certificate, Node, Prices, Step, read_certificate, verify, write_certificate
+from instances.certificate.tours import TooManyError, UavLegs, list_tours
+
+
+def drawn(n_tasks: int, n_depots: int, seed: int, **about: object) -> Instance:
+    cost = np.random.default_rng(seed).uniform(10.0, 100.0, (n_tasks + n_depots,) * 2)
+    np.fill_diagonal(cost, 0.0)
+    return Instance(f"drawn-{seed}", cost, n_tasks, n_depots, **about)
+
+
+@pytest.fixture(scope="module")
+def proved() -> tuple[Instance, Certificate]:
+    """A proof of several cases: in so little room no case ends before tasks are given to UAVs."""
+    instance, start = drawn(12, 3, 5), ((0, 1, 2, 3), (4, 5, 6, 7), (8, 9, 10, 11))
+    solver = BranchAndPrice(starts=0, tours=100, labels=1000)
+    return instance, certify(instance, limits=Limits(time=60.0), start=start, solver=solver)
+
+
+def test_a_proof_is_confirmed_also_from_its_file(proved, tmp_path):
+    instance, certificate = proved
+    assert certificate.bound == pytest.approx(certificate.objective, rel=1e-6)
+    assert len(certificate.nodes) > 1
+    assert verify(instance, certificate).problems == ()
+    write_certificate(tmp_path / "a.certificate.json.gz", certificate)
+    assert read_certificate(tmp_path / "a.certificate.json.gz") == certificate
+
+
+def test_what_is_not_so_is_refuted(proved):
+    instance, true = proved
+    last = true.steps[-1]
+    free = replace(last.prices, task=(0.0,) * 12, sets=(), rho=())
+    false = {
+        "not closed: its bound": replace(true, steps=(*true.steps[:-1], replace(last, prices=free))),
+        "neither closed nor split": replace(true, steps=true.steps[:-1]),
+        "the routes take": replace(true, objective=true.objective * 0.99),
+        "is above the routes": replace(true, bound=true.objective * 1.01),
+        "the routes: Task": replace(true, routes=((0, 1, 2, 3), (3, 4, 5), (6, 7, 8))),
+    }
+    for said, certificate in false.items():
+        assert said in " ".join(verify(instance, certificate).problems), said
+
+
+def test_cases_must_miss_no_routes():
+    instance = drawn(4, 2, 0)
+    free = Prices((0.0,) * 4, (0.5, 0.5), (0.0, 0.0))
+    nodes = (Node(), Node(0, 1, (0,)), Node(0, 1, (0,)))
+    lost = Certificate(instance.name, instance.digest, 1.0, None, (), nodes, (Step(1, free), Step(2, free)))
+    assert "miss no routes" in verify(instance, lost).problems[0]
+
+
+def test_what_is_no_certificate_of_it_is_unusable(proved, tmp_path):
+    instance, certificate = proved
+    with pytest.raises(InputError, match="is the certificate of"):
+        verify(drawn(12, 3, 4), certificate)
+    with pytest.raises(InputError, match="must be finite numbers"):
+        verify(instance, replace(certificate, steps=(Step(0, Prices((1.0,), (1.0,), (0.0,))),)))
+    negative = replace(certificate.steps[0].prices, uav=(-0.1, 0.6, 0.5))
+    with pytest.raises(InputError, match="must not be negative"):
+        verify(instance, replace(certificate, steps=(replace(certificate.steps[0], prices=negative),)))
+    with pytest.raises(TooManyError, match="more than 3 paths"):
+        verify(instance, certificate, room=3)
+    for text in ("{}", '{"format": "mmmdmtsp-certificate", "version": 1, "objective": null}'):
+        (tmp_path / "a.json").write_text(text)
+        with pytest.raises(InputError, match=r"a\.json: is no certificate"):
+            read_certificate(tmp_path / "a.json")
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10_000), allowance=st.floats(-200.0, 20.0), rho=st.floats(0.0, 40.0))
+def test_all_tours_within_the_threshold_are_listed_and_no_others(seed, allowance, rho):
+    instance, cap = drawn(5, 1, seed), 260.0
+    cost, tasks = instance.cost, range(5)
+    price = tuple(np.random.default_rng(seed + 1).uniform(0.0, 80.0, 5).tolist())
+    prices = Prices(price, (0.7,), (0.0,), ((0, 1, 2), (1, 3, 4)), (rho, 2.0))
+    legs = UavLegs(cost[5, :5], np.where(np.eye(5, dtype=bool), np.inf, cost[:5, :5]), cost[:5, 5])
+    wanted = {}
+    for size in range(1, 6):
+        for order in permutations(tasks, size):
+            held = frozenset(order)
+            wanted[held] = min(wanted.get(held, np.inf), makespan(_alone(instance, held), (_numbered(order),)))
+    paid = {
+        held: sum(r for s, r in zip(prices.sets, prices.rho, strict=True) if len(held & {*s}) > 1) for held in wanted
+    }
+    reduced = {held: 0.7 * c - sum(price[i] for i in held) + paid[held] for held, c in wanted.items()}
+    tours = list_tours(legs, cap, prices, 0, allowance, 10_000)
+    found = {frozenset(np.flatnonzero(row).tolist()): c for row, c in zip(tours.holds, tours.cost, strict=True)}
+    assert found == pytest.approx({h: c for h, c in wanted.items() if c <= cap and reduced[h] <= allowance})
+
+
+def _alone(instance: Instance, held: frozenset[int]) -> Instance:
+    kept = [*sorted(held), instance.n_tasks]
+    return Instance("part", instance.cost[np.ix_(kept, kept)], len(held), 1)
+
+
+def _numbered(order: tuple[int, ...]) -> tuple[int, ...]:
+    return tuple(sorted(order).index(i) for i in order)
+
+
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 1000))
+def test_fleets_and_endurance_are_certified_too(seed):
+    instance = drawn(6, 2, seed, endurance=[400.0, 330.0])
+    solved = SubsetDp().solve(instance, limits=Limits(time=20.0))
+    assume(solved.routes is not None)
+    certificate = certify(instance, limits=Limits(time=20.0), start=solved.routes)
+    assert certificate.bound == pytest.approx(solved.objective, rel=1e-6)
+    assert verify(instance, certificate).problems == ()

@@ -7,7 +7,8 @@
 * with one thread, at most two UAVs and n/m ≥ 18, `branch-and-cut` for three quarters of the time, then
   `branch-and-price` with what it found.
 
-Methods that do not take the instance's axes are left out. A proof without routes is one that there are none.
+Methods that do not take the instance's axes are left out; with a window of take-off only `subset-dp` is left.
+A proof without routes is one that there are none.
 
 Where the change-over points come from: README.md in this folder. ``Result.statistics["proved_by"]`` names the method
 whose bound met the incumbent.
@@ -46,11 +47,13 @@ class Exact(RecordedSolver):
     """The portfolio of exact methods."""
 
     proves: ClassVar[bool] = True
-    axes: ClassVar[frozenset[str]] = BranchAndPrice.axes & SubsetDp.axes
+    axes: ClassVar[frozenset[str]] = BranchAndPrice.axes & SubsetDp.axes | {"window"}
     recorder: ClassVar[type[Recorder]] = LinkedRecorder
 
     def accepts(self, instance: Instance) -> str | None:
-        """Refuse what `branch-and-price` refuses."""
+        """Refuse what `branch-and-price` refuses; where take-off is within a window what `subset-dp` does."""
+        if "window" in instance.axes:
+            return SubsetDp().accepts(instance)
         return BranchAndPrice().accepts(instance)
 
     def prepare(self, instance: Instance) -> None:

@@ -7,7 +7,7 @@ was made for costs that do not.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,12 @@ def frozen(instance: Instance, time: float = 0.0) -> Instance:
     still = Travel(costs_at(travel, time)[:, None], travel.classes, nodes=travel.nodes)
     more = {"coordinates": instance.coordinates, "provenance": instance.provenance, "endurance": instance.endurance}
     return Instance.of_travel(instance.name, still, instance.n_tasks, **more)
+
+
+def guiding(instance: Instance, time: float = 0.0) -> Instance:
+    """Return `frozen` for searches to go by: without endurance where UAVs may wait, which it then depends on."""
+    still = frozen(instance, time)
+    return replace(still, endurance=None) if "window" in instance.axes else still
 
 
 def in_better_directions(instance: Instance, routes: Routes) -> Routes:

@@ -20,7 +20,8 @@ routes of the depot it drew, as implementations that follow the original do (its
 a depot, that would join both parents' tasks of the depot in one tour, when the longest tour is what counts.
 In a fleet every group has the costs of its own UAV. Endurance is kept by scaled costs (search/endurance.py), so that
 fitness is C_max once routes are found that can be flown; it may find none. Where costs change with time fitness is what
-the clock says, and the operators compare places by the costs of half time.
+the clock says, and the operators compare places by the costs of half time; take-offs within a window are those of
+``clocked/waiting.py``.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from formulations.limits import Limits
-from formulations.routing.frozen import frozen
+from formulations.routing.clocked.waiting import Waits
+from formulations.routing.frozen import guiding
 from formulations.routing.ga_operators import (
     Population,
     best_cost_route_crossover,
@@ -75,7 +77,7 @@ class GeneticAlgorithm(RecordedSolver):
     """
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "window"})
 
     population: int = 400
     generations: int = 3000
@@ -105,7 +107,7 @@ class GeneticAlgorithm(RecordedSolver):
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Evolve until the generations or the limits end it; the start joins the first population."""
         limits, rng = recorder.limits, np.random.default_rng(seed)
-        instance, clock = _clocked(recorder.instance)
+        instance, clock, waits = _clocked(recorder.instance)
         endurance = Endurance(instance, search_costs(instance))
         endurance.refer(min(endurance.most, recorder.objective))
         people = self._first_population(recorder, instance, endurance.costs, rng)
@@ -115,7 +117,8 @@ class GeneticAlgorithm(RecordedSolver):
         last = self.generations if limits.iterations is None else min(self.generations, limits.iterations)
         generation = 0
         while generation < last and recorder.remaining > 0:
-            if endurance.follow(people.totals[np.argmin(people.fitness)]):
+            fittest = np.argmin(people.fitness)
+            if endurance.follow(people.totals[fittest]) or waits.follow(float(people.fitness[fittest])):
                 evaluate_all(costs, people)
                 clock(people, costs)
             inter = (generation + 1) % self.inter_every == 0
@@ -169,23 +172,24 @@ class GeneticAlgorithm(RecordedSolver):
         return children, True
 
 
-def _clocked(instance: Instance) -> tuple[Instance, Clock]:
-    """Return the instance whose costs guide the operators, and what makes totals and fitness those of the clock.
+def _clocked(instance: Instance) -> tuple[Instance, Clock, Waits]:
+    """Return whose costs guide the operators, what makes totals and fitness those of the clock, and who may wait.
 
-    Where costs change with time the former are those of half time, else the latter has nothing to do.
+    Where costs change with time the first are those of half time, else the second has nothing to do.
     """
     if "time" not in instance.axes:
-        return instance, lambda people, costs: None
+        return instance, lambda people, costs: None, Waits(instance, 0.0)
     from formulations.routing.clocked.problem import half_time, search_clocks  # here: others need no such kernels
     from formulations.routing.ga_clock import evaluate_by_clock
 
-    clocks = search_clocks(instance)
+    half, clocks = half_time(instance), search_clocks(instance)
+    waits = Waits(instance, 2 * half)
 
     def clock(people: Population, costs: Costs) -> None:
         scale = costs.scale if isinstance(costs, FleetCosts) else np.ones(instance.n_depots)
-        evaluate_by_clock(clocks, scale, people)
+        evaluate_by_clock(clocks, scale, waits.table, people)
 
-    return frozen(instance, half_time(instance)), clock
+    return guiding(instance, half), clock, waits
 
 
 def unborn(count: int, n_tasks: int, n_depots: int) -> Population:

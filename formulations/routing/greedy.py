@@ -47,7 +47,7 @@ class Greedy(RecordedSolver):
     variant: str = "regret"
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "window"})
 
     def __post_init__(self) -> None:
         if self.variant not in VARIANTS:

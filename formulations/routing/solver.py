@@ -165,9 +165,9 @@ class Solver(Protocol):
 ABLE = {
     "fleet": "memetic and exact can",
     "endurance": "memetic and exact can",
-    "time": "branch-and-price, subset-dp, memetic, ruin-recreate, ga and greedy can",
+    "time": "exact, branch-and-price, subset-dp, memetic, ruin-recreate, ga and greedy can",
     "states": "memetic and exact can",
-    "window": "subset-dp can",
+    "window": "memetic, ruin-recreate, ga, greedy, exact and subset-dp can",
 }
 """Who to turn to, for each axis of an instance."""
 

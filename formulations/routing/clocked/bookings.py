@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.clocked.waiting import LIMIT, wait
 from formulations.routing.clocks import Clocks, knot_at
 from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.tours import Tours
@@ -40,27 +41,28 @@ class Eras(NamedTuple):
 
 
 class Bookings(NamedTuple):
-    """Of every node; a depot is departed from at 0. Few arrays: each costs to pass.
+    """Of every node; a depot is departed from at 0, or when its UAV has waited. Few arrays: each costs to pass.
 
     times (n+m, 4): columns DEPARTS [s]; SENSE, S; SINCE, the time between the knot before and the departure [s]; RISE,
     1 + c' of the leg flown from the node. marks (n+m, 2): KNOT before and ERA of its departure. scale (m,): what the
-    time of each UAV is multiplied by, for its endurance.
+    time of each UAV is multiplied by, for its endurance; waits (m, 3): who may wait before take-off (`Waits.table`).
     """
 
     times: Floats
     marks: Nodes
     scale: Floats
+    waits: Floats
 
 
 DEPARTS, SENSE, SINCE, RISE = range(4)
 KNOT, ERA = range(2)
 
 
-def empty_bookings(n_nodes: int, scale: Floats) -> Bookings:
+def empty_bookings(n_nodes: int, scale: Floats, waits: Floats) -> Bookings:
     """Return bookings of empty tours."""
     times = np.zeros((n_nodes, 4))
     times[:, [SENSE, RISE]] = 1.0
-    return Bookings(times, np.zeros((n_nodes, 2), np.int32), scale)
+    return Bookings(times, np.zeros((n_nodes, 2), np.int32), scale, waits)
 
 
 def eras_of(clocks: Clocks, horizon: float) -> Eras:
@@ -92,7 +94,7 @@ def book_tour(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: i
     lines, knots, of_knot = clocks.lines, clocks.knots, eras.of_knot  # once: in a loop references are counted
     after, before, times, marks = tours.after, tours.before, bookings.times, bookings.marks
     depot = after.size - tours.cost.size + k
-    g, u, time = clocks.classes[k], depot, 0.0
+    g, u, time, begins, product, waits = clocks.classes[k], depot, 0.0, 0.0, 1.0, False
     while after[depot] != depot:
         w, q = after[u], marks[u, KNOT]  # most often still the knot, which the processor need not wait for
         if time < knots[q] or time >= knots[q + 1]:
@@ -103,9 +105,13 @@ def book_tour(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, k: i
         time += lines[g, u, w, q, 0] + slope * since
         u = w
         if u == depot:
-            break
-    tours.cost[k] = time * bookings.scale[k]
-    product, u = 1.0, before[depot]
+            if waits or time <= bookings.waits[k, LIMIT]:
+                break
+            begins, tours.cost[k], product = _wait(clocks, tours, bookings, k)
+            waits, time = True, begins
+    if not waits:
+        tours.cost[k] = time * bookings.scale[k]
+    times[depot, SENSE], u = product, before[depot]
     while u != depot:
         product *= times[u, RISE]
         times[u, SENSE] = product
@@ -127,6 +133,18 @@ def fly_tour(clocks: Clocks, tours: Tours, bookings: Bookings, k: int) -> None:
         if u == depot:
             break
     tours.cost[k] = time * bookings.scale[k]
+    if time > bookings.waits[k, LIMIT]:
+        tours.cost[k] = _wait(clocks, tours, bookings, k)[1]
+
+
+@njit(cache=True, nogil=True)
+def _wait(clocks: Clocks, tours: Tours, bookings: Bookings, k: int) -> tuple[float, float, float]:
+    """Return what `wait` does of tour k."""
+    stops, u = np.empty(tours.size[k] + 2, np.int64), tours.after.size - tours.cost.size + k
+    for i in range(stops.size):
+        stops[i] = u
+        u = tours.after[u]
+    return wait(clocks, clocks.classes[k], stops, bookings.waits[k])
 
 
 @njit(cache=True, nogil=True)

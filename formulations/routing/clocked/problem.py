@@ -6,8 +6,9 @@ import numpy as np
 
 from formulations.routing.clocked.annealing import Search, empty_room
 from formulations.routing.clocked.bookings import book_all, empty_bookings, eras_of
+from formulations.routing.clocked.waiting import WINDOW, Waits
 from formulations.routing.clocks import Clocks, clocks_of, lines_of
-from formulations.routing.frozen import frozen
+from formulations.routing.frozen import frozen, guiding
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.search.costs import FleetCosts, search_costs
 from formulations.routing.search.endurance import Endurance
@@ -20,14 +21,16 @@ class ClockedProblem:
     """An instance whose costs change with time, as searches see it.
 
     clocks : finite costs by departure; data : the costs of half time, with which legs, neighbourhoods and moves of long
-    segments are priced; endurance : whose scales the bookings share.
+    segments are priced; endurance : whose scales the bookings share; waits : who may wait before take-off, in whose
+    place endurance is then kept.
     """
 
     def __init__(self, instance: Instance, parameters: NeighbourhoodParameters) -> None:
         half = half_time(instance)
-        still = frozen(instance, half)
+        still = guiding(instance, half)
         self.instance, self.clocks = instance, search_clocks(instance)
-        self.eras = eras_of(self.clocks, 2 * half)
+        self.waits = Waits(instance, 2 * half)
+        self.eras = eras_of(self.clocks, 2 * half + float(self.waits.table[:, WINDOW].max()))
         self.endurance = Endurance(still, search_costs(still))
         self.data: ProblemData = problem_data(self.endurance.costs, instance.n_tasks, parameters)
         costs = self.endurance.costs
@@ -35,7 +38,7 @@ class ClockedProblem:
 
     def search(self, tours: Tours, removals: int) -> Search:
         """Return a search that begins with `tours`, which it books."""
-        bookings = empty_bookings(self.instance.n_nodes, self.scale)
+        bookings = empty_bookings(self.instance.n_nodes, self.scale, self.waits.table)
         book_all(self.clocks, self.eras, tours, bookings)
         room = empty_room(self.data.costs, duplicate(tours), removals)
         return Search(self.clocks, self.eras, self.data, tours, bookings, room)
@@ -50,13 +53,13 @@ class ClockedProblem:
 
     def book(self, *all_tours: Tours) -> None:
         """Set the costs of tours to what they take by the clock."""
-        bookings = empty_bookings(self.instance.n_nodes, self.scale)
+        bookings = empty_bookings(self.instance.n_nodes, self.scale, self.waits.table)
         for tours in all_tours:
             book_all(self.clocks, self.eras, tours, bookings)
 
     def follow(self, best: Tours, *others: Tours) -> None:
         """Let the reference of the endurances follow the best tours; all are booked anew where it fell."""
-        if self.endurance.follow(best.cost):
+        if self.endurance.follow(best.cost) or self.waits.follow(float(best.cost.max())):
             self.book(best, *others)
 
 

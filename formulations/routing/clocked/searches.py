@@ -10,7 +10,7 @@ from formulations.limits import Limits
 from formulations.routing.clocked.annealing import anneal_by_clock
 from formulations.routing.clocked.population import ClockedPopulation
 from formulations.routing.clocked.problem import ClockedProblem, at_take_off, half_time
-from formulations.routing.frozen import frozen, in_better_directions
+from formulations.routing.frozen import guiding, in_better_directions
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.annealing import AnnealingParameters
@@ -83,7 +83,7 @@ def _static_plan(recorder: Recorder, static: RecordedSolver, seed: int) -> Route
     instance, limits = recorder.instance, recorder.limits
     steps = None if limits.iterations is None else max(1, int(STATIC * limits.iterations))
     share = Limits(time=max(STATIC * limits.time, 1e-3), iterations=steps)
-    found = static.solve(frozen(instance, half_time(instance)), limits=share, seed=seed).routes
+    found = static.solve(guiding(instance, half_time(instance)), limits=share, seed=seed).routes
     return in_better_directions(instance, found) if found else _greedy(instance)
 
 

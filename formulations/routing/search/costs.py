@@ -134,7 +134,8 @@ def warm_up_by_clock(like: Instance, n_tasks: int, n_depots: int) -> Instance:
     """Return such an instance where costs change with time."""
     cost = np.repeat((1.0 - np.eye(n_tasks + n_depots))[None, None], 2, axis=1)
     travel = Travel(cost, np.zeros(n_depots, dtype=np.int64), np.array([0.0, 1.0]))
-    limits = np.full(n_depots, 1.5 * (n_tasks + 1)) if like.axes - {"time"} else None
+    beyond = {"time", "window", "endurance"} if "window" in like.axes else {"time"}  # as `frozen.guiding` leaves them
+    limits = np.full(n_depots, 1.5 * (n_tasks + 1)) if like.axes - beyond else None
     return Instance.of_travel("warm-up", travel, n_tasks, endurance=limits)
 
 

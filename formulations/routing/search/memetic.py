@@ -17,7 +17,7 @@ from itertools import repeat
 from typing import ClassVar
 
 from formulations.limits import Limits
-from formulations.routing.frozen import frozen
+from formulations.routing.frozen import guiding
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.budget import Budget
 from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
@@ -69,7 +69,7 @@ class Memetic(RecordedSolver):
     decoupled: bool = False
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states", "window"})
     parameters: ClassVar[SearchParameters] = _DEFAULT
 
     def __post_init__(self) -> None:
@@ -92,7 +92,7 @@ class Memetic(RecordedSolver):
             self.solve(states.warm_up(instance), limits=Limits(time=3600.0, iterations=100))
             instance = states.straight_legs(instance)
         if "time" in instance.axes:
-            self.prepare(frozen(instance))
+            self.prepare(guiding(instance))
             clocked = warm_up_by_clock(instance, 6, 3)
             Memetic(depth=0.01).solve(clocked, limits=Limits(time=3600.0, iterations=200))
             return

@@ -66,13 +66,15 @@ def test_others_decline(clocked: Clocked) -> None:
     instance = waiting(clocked(4, 2, 1), 1.1, 60.0)
     for name in SOLVERS.built_in:
         reason = refusal(make_solver(name), instance)
-        assert (reason is None) == (name == "subset-dp"), name
-    assert refusal(make_solver("memetic"), instance) == (
-        "the instance has take-off within a window ('window'), which this solver cannot take; subset-dp can"
+        assert (reason is None) == (name in {"exact", "subset-dp", "memetic", "ruin-recreate", "ga", "greedy"}), name
+    assert refusal(make_solver("branch-and-price"), instance) == (
+        "the instance has take-off within a window ('window'), which this solver cannot take; "
+        "memetic, ruin-recreate, ga, greedy, exact and subset-dp can"
     )
     with pytest.raises(InputError, match="fewest UAVs are not known"):
         fewest_uavs(instance, 1e6, SubsetDp(), limits=Limits(time=1.0))
     large = np.ones((1, 2, 17, 17)) - np.eye(17)
     travel = Travel(large, np.zeros(2, int), np.array([0.0, 9.0]), window=1.0)
     many = Instance.of_travel("many", travel, 15, endurance=[20.0, 20.0])
-    assert "at most 14 tasks where take-off is within a window, not 15" in str(refusal(SubsetDp(), many))
+    for solver in (SubsetDp(), make_solver("exact")):
+        assert "at most 14 tasks where take-off is within a window, not 15" in str(refusal(solver, many))

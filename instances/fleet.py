@@ -36,6 +36,7 @@ class Fleet:
     returns : where tours end.
     turning_radii : least turning radii (m,) [m], legs being Dubins paths between headings, or None where turns do not
         count.
+    window : longest wait before take-off [s], where costs change with time.
     """
 
     speeds: Floats | None = None
@@ -43,6 +44,7 @@ class Fleet:
     service: Floats | float = 0.0
     returns: Return = Return.OWN
     turning_radii: Floats | None = None
+    window: float = 0.0
 
     @property
     def alike(self) -> bool:
@@ -68,13 +70,18 @@ class Fleet:
         assert service is not None
         if service.max() > extent.LARGEST:
             raise InputError(f"service [s] must be at most {extent.LARGEST:g}, got {shown(self.service)}")
-        return Fleet(speeds, endurance, float(service[0]) if one else service, Return(self.returns), radii)
+        if not 0 <= self.window <= extent.LARGEST:
+            raise InputError(f"window [s] must be from 0 to {extent.LARGEST:g}, got {shown(self.window)}")
+        own = float(service[0]) if one else service
+        return Fleet(speeds, endurance, own, Return(self.returns), radii, float(self.window))
 
     def to_toml(self, n_depots: int) -> dict[str, Any]:
         """Return the keys of a scenario file with one depot for each UAV; none where all is as in the paper."""
         table: dict[str, Any] = {}
         if np.any(self.service):
             table["service"] = self.service if isinstance(self.service, float) else self.service.tolist()
+        if self.window:
+            table["window"] = self.window
         if self.returns is not Return.OWN:
             table["return"] = str(self.returns)
         if not (self.speeds is None and self.endurance is None and self.turning_radii is None):

@@ -44,10 +44,13 @@ def flown_from(paths: Paths, i: int, j: int, departure: float, wind: ChangingWin
 
 
 def tour_by_clock(
-    paths: Paths, stops: Sequence[int], wind: ChangingWind, airspeed: float
+    paths: Paths, stops: Sequence[int], wind: ChangingWind, airspeed: float, begins: float = 0.0
 ) -> tuple[list[Floats], float]:
-    """Return the legs of a tour through the nodes `stops`, each begun when the one before ends, and its time [s]."""
-    clock, legs = 0.0, []
+    """Return the legs of a tour through the nodes `stops`, each begun when the one before ends, and its landing [s].
+
+    begins : its take-off [s].
+    """
+    clock, legs = begins, []
     for i, j in pairwise(stops):
         line = flown_from(paths, i, j, clock, wind, airspeed)
         offsets = np.array([0, len(line)])

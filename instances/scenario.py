@@ -10,7 +10,7 @@
     crs = "EPSG:4326"                     # optional: what lists, and files that state nothing, are in
     origin = [lat, lon]                   # optional: of the point (0, 0)
     terrain = "dem.tif"                   # optional
-    service, return, [[uav]]              # optional; see instances.fleet
+    service, return, window, [[uav]]      # optional; see instances.fleet
     [wind]                                # optional; see instances.environment.wind
     kind = "uniform"
     velocity = [u, v]                     # [m/s]
@@ -133,6 +133,10 @@ class Scenario:
         elif isinstance(self.n_tasks, bool) or not isinstance(self.n_tasks, int) or self.n_tasks < 1:
             raise InputError(f"tasks must be points or a whole number of at least 1, got {shown(self.n_tasks)}")
         object.__setattr__(self, "fleet", self.fleet.checked(self.n_tasks, self.n_depots))
+        if self.fleet.window and not isinstance(self.wind, ChangingWind):
+            raise InputError(
+                f"window is {shown(self.fleet.window)} s, and to wait before take-off helps only in a wind that changes"
+            )
 
     @property
     def n_depots(self) -> int:
@@ -262,6 +266,7 @@ def _fleet_of(said: ScenarioKeys, n_depots: int) -> tuple[Fleet, list[int]]:
         np.array(said.service) if isinstance(said.service, list) else said.service,
         said.returns,
         np.array(radii) if radii else None,
+        said.window,
     ), at
 
 

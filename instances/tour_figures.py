@@ -6,6 +6,7 @@ is no energy: the paper's says nothing of when a UAV is where.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,13 +38,23 @@ class TourFigures:
     calm: float
 
 
-def tour_figures(paths: Paths, routes: Routes, n_tasks: int, wind: WindField | None, speed: float) -> list[TourFigures]:
-    """Return what the tours of all UAVs take and cost; `paths` between n_tasks tasks and then the depots."""
+def tour_figures(
+    paths: Paths,
+    routes: Routes,
+    n_tasks: int,
+    wind: WindField | None,
+    speed: float,
+    begins: Sequence[float] | Floats | None = None,
+) -> list[TourFigures]:
+    """Return what the tours of all UAVs take and cost; `paths` between n_tasks tasks and then the depots.
+
+    begins (m,) [s] : their take-offs, which count in a wind that changes; 0 unless given.
+    """
     rows = []
     for uav, route in enumerate(routes):
         stops = (n_tasks + uav, *route, n_tasks + uav) if route else ()
         if stops and isinstance(wind, ChangingWind):
-            rows.append(_by_clock(paths, stops, uav, wind, speed))
+            rows.append(_by_clock(paths, stops, uav, wind, speed, 0.0 if begins is None else float(begins[uav])))
             continue
         line = paths.along(stops) if route else np.zeros((1, 2))
         rows.append(line_figures(line, uav, len(route), wind, speed))
@@ -65,10 +76,13 @@ def line_figures(line: Floats, uav: int, tasks: int, wind: WindField | None, spe
     return TourFigures(uav, tasks, length, of_kind[CostKind.TIME], of_kind[CostKind.ENERGY], calm)
 
 
-def _by_clock(paths: Paths, stops: tuple[int, ...], uav: int, wind: ChangingWind, speed: float) -> TourFigures:
-    """Return what a tour through the nodes `stops` takes in a wind that changes."""
+def _by_clock(
+    paths: Paths, stops: tuple[int, ...], uav: int, wind: ChangingWind, speed: float, begins: float
+) -> TourFigures:
+    """Return what a tour through the nodes `stops` takes in a wind that changes, begun at `begins` [s]."""
     try:
-        legs, time = tour_by_clock(paths, stops, wind, speed)
+        legs, landing = tour_by_clock(paths, stops, wind, speed, begins)
+        time = landing - begins
     except InputError:
         legs, time = [paths.along(stops)], np.inf
     length = sum(float(np.hypot(*np.diff(leg, axis=0).T).sum()) for leg in legs)

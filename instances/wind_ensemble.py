@@ -12,6 +12,7 @@ Source: R. T. Rockafellar, S. Uryasev, J. Risk 2 (2000) 21–41.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,23 +73,32 @@ def cvar(values: Floats, share: float) -> float:
     return float((np.sort(values)[::-1] * weight).sum() / (share * len(values)))
 
 
-def spread(paths: Paths, routes: Routes, n_tasks: int, wind: WindField | None, speed: float) -> Spread | None:
+def spread(
+    paths: Paths,
+    routes: Routes,
+    n_tasks: int,
+    wind: WindField | None,
+    speed: float,
+    begins: Sequence[float] | Floats | None = None,
+) -> Spread | None:
     """Return the makespan of `routes`, their legs along `paths` as planned, over the members of `wind`; None for none.
 
-    InputError where a member is as strong as `speed` [m/s].
+    begins (m,) [s] : take-offs of the UAVs, 0 unless given; makespans count landings. InputError where a member is as
+    strong as `speed` [m/s].
     """
     if not isinstance(wind, Forecast) or not wind.members:
         return None
-    lines = []
+    lines, begun = list[Floats](), list[float]()
     for uav, route in enumerate(routes):
         if route:
             depot = n_tasks + uav
-            legs, _ = tour_by_clock(paths, (depot, *route, depot), wind, speed)
+            begun.append(0.0 if begins is None else float(begins[uav]))
+            legs, _ = tour_by_clock(paths, (depot, *route, depot), wind, speed, begun[-1])
             lines.append(np.concatenate([legs[0][:1], *(leg[1:] for leg in legs)]))
     offsets = np.concatenate([[0], np.cumsum([len(line) for line in lines])]).astype(np.int64)
-    which, begun = np.arange(len(lines)), np.zeros(len(lines))
+    which, at = np.arange(len(lines)), np.array(begun)
     found = [
-        float(polyline_times(np.concatenate(lines), offsets, which, begun, member, speed).max(initial=0.0))
+        float((at + polyline_times(np.concatenate(lines), offsets, which, at, member, speed)).max(initial=0.0))
         for member in (wind, *wind.members)
     ]
     return Spread(found[0], tuple(found[1:]))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from formulations.moving_cost.fleet import classes_of
-from instances import Instance, Routes
+from instances import Instance, Routes, take_offs
 from instances.errors import InputError
 from instances.fleet import Return
 from instances.paths import Paths, paths_file, paths_of, read_paths_table
@@ -49,7 +49,7 @@ def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> lis
     if scenario.fleet.returns is not Return.OWN or len(paths.others) != len(speeds) - 1:
         return []
     of_speed = [
-        tour_figures(paths.of_class(g), routes, instance.n_tasks, scenario.wind, speed)
+        tour_figures(paths.of_class(g), routes, instance.n_tasks, scenario.wind, speed, take_offs(instance, routes))
         for g, speed in enumerate(speeds)
     ]
     return [of_speed[g][uav] for uav, g in enumerate(classes)]
@@ -60,7 +60,8 @@ def spread_beside(instance_file: Path, instance: Instance, routes: Routes) -> Sp
     paths, scenario = planned_beside(instance_file, instance)
     if paths is None or scenario is None or not scenario.fleet.alike:
         return None
-    return spread(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
+    begins = take_offs(instance, routes)
+    return spread(paths, routes, instance.n_tasks, scenario.wind, scenario.speed, begins)
 
 
 def said_of(tour: TourFigures) -> str:

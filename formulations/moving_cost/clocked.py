@@ -89,10 +89,12 @@ def clocked_instance(scenario: Scenario) -> Instance:
         raise InputError(f"scenario {scenario.name}: no legs around no-fly zones are known in a wind that changes")
     legs = LegClock(scenario)
     assert isinstance(scenario.wind, ChangingWind)
-    departures, costs, clock = clock_of(legs, reach_of(scenario.wind, longest_at_take_off(legs)))
+    departures, costs, clock = clock_of(
+        legs, reach_of(scenario.wind, longest_at_take_off(legs) + scenario.fleet.window)
+    )
     return Instance.of_travel(
         scenario.name,
-        Travel(costs, classes_of(scenario)[1], departures),
+        Travel(costs, classes_of(scenario)[1], departures, window=scenario.fleet.window),
         scenario.n_tasks,
         coordinates=scenario.points,
         provenance={**scenario.provenance, "clock": clock},

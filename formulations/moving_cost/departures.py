@@ -102,7 +102,7 @@ def instance_by_clock(
 
     paths = first = planned(0.0)
     progress(1 / (PLANS + 1), "planned for the wind of take-off")
-    horizon = reach_of(scenario.wind, longest_at_take_off(PathClock(scenario, first)))
+    horizon = reach_of(scenario.wind, longest_at_take_off(PathClock(scenario, first)) + scenario.fleet.window)
     moments = np.linspace(0.0, horizon, PLANS)[1:].tolist()
     with ThreadPoolExecutor(THREADS) as pool:
         for done, (moment, new) in enumerate(zip(moments, pool.map(planned, moments), strict=True), 2):
@@ -114,7 +114,7 @@ def instance_by_clock(
     departures, costs, clock = clock_of(PathClock(scenario, paths), horizon, KNOTS)
     instance = Instance.of_travel(
         scenario.name,
-        Travel(_closed(costs, departures), classes, departures),
+        Travel(_closed(costs, departures), classes, departures, window=scenario.fleet.window),
         scenario.n_tasks,
         coordinates=scenario.points,
         provenance=_provenance(scenario, first[0], method, options) | {"clock": clock | {"plans": PLANS}},

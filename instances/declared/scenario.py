@@ -145,6 +145,15 @@ class ScenarioKeys(Table, frozen=True, kw_only=True):
             given=False,
         ),
     ] = 0.0
+    window: Annotated[
+        NotNegative,
+        about(
+            "longest wait before take-off, in a wind that changes: it may keep a flight within endurance",
+            "s",
+            example=600.0,
+            given=False,
+        ),
+    ] = 0.0
     returns: Annotated[
         Return, about("where tours end: at their own depot, at any, at their last task", example="own")
     ] = field(default=Return.OWN, name="return")

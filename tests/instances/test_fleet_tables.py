@@ -52,6 +52,18 @@ def test_a_scenario_without_a_fleet_has_none() -> None:
     assert scenario('service = 0\nreturn = "own"\n[[uav]]\ndepot = 0\nspeed = 20\n[[uav]]\ndepot = 1').fleet.alike
 
 
+def test_a_wait_before_take_off_is_for_winds_that_change(tmp_path: Path) -> None:
+    turning = '[wind]\nkind = "turning"\nvelocity = [3, 0]\nturning = 90\n'
+    text = BASE.replace("ground_speed", 'cost = "time"\nwindow = 90\nairspeed')
+    read = scenario_of(tomllib.loads(text + turning), Path(), "s")
+    write_scenario(read, tmp_path / "s.toml")
+    assert read_scenario(tmp_path / "s.toml").fleet.window == read.fleet.window == 90.0
+    with pytest.raises(InputError, match=r"window is 90.0 s, and to wait before take-off helps only in a wind that"):
+        scenario_of(tomllib.loads(text), Path(), "s")
+    with pytest.raises(InputError, match="window"):
+        scenario_of(tomllib.loads(text.replace("90", "-1") + turning), Path(), "s")
+
+
 @pytest.mark.parametrize("text", ["", UAVS, "service = 30.0", 'return = "none"', UAVS.replace("speed = 30.0", "")])
 def test_written_and_read_again(tmp_path: Path, text: str) -> None:
     first = scenario(text)

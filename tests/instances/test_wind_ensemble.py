@@ -49,6 +49,9 @@ def test_the_spread_is_what_the_tour_takes_in_each_member() -> None:
     assert found.worst == max(found.members)
     assert found.cvar == pytest.approx(found.worst), "a fifth of two members is the worse one"
     assert spread(STRAIGHT, ((0, 1),), 2, still(1.0, 0.0), 20.0) is None
+    waited = spread(STRAIGHT, ((0, 1),), 2, replace(still(0.0, 0.0), members=members), 20.0, begins=[100.0])
+    assert waited is not None
+    assert waited.members == pytest.approx([100.0 + each for each in found.members]), "landings count"
     with pytest.raises(InputError, match="not less than the airspeed"):
         spread(STRAIGHT, ((0, 1),), 2, replace(still(0.0, 0.0), members=(still(25.0, 0.0),)), 20.0)
 

@@ -47,6 +47,8 @@ def run_by_risk(instance: Instance, job: Job, risk: str, *, as_json: bool, out: 
 
     The job's time limit is that of all.
     """
+    if "window" in instance.axes:
+        raise InputError(f"{beside}: --risk flies members from take-off at once, and travel.window lets UAVs wait")
     paths, wind, speed = _ensemble(instance, beside)
     found, left = list[tuple[Run, Spread]](), job.time_limit
     for seed in range(job.seed, job.seed + SEEDS):

@@ -35,6 +35,10 @@ def check_mission(mission: Mission) -> None:
             "tasks without a stop and home to their own depots, with turns of flight.turning_radius; workbench costs "
             "and workbench solve take a scenario with them"
         )
+    if scenario.fleet.window:
+        raise InputError(
+            "window: all UAVs of a mission take off at once; workbench costs and workbench solve take such scenarios"
+        )
     if isinstance(scenario.wind, ChangingWind):
         check_clock(mission)
     check_size(scenario.n_tasks, scenario.n_depots)

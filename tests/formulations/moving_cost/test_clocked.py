@@ -51,6 +51,19 @@ def test_whole_tours_are_off_by_seconds_at_most() -> None:
     assert tour_costs(instance, routes)[0] == pytest.approx(time, rel=2e-4)
 
 
+def test_a_window_reaches_the_instance_and_its_knots_reach_as_far() -> None:
+    scenario = make_scenario("wind-turning", 4, 2, 0)
+    at_once, waiting = (
+        clocked_instance(replace(scenario, fleet=Fleet(endurance=np.full(2, 900.0), window=window)))
+        for window in (0.0, 1200.0)
+    )
+    assert at_once.travel is not None
+    assert waiting.travel is not None
+    assert (at_once.axes, waiting.axes) == ({"time", "endurance"}, {"time", "endurance", "window"})
+    assert waiting.travel.window == 1200.0
+    assert waiting.travel.departures[-1] >= at_once.travel.departures[-1] + 1200.0
+
+
 def test_service_is_spent_before_and_after_the_leg() -> None:
     scenario = make_scenario("wind-turning", 2, 1, 0)
     serving = replace(scenario, fleet=Fleet(service=np.array([600.0, 60.0])))

@@ -159,6 +159,7 @@ def test_wrong_clocks_and_flights_beyond_endurance_are_refused(made: tuple[Path,
         (("[compare]", "[flight]\nspeed = 25.0\n[compare]"), "flight.speed: another than the airspeed"),
         (("[costs]", '[costs]\nmethod = "mine:Own"'), "costs.method: mine:Own plans only in a wind that stays"),
         (('cost = "time"', 'cost = "energy"'), "energy is no clock"),
+        (('cost = "time"', 'cost = "time"\nwindow = 60'), "window: all UAVs of a mission take off at once"),
     ],
 )
 def test_what_needs_a_wind_that_stays(change: tuple[str, str], words: str, folder: Path) -> None:

@@ -285,15 +285,19 @@ class Products:
 
     @cached_property
     def ensemble(self) -> dict[str, Any] | None:
-        """What the longest tour takes over an ensemble's members [s]; None where there is none."""
+        """What the longest tour takes over an ensemble's members [s]; None where there is none.
+
+        Where routes were chosen by a `risk` it also says what others, `without` it, would take.
+        """
         path = self.folders["routes"] / "ensemble.json"
         if not path.exists():
             return None
         with reading(path, "an ensemble"):
             said: dict[str, Any] = read_json(path)
-            numbers = [*said["members"], *(said[name] for name in ("planned", "mean", "worst", "cvar"))]
-            if not said["members"] or not all(map(is_number, numbers)):
-                raise InputError("must hold members and finite numbers")
+            for spread in (said, said["without"]) if "risk" in said else (said,):
+                numbers = [*spread["members"], *(spread[name] for name in ("planned", "mean", "worst", "cvar"))]
+                if not spread["members"] or not all(map(is_number, numbers)):
+                    raise InputError("must hold members and finite numbers")
             return said
 
     @cached_property

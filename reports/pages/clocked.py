@@ -22,6 +22,8 @@ NAMES = {
     "directed": "the same, each tour the better way round",
 }
 """Key of static.json → what it is."""
+RISKS = {"mean": "their mean", "cvar": "the mean of the worst fifth", "worst": "the worst"}
+"""Risk that routes are chosen by → what it is."""
 COLUMNS = [
     Column("name", "Plan"),
     Column("longest", "Longest tour", "s", numbers.cost, "flight time of the longest tour along reference paths"),
@@ -58,11 +60,22 @@ def verdict(said: dict[str, float]) -> str:
 
 def over_members(said: dict[str, Any]) -> str:
     """Return in words what the mission's tours take over an ensemble. said : as of `Products.ensemble` [s]."""
-    low, high = min(said["members"]), said["worst"]
-    return (
+    words = (
         f"Flown along the same paths in each of {len(said['members'])} members of the ensemble, the longest tour takes "
-        f"{low:.1f} to {high:.1f} s, {said['mean']:.1f} s on average and {said['cvar']:.1f} s over the worst fifth, "
-        f"against {said['planned']:.1f} s in the forecast planned with."
+        f"{_over(said)}."
+    )
+    if "risk" not in said:
+        return words
+    return (
+        f"{words} The routes were chosen by {RISKS[said['risk']]}; chosen by the forecast planned with alone, of the "
+        f"same solver's first routes, they would take {_over(said['without'])}."
+    )
+
+
+def _over(spread: dict[str, Any]) -> str:
+    return (
+        f"{min(spread['members']):.1f} to {spread['worst']:.1f} s, {spread['mean']:.1f} s on average and "
+        f"{spread['cvar']:.1f} s over the worst fifth, against {spread['planned']:.1f} s in the forecast planned with"
     )
 
 

@@ -55,7 +55,7 @@ from instances.moving_cost import CostKind
 from instances.paths import Paths
 from instances.scenario import Scenario
 from instances.wind_ensemble import spread
-from workbench.commands.solve_risk import REACH, WORST_SHARES
+from workbench.risk import REACH, WORST_SHARES
 
 Case = tuple[float, float, float]
 LOSSES: dict[Case, tuple[tuple[float, ...], tuple[float, ...]]] = {

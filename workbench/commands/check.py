@@ -1,4 +1,4 @@
-"""`workbench check`: verify routes, or every run of a store, independently."""
+"""`workbench check`: verify routes, every run of a store, or a mission's products, independently."""
 
 from __future__ import annotations
 
@@ -24,6 +24,9 @@ from workbench.terminal import print_json, say
 def command(context: click.Context, target: Path, routes_file: Path | None, as_json: bool) -> None:
     """Verify the routes of INSTANCE, or every run stored in RUNS-DIR. Exit code 1 where a problem is found.
 
+    The folder of a mission may stand for RUNS-DIR: its products are to be as its stages wrote them, each made from the
+    ones that are there, and its routes to cost what they say.
+
     A ROUTES file that does not visit every task once is unusable input: one sentence, exit code 2.
 
     A SELECTION (workbench select --out) is made out from scratch: tasks, classes, endurance, prizes or information.
@@ -36,13 +39,14 @@ def command(context: click.Context, target: Path, routes_file: Path | None, as_j
     Examples:
       workbench check a.json a.sol
       workbench check runs/quick
+      workbench check runs/mission
       workbench check a.json a-selection.json --json
       workbench check a.json a.certificate.json.gz
     """
     if target.is_dir():
         if routes_file is not None:
             raise InputError(f"{target}: is a folder of runs; routes are checked against an instance file")
-        looked_at, problems = _check_store(target)
+        looked_at, problems = _check_folder(target)
     elif target.name.endswith(".paths.json.gz"):
         from workbench.planning import check_plan
 
@@ -91,6 +95,12 @@ def _check_certificate(instance_file: Path, certificate_file: Path) -> tuple[str
         verdict = verify(instance, certificate)
     looked_at = f"no longest tour of at most {certificate.bound!r} s: {verdict.closed} cases closed"
     return looked_at, [f"{certificate_file}: {problem}" for problem in verdict.problems]
+
+
+def _check_folder(folder: Path) -> tuple[str, list[str]]:
+    from workbench.mission.check import check_products, is_mission
+
+    return check_products(folder) if is_mission(folder) else _check_store(folder)
 
 
 def _check_store(folder: Path) -> tuple[str, list[str]]:

@@ -41,6 +41,8 @@ def check_mission(mission: Mission) -> None:
         )
     if isinstance(scenario.wind, ChangingWind):
         check_clock(mission)
+    if mission.routes.risk is not None and not getattr(scenario.wind, "members", ()):
+        raise InputError(f"routes.risk: {mission.routes.risk} is over an ensemble of forecasts: give [wind] members")
     check_size(scenario.n_tasks, scenario.n_depots)
     for key, methods, name, options in methods_of(mission):
         try:

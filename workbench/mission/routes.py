@@ -7,7 +7,7 @@ sought, so that the routes carry a gap: no tours can be better by more.
 Products: routes.sol, run.json, tours.csv (what each tour takes and costs along its reference path), bound.json (the
 bounds found, the best of them and the gap to it), where tasks are left out selection.json, where headings are planned
 with the routes headings.json (`workbench.mission.coupled`) and, where the wind is an ensemble of forecasts,
-ensemble.json.
+ensemble.json (with `[routes] risk` also what routes chosen without it would take: `workbench.risk`).
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ import json
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 from msgspec import structs
 
@@ -26,8 +27,11 @@ from formulations.selection.part import only
 from instances import Instance, Routes, check_routes
 from instances.disk import write_aside
 from instances.environment.wind_changing import ChangingWind
+from instances.environment.wind_forecast import Forecast
 from instances.errors import InputError
 from instances.files import read_routes, write_routes
+from instances.paths import Paths
+from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
 from instances.tour_figures import tour_figures
 from instances.wind_ensemble import spread
@@ -41,6 +45,9 @@ from workbench.mission.settings import Mission
 from workbench.mission.turns import TurnCosts
 from workbench.problems.routing import ROUTING
 
+if TYPE_CHECKING:
+    from workbench.risk import LeastRisk
+
 SELECTION_FILE = "selection.json"
 ENSEMBLE_FILE = "ensemble.json"
 TRIES = 5
@@ -50,6 +57,8 @@ TRIES = 5
 def settings(mission: Mission) -> dict[str, Any]:
     """Return what this stage depends on."""
     own = structs.asdict(mission.routes)
+    if mission.routes.risk is None:
+        del own["risk"]  # products of missions without it stay
     flown = mission.flight
     if flown.coupled:
         own |= {"coupled": [mission.speed, flown.turning_radius, flown.border_clearance]}
@@ -73,7 +82,13 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     if laps > 1 and instance.endurance is not None:
         instance = replace(instance, endurance=limits)
     turns = TurnCosts(mission, scenario, instance, paths, limits)
-    whole, left_out = attempt(mission, instance, mission.routes.time_limit, mission.routes.seed), ""
+    least: LeastRisk | None = None
+    if mission.routes.risk is None:
+        whole, left_out = attempt(mission, instance, mission.routes.time_limit, mission.routes.seed), ""
+    else:
+        limited = instance if np.isinf(limits).all() else replace(instance, endurance=limits)
+        least = _of_least_risk(mission, limited, scenario, paths, tell)
+        whole, left_out = least.best[0], ""
     for _ in range(TRIES):
         found = whole
         if not flies_all(replace(instance, endurance=limits), whole):
@@ -101,7 +116,8 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     rows = tour_figures(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
     over = spread(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
     if over is not None:
-        write_aside(out / ENSEMBLE_FILE, json.dumps(over.to_json()))
+        without = None if least is None else {"risk": mission.routes.risk, "without": least.alone[1].to_json()}
+        write_aside(out / ENSEMBLE_FILE, json.dumps(over.to_json() | (without or {})))
         left_out += f"; {over.words}"
     write_aside(out / "tours.csv", pd.DataFrame([asdict(row) for row in rows]).to_csv(index=False))
     tours = ", ".join(f"{c:.1f}" for c in found.own["tour_costs"])
@@ -114,6 +130,20 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         f"most {longest['flight_time']:.1f} s of flight at airspeed {scenario.speed:g} m/s, "
         f"{'' if by_clock else energy}{longest['calm']:.1f} s in calm air{left_out}"
     )
+
+
+def _of_least_risk(
+    mission: Mission, instance: Instance, scenario: Scenario, paths: Paths, tell: Callable[[str], None]
+) -> LeastRisk:
+    """Return the routes of least risk over the ensemble; InputError where there are none, or no ensemble."""
+    from workbench.risk import Ensemble, least_risk  # here: most missions need none of it
+
+    assert isinstance(scenario.wind, Forecast)  # see `check_mission`
+    risk = str(mission.routes.risk)
+    found = least_risk(instance, _job(mission), risk, Ensemble(paths, scenario.wind, scenario.speed), tell)
+    if found is None:
+        raise InputError(f"routes.solver: {mission.routes.solver} found no routes that could be judged by their {risk}")
+    return found
 
 
 def flies_all(instance: Instance, found: Run) -> bool:
@@ -134,9 +164,14 @@ def solve(mission: Mission, instance: Instance, time_limit: float, seed: int) ->
 
 def attempt(mission: Mission, instance: Instance, time_limit: float, seed: int, start: Routes | None = None) -> Run:
     """Return a run of the mission's solver, with or without routes."""
-    wanted = mission.routes
-    job = Job("", wanted.solver, wanted.options, seed, time_limit, wanted.threads)
+    job = replace(_job(mission), seed=seed, time_limit=time_limit)
     return run(ROUTING, job, instance, start=start)
+
+
+def _job(mission: Mission) -> Job:
+    """Return the job of the mission's solver."""
+    wanted = mission.routes
+    return Job("", wanted.solver, wanted.options, wanted.seed, wanted.time_limit, wanted.threads)
 
 
 def certificate(found: Run, bounds: dict[str, float]) -> dict[str, Any]:

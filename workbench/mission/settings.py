@@ -127,6 +127,14 @@ class RouteSettings(Table, frozen=True, kw_only=True):
     ] = 5.0
     threads: Annotated[Annotated[int, Meta(ge=1, le=MOST_THREADS)], about("threads of the solver")] = 1
     seed: Annotated[Seed, about("seed of the solver")] = 0
+    risk: Annotated[
+        Literal["mean", "cvar", "worst"] | None,
+        about(
+            "what of the longest tours over [wind] members the routes are chosen by: their mean, the mean of the worst "
+            "fifth, or the worst; the longest in the forecast planned with unless given",
+            example="cvar",
+        ),
+    ] = None
 
 
 class FlightSettings(Table, frozen=True, kw_only=True):

@@ -12,7 +12,8 @@ import pytest
 
 from formulations.mapping.flight import Flight
 from instances import InputError, tour_costs
-from instances.environment.wind_changing import ChangingWind
+from instances.environment.region import Region
+from instances.environment.wind_changing import ChangingWind, Turning
 from instances.environment.wind_forecast import Forecast, sampled
 from instances.files import read_instance, read_routes
 from instances.scenario import scenario_of
@@ -132,6 +133,26 @@ def test_the_page_says_what_the_clock_is_worth(made: tuple[Path, list[str]]) -> 
 
 
 @pytest.mark.slow
+def test_routes_are_chosen_by_their_risk_over_the_members(folder: Path, tmp_path: Path) -> None:
+    """Judged anew along the same paths; the page says what they take over the members, and what others would."""
+    members = []
+    for name, turning in (("left.nc", 90.0), ("right.nc", -90.0)):
+        wind = Turning((-7.0, 3.0), np.radians(turning) / 3600)
+        sampled(wind, Region.rectangle(6000, 5000), np.arange(0.0, 801.0, 100.0), 4).write(folder / name)
+        members.append(name)
+    text = CLOCKED.replace('file = "wind.nc"', f'file = "wind.nc"\nmembers = {json.dumps(members)}')
+    text = text.replace('solver = "subset-dp"', 'solver = "memetic"\nrisk = "worst"')
+    run_mission(mission_of(tomllib.loads(text), folder, "risky"), tmp_path / "out")
+    said = json.loads((tmp_path / "out/4-routes/ensemble.json").read_text())
+    assert said["risk"] == "worst"
+    assert said["worst"] == max(said["members"]) <= said["without"]["worst"]
+    assert said["planned"] >= said["without"]["planned"] * (1 - 1e-9)
+    page = (tmp_path / "out/report.html").read_text()
+    assert "The routes were chosen by the worst; chosen by the forecast planned with alone" in page
+    assert f"{said['without']['worst']:.1f} s" in page
+
+
+@pytest.mark.slow
 def test_wrong_clocks_and_flights_beyond_endurance_are_refused(made: tuple[Path, list[str]], folder: Path) -> None:
     scenario = mission_of(tomllib.loads(CLOCKED), folder, "clocked").scenario
     assert isinstance(scenario.wind, Forecast)
@@ -159,6 +180,7 @@ def test_wrong_clocks_and_flights_beyond_endurance_are_refused(made: tuple[Path,
         (("[compare]", "[flight]\nspeed = 25.0\n[compare]"), "flight.speed: another than the airspeed"),
         (("[costs]", '[costs]\nmethod = "mine:Own"'), "costs.method: mine:Own plans only in a wind that stays"),
         (('cost = "time"', 'cost = "energy"'), "energy is no clock"),
+        (("[routes]", '[routes]\nrisk = "cvar"'), "routes.risk: cvar is over an ensemble of forecasts"),
         (('cost = "time"', 'cost = "time"\nwindow = 60'), "window: all UAVs of a mission take off at once"),
     ],
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +18,53 @@ from rasterio.warp import transform_bounds
 from instances.files import read_instance, read_routes
 from instances.formats.netcdf import read_grids
 from instances.geodesy import TangentPlane
-from instances.routes import check_routes
+from instances.routes import check_routes, makespan
 from tests.workbench.mission.small import SMALL, again
+from workbench.mission.check import _routes, check_products
 from workbench.mission.file import read_mission
 from workbench.mission.pipeline import run_mission
 from workbench.mission.place import write_tasks
+from workbench.mission.stamp import products_of, read_stamp
+
+
+def test_check_reads_a_missions_folder_as_one(cli, copied: Path) -> None:
+    code, out, _ = cli("check", copied)
+    instance = read_instance(copied / "3-costs/instance.json")
+    longest = makespan(instance, read_routes(copied / "4-routes/routes.sol", instance))
+    assert (code, f"routes of 8 tasks, longest tour {longest!r} s: all right" in out) == (0, True)
+    (copied / "6-map/ticks.csv").unlink()
+    (copied / "4-routes/bound.json").write_text("{}")
+    stamp = json.loads((copied / "5-flight/stamp.json").read_text())
+    stamp["inputs"]["costs"] = "0" * 16
+    (copied / "5-flight/stamp.json").write_text(json.dumps(stamp))
+    (copied / "7-compare/stamp.json").unlink()
+    code, out, _ = cli("check", copied)
+    assert code == 1
+    for words in (
+        "ticks.csv: is missing since stage 'map' wrote it",
+        "bound.json: was changed since stage 'routes' wrote it",
+        "5-flight: was made from other products of stage 'costs' than those there",
+        "7-compare/stamp.json: is missing or cannot be read",
+        "4 problem(s) found",
+    ):
+        assert words in out
+
+
+def test_routes_that_cost_something_else_are_refuted(copied: Path) -> None:
+    """Even where all digests fit."""
+    folder = copied / "4-routes"
+    said = json.loads((folder / "bound.json").read_text())
+    for wrong, words in (
+        ({"objective": 1.0}, "claimed a longest tour of 1.0 s"),
+        ({"bound": 1e9}, "no tours are below"),
+    ):
+        (folder / "bound.json").write_text(json.dumps(said | wrong))
+        stamp = read_stamp(folder)
+        assert stamp is not None
+        replace(stamp, products=products_of(folder)).write(folder)
+        _, problems = check_products(copied)
+        assert any("made from other products of stage 'routes'" in problem for problem in problems)
+        assert words in _routes(copied / "3-costs", folder)[1][0]
 
 
 def test_every_stage_leaves_its_products(made: Path) -> None:

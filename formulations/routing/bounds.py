@@ -2,6 +2,7 @@
 
 farthest, assignment, arborescence
                see ``simple_bounds.py``
+total          the least sum of all tours in the linear relaxation, ÷ m (``total.py``)
 relaxation     the linear relaxation with subtour cuts (``relaxation.py``)
 branch-and-cut, branch-and-price
                the bounds of these solvers at the root of their trees (see there)
@@ -37,6 +38,7 @@ from formulations.routing.solver import Status, refusal
 from formulations.routing.state_bounds import FEW, heading_bounds, straight_bound
 from formulations.routing.stateless import stateless
 from formulations.routing.time_windows import windowed
+from formulations.routing.total import total
 from instances import Instance, objective
 
 MOST_THETA = 60_000
@@ -45,6 +47,8 @@ STEPS = 20_000
 """Of a search by the clock for the routes known, where costs change with time."""
 ROOTS = ("branch-and-cut", "branch-and-price")
 """Solvers whose bound at the root of their tree is shown."""
+
+_TINY = Instance("warm-up", np.ones((2, 2)) - np.eye(2), 1, 1)
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,7 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
         yield Bound(name, value, time.perf_counter() - began)
     if upper == 0:
         return
+    yield _total(plain, upper, time_limit)
     yield _relaxation(plain, upper, time_limit)
     if "states" in instance.axes:
         yield from _of_states(instance, upper, time_limit, seed)
@@ -125,12 +130,20 @@ def _of_states(instance: Instance, upper: float, time_limit: float, seed: int) -
     yield Bound("headings", value, time.perf_counter() - began, words)
 
 
+def _total(instance: Instance, upper: float, time_limit: float) -> Bound:
+    """Return the bound of all tours together."""
+    total(_TINY, 2.0, 60.0)
+    began = time.perf_counter()
+    value, complete = total(instance, upper, time_limit)
+    return Bound("total", value, time.perf_counter() - began, "" if complete else "stopped by time")
+
+
 def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
     """Return the bound of the linear relaxation."""
     size = instance.n_depots * (instance.n_tasks + 1) ** 2
     if size > MOST_THETA:
         return Bound("relaxation", 0.0, 0.0, f"would need {size} variables; it takes {MOST_THETA}")
-    relax(Instance("warm-up", np.ones((2, 2)) - np.eye(2), 1, 1), 2.0)
+    relax(_TINY, 2.0)
     began = time.perf_counter()
     relaxed = relax(instance, upper, time_limit)
     message = "" if relaxed.complete else f"stopped after {relaxed.rounds} rounds"

@@ -39,7 +39,7 @@ def farthest(instance: Instance, upper: float) -> float:
 
 def assignment(instance: Instance, upper: float) -> float:
     """Return the cheapest choice of one arc into and one out of every task, a UAV's share of it [s]."""
-    cost, weight = _weighted(instance, upper)
+    cost, weight = weighted_costs(instance, upper)
     return _down(_cheapest_arcs(cost, instance, upper) / weight, instance, upper)
 
 
@@ -65,7 +65,7 @@ def _cheapest_arcs(cost: Floats, instance: Instance, upper: float) -> float:
 
 def arborescence(instance: Instance, upper: float) -> float:
     """Return the cheapest arborescence from the depots and a way home, or reversed, a UAV's share of it [s]."""
-    n, (forwards, weight) = instance.n_tasks, _weighted(instance, upper)
+    n, (forwards, weight) = instance.n_tasks, weighted_costs(instance, upper)
     best = 0.0
     for cost in (forwards, forwards.T):
         merged = np.full((n + 1, n + 1), np.inf)
@@ -83,7 +83,7 @@ def least_costs(instance: Instance) -> tuple[Floats, Ints]:
     return instance.class_costs, instance.classes
 
 
-def _weighted(instance: Instance, upper: float) -> tuple[Floats, float]:
+def weighted_costs(instance: Instance, upper: float) -> tuple[Floats, float]:
     """Return min_k w_k c_ijk [s], (N, N), with costs cut off at twice `upper`, and Σ_k w_k; greatest w_k 1.
 
     w_k is inverse to what the legs that all classes fly cost UAV k, so that cheap UAVs do not pass for all. An arc that

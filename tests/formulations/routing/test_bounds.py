@@ -124,7 +124,14 @@ def test_all_bounds_in_order_and_below_the_optimum(monkeypatch: pytest.MonkeyPat
     optimum = SubsetDp().solve(instance, limits=Limits(time=600.0)).objective
     assert optimum is not None
     found = list(lower_bounds(instance, time_limit=60.0))
-    assert [bound.name for bound in found] == [*SIMPLE, "relaxation", "branch-and-cut", "capped-tours", "destructive"]
+    assert [bound.name for bound in found] == [
+        *SIMPLE,
+        "total",
+        "relaxation",
+        "branch-and-cut",
+        "capped-tours",
+        "destructive",
+    ]
     assert all(0 < bound.value <= optimum and bound.elapsed >= 0 for bound in found)
     assert max(found, key=lambda bound: bound.value).value > 0.5 * optimum
 
@@ -160,7 +167,7 @@ def test_all_bounds_of_a_fleet(
     optimum = held_karp(instance)[0]
     limited = replace(instance, endurance=np.minimum(instance.limits, share * optimum))
     found = {bound.name: bound for bound in lower_bounds(limited, time_limit=60.0)}
-    assert list(found) == [*SIMPLE, "relaxation", "branch-and-price", "capped-tours", "destructive"]
+    assert list(found) == [*SIMPLE, "total", "relaxation", "branch-and-price", "capped-tours", "destructive"]
     assert (found["branch-and-price"].message == "proved that there are no routes") == (share < 1.0)
     if share == 1.0:
         assert 0.9 * optimum < max(bound.value for bound in found.values()) <= optimum

@@ -6,17 +6,20 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats, Ints
 from instances.errors import InputError, naming, shown
+from instances.metric_costs import MATRIX_NODES, MetricCosts
 from instances.travel import AXES, Travel
 
-MAX_NODES = 20_000
-"""Most nodes n + m of an instance: its costs alone fill 3.2 GB."""
+MAX_NODES = 100_000
+"""Most nodes n + m of an instance; of more than MATRIX_NODES its costs have to be named by a metric."""
+ROWS_LOOKED_AT = 500
+"""Tasks whose legs tell how asymmetric costs are that are computed leg by leg."""
 
 LARGEST_SUM = 1e150
 """Most [s] that n + m times the largest cost may be: products of two sums of costs stay finite."""
@@ -38,7 +41,8 @@ class Instance:
     cost
         ``cost[i, j]`` [s] of flying from node i to node j, shape (n+m, n+m), finite, non-negative, zero diagonal, in
         general asymmetric (paper: c_ij differs from c_ji because of the wind). Entries between two depots are carried
-        but never used: E excludes D × D. n+m times the largest is at most LARGEST_SUM.
+        but never used: E excludes D × D. n+m times the largest is at most LARGEST_SUM. Or MetricCosts, which are read
+        alike and refuse to become a matrix (`of_metric`).
     n_tasks
         n ≥ 1.
     n_depots
@@ -77,10 +81,13 @@ class Instance:
                 raise InputError(
                     f"instance {self.name}: {label} must be a whole number of at least 1, got {shown(value)}"
                 )
-        check_size(self.n_tasks, self.n_depots)
-        object.__setattr__(self, "cost", _checked_cost(self.cost, self.n_nodes, self.name))
+        check_size(self.n_tasks, self.n_depots, MATRIX_NODES if self.by_metric is None else MAX_NODES)
         if self.coordinates is not None:
             object.__setattr__(self, "coordinates", _checked_coordinates(self.coordinates, self.n_nodes, self.name))
+        if self.by_metric is None:
+            object.__setattr__(self, "cost", _checked_cost(self.cost, self.n_nodes, self.name))
+        else:
+            _check_by_metric(self.by_metric, self)
         object.__setattr__(self, "provenance", dict(self.provenance))
         object.__setattr__(self, "travel", _checked_travel(self.travel, self.cost, self.n_depots, self.name))
         object.__setattr__(self, "endurance", _checked_endurance(self.endurance, self.n_depots, self.name))
@@ -89,6 +96,23 @@ class Instance:
     def of_travel(cls, name: str, travel: Travel, n_tasks: int, **more: Any) -> Instance:
         """Return the instance whose costs are the least of `travel`; `more` are its other fields."""
         return cls(name, travel.least(), n_tasks, len(travel.classes), travel=travel, **more)
+
+    @classmethod
+    def of_metric(
+        cls, name: str, metric: Mapping[str, Any], coordinates: ArrayLike, n_tasks: int, n_depots: int, **more: Any
+    ) -> Instance:
+        """Return the instance without a matrix: its costs are computed from coordinates where they are asked for.
+
+        metric : as in an instance file (`instances.metrics`). `more` are the instance's other fields.
+        """
+        xy = _checked_coordinates(coordinates, n_tasks + n_depots, name)
+        return cls(name, cast(Floats, MetricCosts(metric, xy)), n_tasks, n_depots, xy, **more)
+
+    @property
+    def by_metric(self) -> MetricCosts | None:
+        """The costs where they are computed leg by leg, None where they are a matrix."""
+        cost: object = self.cost
+        return cost if isinstance(cost, MetricCosts) else None
 
     def __reduce__(self) -> tuple[type[Instance], tuple[Any, ...]]:
         """Pickle through the constructor: arrays are read-only again on the other side, which kernels mind."""
@@ -113,6 +137,8 @@ class Instance:
     def axes(self) -> frozenset[str]:
         """What this instance has beyond one matrix of costs: names of `instances.travel.AXES`."""
         limited = frozenset() if self.endurance is None else frozenset({"endurance"})
+        if self.by_metric is not None:
+            return limited | {"metric"}
         if self.travel is None:
             return limited
         waits = limited and self.travel.window > 0 and "time" in self.travel.axes  # else waiting is of no use
@@ -132,7 +158,7 @@ class Instance:
     def class_costs(self) -> Floats:
         """Costs of each class of UAV, (G, N, N) [s], +inf where it cannot fly; ValueError where time or state count."""
         if self.travel is None:
-            return self.cost[None]
+            return np.asarray(self.cost)[None]
         if self.travel.axes & {"time", "states"}:
             raise ValueError(f"instance {self.name}: costs depend on more than the class of the UAV")
         return self.travel.cost[:, 0]
@@ -148,9 +174,15 @@ class Instance:
 
     @cached_property
     def digest(self) -> str:
-        """First 12 hexadecimal digits of the SHA-256 of the arrays (name and provenance left out)."""
+        """First 12 hexadecimal digits of the SHA-256 of the arrays (name and provenance left out).
+
+        In place of a matrix of costs that there is not, the metric as text.
+        """
         h = hashlib.sha256(f"{self.n_tasks} {self.n_depots} ".encode())
         arrays = [("", self.cost), ("", self.coordinates), ("endurance", self.endurance)]
+        if self.by_metric is not None:
+            h.update(self.by_metric.described.encode())
+            del arrays[0]
         if self.travel is not None:
             arrays += [(name, getattr(self.travel, name)) for name in ("cost", "classes", "departures", "nodes")]
             arrays += [("closed", np.ones(1))] if self.travel.closed else []
@@ -163,13 +195,18 @@ class Instance:
 
     @cached_property
     def asymmetry(self) -> float:
-        """Mean of |c_ij − c_ji| / (c_ij + c_ji) over the edges in use (dimensionless, 0 where symmetric)."""
-        ratios = 0.0
-        for i in self.tasks:  # a row at a time: no second matrix in memory
+        """Mean of |c_ij − c_ji| / (c_ij + c_ji) over the edges in use (dimensionless, 0 where symmetric).
+
+        Without a matrix over those of some 500 tasks, spread evenly.
+        """
+        if self.by_metric is not None and self.by_metric.symmetric:
+            return 0.0
+        ratios, step = 0.0, 1 if self.by_metric is None else -(-self.n_tasks // ROWS_LOOKED_AT)
+        for i in self.tasks[::step]:  # a row at a time: no second matrix in memory
             there, back = self.cost[i], self.cost[:, i]
             total = there + back
             ratios += float(np.divide(np.abs(there - back), total, out=np.zeros_like(total), where=total > 0).sum())
-        return ratios / (self.n_tasks * (self.n_nodes - 1))
+        return ratios / (len(self.tasks[::step]) * (self.n_nodes - 1))
 
     def about(self) -> dict[str, Any]:
         """What programs are told of it: its name as `instance`, digest and size."""
@@ -195,13 +232,22 @@ def check_name(name: object) -> None:
         )
 
 
-def check_size(n_tasks: int, n_depots: int) -> None:
-    """Raise InputError where an instance of this size could not be held; to be asked before its arrays are made."""
-    if n_tasks + n_depots > MAX_NODES:
-        raise InputError(
-            f"{shown(n_tasks)} tasks and {shown(n_depots)} depots are more than the {MAX_NODES} nodes "
-            "an instance can have"
-        )
+def check_size(n_tasks: int, n_depots: int, most: int = MATRIX_NODES) -> None:
+    """Raise InputError where an instance of this size could not be held; to be asked before its arrays are made.
+
+    most : nodes it can have, MAX_NODES where a metric names its costs.
+    """
+    if n_tasks + n_depots > most:
+        has = "an instance can have" if most == MAX_NODES else "an instance can have whose costs no metric names"
+        raise InputError(f"{shown(n_tasks)} tasks and {shown(n_depots)} depots are more than the {most} nodes {has}")
+
+
+def _check_by_metric(costs: MetricCosts, instance: Instance) -> None:
+    """Raise InputError where costs by a metric are not those of the coordinates."""
+    if instance.coordinates is None or not np.array_equal(costs.coordinates, instance.coordinates):
+        raise InputError(f"instance {instance.name}: its costs by a metric must be those of its coordinates")
+    if instance.travel is not None:
+        raise InputError(f"instance {instance.name}: travel needs a matrix of costs, which a metric does not give here")
 
 
 def _checked_cost(cost: ArrayLike, size: int, name: str) -> Floats:

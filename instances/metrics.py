@@ -16,6 +16,7 @@ Source of the TSPLIB roundings: G. Reinelt, TSPLIB 95, 1995, §2.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +33,10 @@ from instances.declared.instance import (
     WindMetricTable,
 )
 from instances.declared.reading import read_declared
+from instances.environment.wind import WindField
 from instances.environment.wind_table import wind_of
 from instances.errors import InputError
-from instances.wind_metric import cost_matrix
+from instances.wind_metric import BLOCK, cost_matrix, pair_costs
 
 ROUNDINGS: dict[str, Callable[[Floats], Floats]] = {
     "none": lambda d: d,
@@ -53,11 +55,52 @@ def metric_cost(metric: Mapping[str, Any], coordinates: Floats | None) -> Floats
 
     Metrics that are sums or maxima over axes take (k, 3) as well.
     """
-    said: Any = read_declared(Metric, metric, at=["cost"], toml=False)  # type: ignore[arg-type]  # a union
+    said = declared_metric(metric)
     if coordinates is None:
         raise InputError(f"cost: the metric '{metric['metric']}' needs coordinates")
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused by Instance, by its entry
-        return METRICS[type(said)](coordinates, said)
+        if isinstance(said, GeoTable):
+            return _geo(coordinates)
+        return _wind(coordinates, said) if isinstance(said, WindMetricTable) else _matrix(said, coordinates)
+
+
+def declared_metric(metric: Mapping[str, Any]) -> Metric:
+    """Return a metric as it is declared; InputError names the key and the value."""
+    said: Any = read_declared(Metric, metric, at=["cost"], toml=False)  # type: ignore[arg-type]  # a union
+    return said
+
+
+def pairs_by(said: Metric) -> Callable[[Floats, Floats], Floats] | None:
+    """Return the function that gives the costs [s] of pairs of points (…, 2) [m], which broadcast.
+
+    None for metrics that only give a matrix: on the Earth, and around walls.
+    """
+    if isinstance(said, WindMetricTable):
+        if said.region is not None:
+            return None
+        v0, wind = said.airspeed, None if said.wind is None else wind_of(said.wind, Path())
+        return lambda a, b: _wind_between(a, b, v0, wind)
+    function = BETWEEN.get(type(said))
+    return None if function is None else partial(_between, function, said)
+
+
+def _between(function: Callable[[Floats, Any], Floats], said: Metric, a: Floats, b: Floats) -> Floats:
+    return function(b - a, said)
+
+
+def _wind_between(a: Floats, b: Floats, v0: float, wind: WindField | None) -> Floats:
+    a, b = np.broadcast_arrays(a, b)
+    return pair_costs(a.reshape(-1, 2), b.reshape(-1, 2), v0, wind).reshape(a.shape[:-1])
+
+
+def _matrix(said: Metric, points: Floats) -> Floats:
+    """Return the matrix a metric of `BETWEEN` gives, a block of rows at a time; symmetric to the last bit."""
+    k, function = len(points), BETWEEN[type(said)]
+    cost = np.empty((k, k))
+    step = max(1, BLOCK // k)
+    for i in range(0, k, step):
+        cost[i : i + step] = function(points[i : i + step, None] - points, said)
+    return cost
 
 
 def distances(points: Floats) -> Floats:
@@ -71,33 +114,42 @@ def distances(points: Floats) -> Floats:
     return np.sqrt(squared, out=squared)
 
 
-def _euclidean(points: Floats, said: EuclideanTable) -> Floats:
-    d = distances(points)
-    d /= said.speed
-    return ROUNDINGS[said.rounding](d)
+def _lengths(apart: Floats) -> Floats:
+    """Return the lengths of vectors (…, 2), or (…, 3), added up axis by axis as `distances` does."""
+    squared = apart[..., 0] ** 2
+    for axis in range(1, apart.shape[-1]):
+        squared += apart[..., axis] ** 2
+    return np.sqrt(squared)
 
 
-def _att(points: Floats, said: AttTable) -> Floats:
-    r = distances(points)
-    r /= np.sqrt(10.0)
+def _euclidean(apart: Floats, said: EuclideanTable) -> Floats:
+    return ROUNDINGS[said.rounding](_lengths(apart) / said.speed)
+
+
+def _att(apart: Floats, said: AttTable) -> Floats:
+    r = _lengths(apart) / np.sqrt(10.0)
     t = np.floor(r + 0.5)
     return np.where(t < r, t + 1.0, t)
 
 
-def _manhattan(points: Floats, said: ManhattanTable) -> Floats:
-    return ROUNDINGS[said.rounding](sum(_apart(points), np.zeros((len(points), len(points)))))
+def _manhattan(apart: Floats, said: ManhattanTable) -> Floats:
+    return ROUNDINGS[said.rounding](np.abs(apart).sum(axis=-1))
 
 
-def _maximum(points: Floats, said: MaximumTable) -> Floats:
-    return ROUNDINGS[said.rounding](np.maximum.reduce(_apart(points)))
+def _maximum(apart: Floats, said: MaximumTable) -> Floats:
+    return ROUNDINGS[said.rounding](np.abs(apart).max(axis=-1))
 
 
-def _apart(points: Floats) -> list[Floats]:
-    """Return |x_j − x_i| along each axis, (k, k) each."""
-    return [np.abs(np.subtract.outer(axis, axis)) for axis in points.T]
+BETWEEN: dict[type, Callable[[Floats, Any], Floats]] = {
+    EuclideanTable: _euclidean,
+    ManhattanTable: _manhattan,
+    MaximumTable: _maximum,
+    AttTable: _att,
+}
+"""Metric, as declared → its function of x_j − x_i, shape (…, 2) or (…, 3) [m]; all are symmetric."""
 
 
-def _geo(points: Floats, said: GeoTable) -> Floats:
+def _geo(points: Floats) -> Floats:
     """TSPLIB's GEO, with its own π and radius [km]; published optima hold with degrees cut off, not rounded."""
     degrees = np.trunc(points)
     latitude, longitude = (PI * (degrees + 5.0 * (points - degrees) / 3.0) / 180.0).T
@@ -120,14 +172,3 @@ def _wind(points: Floats, said: WindMetricTable) -> Floats:
     return old_corridor_costs(
         points, Region(single_polygon({"type": "Polygon", "coordinates": said.region})), v0, field
     )
-
-
-METRICS: dict[type, Callable[[Floats, Any], Floats]] = {
-    EuclideanTable: _euclidean,
-    ManhattanTable: _manhattan,
-    MaximumTable: _maximum,
-    AttTable: _att,
-    GeoTable: _geo,
-    WindMetricTable: _wind,
-}
-"""Metric, as declared → its function of the coordinates."""

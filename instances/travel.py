@@ -30,6 +30,7 @@ ROUNDING = 1e-9
 """Share by which costs may break first in, first out: floating-point rounding of whoever made them."""
 
 AXES = {
+    "metric": "costs by a metric, too many for a matrix",
     "fleet": "UAVs that differ",
     "endurance": "limited endurance",
     "time": "costs that change with time",

@@ -30,6 +30,7 @@ from instances import Instance
 from instances.arrays import Floats
 from instances.environment.wind import Rotation, Uniform
 from instances.errors import InputError
+from instances.metric_costs import MATRIX_NODES
 from instances.metrics import distances
 from instances.moving_cost import CostKind, moving_cost
 from instances.paths import Paths, paths_outside
@@ -102,9 +103,12 @@ def arcs(points: Floats, curvature: float) -> Paths:
 def open_country(scenario: Scenario) -> Instance:
     """Return the instance whose legs may leave the region of `scenario`; InputError where there is no closed form."""
     points = scenario.points
-    cost = cost_matrix(points, scenario.speed, scenario.wind)
     metric = wind_metric(scenario.speed, scenario.wind)
     provenance = {**scenario.provenance, "metric": metric}
+    if len(points) > MATRIX_NODES:
+        size = scenario.n_tasks, scenario.n_depots
+        return Instance.of_metric(scenario.name, metric, points, *size, provenance=provenance)
+    cost = cost_matrix(points, scenario.speed, scenario.wind)
     return Instance(scenario.name, cost, scenario.n_tasks, scenario.n_depots, points, provenance)
 
 

@@ -9,6 +9,8 @@ from formulations.moving_cost.fleet import at_speed, classes_of, fleet_instance,
 from instances import Instance
 from instances.environment.wind_changing import ChangingWind
 from instances.families import FAMILIES, Legs, make_scenario
+from instances.instance import MAX_NODES, check_size
+from instances.metric_costs import MATRIX_NODES
 from instances.paths import Paths
 from instances.scenario import Scenario
 
@@ -25,6 +27,9 @@ def costed(scenario: Scenario, legs: Legs) -> tuple[Instance, Paths | None]:
     they are those of `clocked`. InputError for a wind as strong as
     the ground speed and a node that cannot be reached.
     """
+    named = legs is Legs.OPEN and not isinstance(scenario.wind, ChangingWind)
+    named = named and scenario.fleet.alike and scenario.fleet.endurance is None
+    check_size(scenario.n_tasks, scenario.n_depots, MAX_NODES if named else MATRIX_NODES)
     if legs is Legs.TURNS:
         return _between_headings(scenario), None
     if isinstance(scenario.wind, ChangingWind):

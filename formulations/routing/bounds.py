@@ -11,6 +11,8 @@ destructive    the largest cap found at which that relaxation is impossible (``c
 straight, headings
                in place of the last four where nodes have several states (``state_bounds.py``)
 
+Without a matrix of costs there are those of ``metric_bounds.py`` alone.
+
 Where costs change with time the last three carry the clock; the others are those of the instance whose legs are
 minimised over time windows (``time_windows.py``), which no routes better than those known take less than. Where UAVs
 may wait before take-off they are bounds of UAVs that need not (`_off_at_once`). With several
@@ -30,6 +32,7 @@ from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.greedy import Greedy, greedy_routes
+from formulations.routing.metric_bounds import metric_bounds
 from formulations.routing.registry import make_solver
 from formulations.routing.relaxation import relax
 from formulations.routing.search.ruin_recreate import RuinRecreate
@@ -40,6 +43,7 @@ from formulations.routing.stateless import stateless
 from formulations.routing.time_windows import windowed
 from formulations.routing.total import total
 from instances import Instance, objective
+from instances.metric_costs import MetricCosts
 
 MOST_THETA = 60_000
 """Beyond this a round of the relaxation takes minutes."""
@@ -69,6 +73,9 @@ class Bound:
 
 def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0) -> Iterator[Bound]:
     """Yield every bound of `instance` as it is ready; `time_limit` [s] is that of each."""
+    if instance.by_metric is not None:
+        yield from _by_metric(instance, instance.by_metric)
+        return
     instance = _off_at_once(instance)
     upper = _upper(instance)
     if {"time", "states"} <= instance.axes:
@@ -92,6 +99,14 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
         yield root
     if refusal(BranchAndPrice(), instance) is None:
         yield from _columns(instance, upper, time_limit)
+
+
+def _by_metric(instance: Instance, costs: MetricCosts) -> Iterator[Bound]:
+    """Yield the bounds of an instance without a matrix."""
+    began = time.perf_counter()
+    for name, value, message in metric_bounds(instance, costs):
+        yield Bound(name, value, time.perf_counter() - began, message)
+        began = time.perf_counter()
 
 
 def _off_at_once(instance: Instance) -> Instance:

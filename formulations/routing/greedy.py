@@ -13,6 +13,7 @@ Variants, each from empty tours, one task at a time (C_k: cost of UAV k's tour, 
 Ties go to the lowest UAV, then task. When the time is up the tasks still left are routed by ``nearest``.
 Where tours are too long for the UAVs' endurance they are made anew of costs scaled by it (search/endurance.py): for
 tours as long as those, then for the least shares of endurance. That may find none; it proves nothing.
+Of 20,000 tasks and 50 UAVs ``regret`` takes minutes, ``nearest`` seconds.
 Where costs change with time insertions are compared to first order by the clock (clocked/construction.py).
 """
 
@@ -35,6 +36,8 @@ _RULES = {rule.name.lower(): rule for rule in Rule}
 VARIANTS = (*_RULES, "nearest")
 _LOOKS = 4_000_000
 """Entries of the table of gaps looked at between two looks at the clock: about 10 ms."""
+_NEAREST = 1e-8
+"""Seconds that ``nearest`` takes at most for the square of the number of tasks it routes: kept for what is left."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,7 @@ class Greedy(RecordedSolver):
     variant: str = "regret"
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "window"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "window", "metric"})
 
     def __post_init__(self) -> None:
         if self.variant not in VARIANTS:
@@ -90,7 +93,7 @@ def _insert_all(costs: Costs, tours: Tours, rule: Rule, recorder: Recorder) -> b
     gaps = first_gaps(costs, n)
     chunk = max(1, _LOOKS // (n * (m + 10)))
     left = n
-    while left and recorder.remaining > 0.0:
+    while left and recorder.remaining > _NEAREST * left**2:
         insert_many(costs, tours, gaps, rule, min(chunk, left))
         left -= min(chunk, left)
     return left == 0

@@ -163,6 +163,7 @@ class Solver(Protocol):
 
 
 ABLE = {
+    "metric": "memetic, ruin-recreate and greedy can",
     "fleet": "memetic and exact can",
     "endurance": "memetic and exact can",
     "time": "exact, branch-and-price, subset-dp, memetic, ruin-recreate, ga and greedy can",
@@ -178,4 +179,6 @@ def refusal(solver: Solver, instance: Instance) -> str | None:
     for axis, words in AXES.items():
         if axis in instance.axes - has:
             return f"the instance has {words} ('{axis}'), which this solver cannot take; {ABLE[axis]}"
+    if {"metric", "endurance"} <= instance.axes:
+        return "the instance has limited endurance and too many nodes for a matrix of costs; no solver takes both"
     return solver.accepts(instance)

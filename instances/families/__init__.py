@@ -11,7 +11,7 @@ from typing import Any
 from instances.errors import InputError, shown
 from instances.families.family import Family, Legs
 from instances.families.parameter import Parameter
-from instances.instance import check_size
+from instances.instance import MAX_NODES, check_size
 from instances.registry import PLAIN, Registry, is_plain
 from instances.scenario import Scenario
 
@@ -98,5 +98,5 @@ def make_scenario(name: str, n_tasks: int, n_depots: int, seed: int, **parameter
     for label, value, least in (("n_tasks", n_tasks, 1), ("n_depots", n_depots, 1), ("seed", seed, 0)):
         if isinstance(value, bool) or not isinstance(value, int) or value < least:
             raise InputError(f"{label} must be a whole number of at least {least}, got {shown(value)}")
-    check_size(n_tasks, n_depots)
+    check_size(n_tasks, n_depots, MAX_NODES)
     return FAMILIES.load(name).scenario(n_tasks, n_depots, seed, parameters)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from instances.errors import InputError, shown
-from instances.instance import check_size
+from instances.instance import MAX_NODES, check_size
 
 
 def nodes_of(specs: Mapping[str, str], sections: Mapping[str, list[str]], size: int) -> tuple[list[int], int]:
@@ -31,9 +31,9 @@ def nodes_of(specs: Mapping[str, str], sections: Mapping[str, list[str]], size: 
         counts = counts or _counts(len(places), vehicles)
         if vehicles is not None and vehicles != sum(counts):
             raise InputError(f"VEHICLES is {vehicles} but the counts in DEPOT_SECTION add up to {sum(counts)}")
-        check_size(size - len(places), sum(counts))
+        check_size(size - len(places), sum(counts), MAX_NODES)
         depots = [node for node, count in zip(places, counts, strict=True) for _ in range(count)]
-    check_size(size - len(places), len(depots))
+    check_size(size - len(places), len(depots), MAX_NODES)
     at = set(places)
     tasks = [node for node in range(1, size + 1) if node not in at]
     if not tasks:

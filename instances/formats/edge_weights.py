@@ -57,10 +57,12 @@ def metric_of(edge_weight_type: str) -> dict[str, Any]:
 
 def type_of(instance: Instance) -> str | None:
     """Return the EDGE_WEIGHT_TYPE in WRITTEN that gives the costs of `instance` exactly; None where none does."""
-    metric = instance.provenance.get("metric")
+    metric = instance.provenance.get("metric") if instance.by_metric is None else instance.by_metric.metric
     kind = next((each for each in WRITTEN if METRIC_OF[each] == metric), None)
     if kind is None or instance.coordinates is None:
         return None
+    if instance.by_metric is not None:
+        return kind
     return kind if np.array_equal(metric_cost(METRIC_OF[kind], instance.coordinates), instance.cost) else None
 
 

@@ -23,6 +23,7 @@ from instances.documents import json_of, text_of
 from instances.errors import InputError, naming, shown
 from instances.formats.format import Format
 from instances.instance import MAX_NODES, Instance, check_size
+from instances.metric_costs import MATRIX_NODES
 from instances.metrics import metric_cost
 from instances.travel import Travel
 
@@ -54,7 +55,7 @@ def instance_of(document: Any, cost: Floats | None = None) -> Instance:
         raise InputError(f"schema {shown(document['schema'])} is of a newer version; this one reads up to {SCHEMA}")
     said = read_declared(InstanceTable, document, toml=False)
     size = said.n_tasks, said.n_depots
-    check_size(*size)
+    check_size(*size, MAX_NODES if isinstance(said.cost, MetricTable) else MATRIX_NODES)
     nodes = sum(size)
     coordinates = None if said.coordinates is None else _rows(said.coordinates, "coordinates", nodes, 2)
     travel = None if said.travel is None else travel_of(said.travel)
@@ -63,6 +64,9 @@ def instance_of(document: Any, cost: Floats | None = None) -> Instance:
         if coordinates is not None and not np.isfinite(coordinates).all():
             raise InputError("coordinates must be finite")
         provenance = {**provenance, "metric": document["cost"]}
+        if nodes > MATRIX_NODES:
+            more = {"provenance": provenance, "endurance": _endurance(said.endurance, size[1])}
+            return _without_matrix(said.name, document["cost"], coordinates, *size, **more)
         matrix = metric_cost(document["cost"], coordinates)
     elif (rows := said.cost if cost is None else cost) is not None:
         matrix = _rows(rows, "cost", nodes, nodes)
@@ -71,6 +75,12 @@ def instance_of(document: Any, cost: Floats | None = None) -> Instance:
     else:
         raise InputError("the key 'cost' is missing")
     return Instance(said.name, matrix, *size, coordinates, provenance, travel, _endurance(said.endurance, size[1]))
+
+
+def _without_matrix(name: str, metric: Any, coordinates: Floats | None, *size: int, **more: Any) -> Instance:
+    if coordinates is None:
+        raise InputError(f"cost: the metric '{metric['metric']}' needs coordinates")
+    return Instance.of_metric(name, metric, coordinates, *size, **more)
 
 
 def travel_of(said: TravelTable) -> Travel:
@@ -103,8 +113,8 @@ def _unlimited(numbers: Floats) -> Floats:
 def document_text(instance: Instance) -> str:
     """Return the native file of `instance` as text, a row of numbers a line."""
     coordinates = "null" if instance.coordinates is None else _row_lines(instance.coordinates)
-    metric = instance.provenance.get("metric")
-    by_metric = (
+    metric = instance.provenance.get("metric") if instance.by_metric is None else instance.by_metric.metric
+    by_metric = instance.by_metric is not None or (
         instance.n_nodes > ROWS_UP_TO
         and isinstance(metric, dict)
         and np.array_equal(metric_cost(metric, instance.coordinates), instance.cost)
@@ -137,7 +147,7 @@ def _costs_apart(content: bytes | bytearray) -> tuple[bytes | bytearray, Floats]
             return None
         rows = msgspec.json.decode(raw, type=list[msgspec.Raw])
         size = len(rows)
-        cost = np.empty((size, size)) if size <= MAX_NODES else np.empty((0, 0))
+        cost = np.empty((size, size)) if size <= MATRIX_NODES else np.empty((0, 0))
         for i, row in enumerate(rows):
             numbers = msgspec.json.decode(row, type=list[float])
             if len(numbers) != len(cost):

@@ -41,6 +41,8 @@ def first_of_each(nodes: Sequence[int]) -> list[int]:
 def _together(instance: Instance) -> bool:
     """Return whether all UAVs start at one place, as far as the costs can tell."""
     n, xy = instance.n_tasks, instance.coordinates
+    if instance.by_metric is not None:
+        return bool((instance.by_metric.coordinates[n:] == instance.by_metric.coordinates[n]).all())
     out, home = instance.cost[n:, :n], instance.cost[:n, n:]
     return bool(
         not instance.cost[n:, n:].any()

@@ -27,7 +27,8 @@ from instances.errors import LONGEST_SENTENCE, LONGEST_VALUE, InputError, naming
 from instances.formats.depots import nodes_of, whole_number
 from instances.formats.edge_weights import explicit_weights, metric_of
 from instances.formats.format import Format
-from instances.instance import Instance
+from instances.instance import Instance, check_size
+from instances.metric_costs import MATRIX_NODES
 from instances.metrics import metric_cost
 
 KEYWORDS = frozenset({"NAME", "TYPE", "COMMENT", "DIMENSION", "VEHICLES", "SALESMEN", "DEPOT", "EDGE_WEIGHT_TYPE"}) | {
@@ -62,14 +63,28 @@ def read_tsplib(path: Path) -> Instance:
             if key in specs:
                 provenance[key.lower()] = specs[key]
         ignored = sorted((specs.keys() - KEYWORDS) | {f"{s}_SECTION" for s in sections.keys() - SECTIONS})
-        cost = _cost(specs, sections, size, place, coordinates, provenance)
+        metric = _metric(specs, sections, coordinates)
+        large = len(nodes) > MATRIX_NODES
+        spatial = specs.get("EDGE_WEIGHT_TYPE", "").endswith("3D")
+        if metric is None or spatial:
+            check_size(len(nodes) - n_depots, n_depots)
+        else:
+            provenance["metric"] = metric
+        at = coordinates if coordinates is None or spatial else coordinates[:, :2]
+        cost = None if large else _cost(specs, sections, size, place, at, metric)
         if coordinates is not None and coordinates.shape[1] == 3:
             coordinates = coordinates[:, :2]
             ignored.append("the third coordinate (a cost may count it)")
         if ignored:
             provenance["ignored"] = ignored
         name = specs.get("NAME", "") or path.name.split(".")[0]
-        instance = Instance(name, cost, len(nodes) - n_depots, n_depots, coordinates, provenance)
+        n_tasks = len(nodes) - n_depots
+        if cost is not None:
+            instance = Instance(name, cost, n_tasks, n_depots, coordinates, provenance)
+        else:
+            assert metric is not None
+            assert coordinates is not None
+            instance = Instance.of_metric(name, metric, coordinates, n_tasks, n_depots, provenance=provenance)
         _tell_left_out(path, ignored, specs, sections)
         return instance
 
@@ -151,27 +166,34 @@ def _coordinates(specs: Mapping[str, str], sections: Mapping[str, list[str]], si
     return xy
 
 
+def _metric(
+    specs: Mapping[str, str], sections: Mapping[str, list[str]], coordinates: Floats | None
+) -> dict[str, Any] | None:
+    """Return the metric of a file's EDGE_WEIGHT_TYPE, None where weights are EXPLICIT."""
+    kind = specs.get("EDGE_WEIGHT_TYPE", "EXPLICIT" if "EDGE_WEIGHT" in sections else None)
+    if kind is None:
+        raise InputError("the keyword EDGE_WEIGHT_TYPE is missing")
+    if kind == "EXPLICIT":
+        return None
+    metric = metric_of(kind)
+    if coordinates is None or "NODE_COORD" not in sections:
+        raise InputError(f"EDGE_WEIGHT_TYPE {kind} needs a NODE_COORD_SECTION")
+    return metric
+
+
 def _cost(
     specs: Mapping[str, str],
     sections: Mapping[str, list[str]],
     size: int,
     place: Ints,
     coordinates: Floats | None,
-    provenance: dict[str, Any],
+    metric: Mapping[str, Any] | None,
 ) -> Floats:
-    """Return the cost matrix in our node order; a metric is noted in `provenance`."""
-    kind = specs.get("EDGE_WEIGHT_TYPE", "EXPLICIT" if "EDGE_WEIGHT" in sections else None)
-    if kind is None:
-        raise InputError("the keyword EDGE_WEIGHT_TYPE is missing")
-    if kind != "EXPLICIT":
-        metric = metric_of(kind)
-        if coordinates is None or "NODE_COORD" not in sections:
-            raise InputError(f"EDGE_WEIGHT_TYPE {kind} needs a NODE_COORD_SECTION")
-        if kind.endswith("3D"):
-            return metric_cost(metric, coordinates)
-        provenance["metric"] = metric
-        cost = metric_cost(metric, coordinates[:, :2])
-        cost[place[:, None] == place[None, :]] = 0.0  # GEO has 1 between nodes at one place
+    """Return the cost matrix in our node order."""
+    if metric is not None:
+        cost = metric_cost(metric, coordinates)
+        if specs["EDGE_WEIGHT_TYPE"] == "GEO":
+            cost[place[:, None] == place[None, :]] = 0.0  # it has 1 between nodes at one place
         return cost
     if "EDGE_WEIGHT" not in sections:
         raise InputError("EDGE_WEIGHT_TYPE is EXPLICIT but there is no EDGE_WEIGHT_SECTION")

@@ -87,6 +87,8 @@ def weight_scale(instance: Instance) -> float:
 
 
 def _symmetric(instance: Instance) -> bool:
+    if instance.by_metric is not None:
+        return instance.by_metric.symmetric
     return bool((instance.cost == instance.cost.T).all())
 
 
@@ -103,12 +105,14 @@ def _text(
 
     said : what the COMMENT begins with. uavs : the keyword for their number. more : sections.
     """
-    if instance.axes:
+    if instance.axes - {"metric"}:
         has = " and ".join(AXES[axis] for axis in AXES if axis in instance.axes)
         raise InputError(f"these files have no place for {has}: write .json")
     nodes = file_nodes(instance)
     ours = first_of_each(nodes)
     explicit = keywords["EDGE_WEIGHT_TYPE"] == "EXPLICIT"
+    if explicit and instance.by_metric is not None:
+        raise InputError(f"this file would hold a matrix of {instance.n_nodes}² numbers: write .json")
     scale = weight_scale(instance) if explicit else 1.0
     unit = "cost [s] = weight" if scale == 1 else f"cost [s] = weight / {scale:g}"
     # tsplib95 takes what it does not know for more of the line before: that of the COMMENT does no harm

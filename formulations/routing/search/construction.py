@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs, leg, leg_into
+from formulations.routing.search.costs import Costs, leg, leg_into, n_nodes
 from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.tours import Tours, insertion_change, link
 from instances.arrays import Floats, Ints
@@ -52,7 +52,7 @@ def _note_least(gaps: Gaps, k: int) -> None:
 @njit(cache=True, nogil=True)
 def first_gaps(costs: Costs, n_tasks: int) -> Gaps:
     """Return the Gaps of empty tours."""
-    m = costs.out.shape[-1] - n_tasks
+    m = n_nodes(costs) - n_tasks
     gaps = Gaps(np.empty((m, n_tasks)), np.empty((m, n_tasks), np.int32), np.zeros(m, np.int64), np.empty(m))
     for k in range(m):
         for v in range(n_tasks):
@@ -141,7 +141,7 @@ def insert_many(costs: Costs, tours: Tours, gaps: Gaps, rule: Rule, count: int) 
 def extend_nearest(costs: Costs, tours: Tours) -> None:
     """Route all tasks left: again and again the UAV whose tour is shortest flies on to the task nearest to its last.
 
-    Made to be the last step, and to read `costs.out` alone: the arcs of the tours are left as they were.
+    Made to be the last step: the arcs of the tours are left as they were.
     """
     m = tours.cost.size
     n = tours.after.size - m
@@ -149,10 +149,11 @@ def extend_nearest(costs: Costs, tours: Tours) -> None:
     for held in range(left.size, 0, -1):
         k = int(np.argmin(tours.cost))
         u = tours.before[n + k]
-        at = 0
-        for i in range(1, held):
-            if leg(costs, k, u, left[i]) < leg(costs, k, u, left[at]):
-                at = i
+        at, least = 0, np.inf
+        for i in range(held):
+            cost = leg(costs, k, u, left[i])
+            if cost < least:
+                at, least = i, cost
         v = left[at]
         left[at] = left[held - 1]
         tours.cost[k] += leg(costs, k, u, v) + leg(costs, k, v, n + k) - leg(costs, k, u, n + k)

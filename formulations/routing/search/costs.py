@@ -3,9 +3,11 @@
 Costs are readable along rows in both directions: a kernel that tries many places for one task v needs all c_vu and all
 c_uv, two rows that stay in the processor's cache, where a column would not.
 
-Kernels ask for `leg` and `leg_into` of a UAV and are compiled twice: for UAVs that are alike the number of the UAV is
-never looked at. A fleet's costs are finite: a leg that a class cannot fly takes longer than any tour without such a
-leg (`forbidden`), so that differences of sums stay numbers; whether routes can be flown, `instances.objective` says.
+Kernels ask for `leg` and `leg_into` of a UAV and are compiled for each kind of costs that is used: for UAVs that are
+alike the number of the UAV is never looked at, and without a matrix legs are computed (place_costs.py).
+
+A fleet's costs are finite: a leg that a class cannot fly takes longer than any tour without such a leg (`forbidden`),
+so that differences of sums stay numbers; whether routes can be flown, `instances.objective` says.
 
 Each UAV's costs are multiplied by a scale of its own, which is how endurance is kept (endurance.py); else it is 1.
 """
@@ -19,6 +21,7 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
+from formulations.routing.search.place_costs import PlaceCosts, frozen, place_costs, place_leg
 from instances import Instance, Travel
 from instances.arrays import Floats, Ints
 
@@ -45,13 +48,15 @@ class FleetCosts(NamedTuple):
     scale: Floats
 
 
-Costs = AlikeCosts | FleetCosts
+Costs = AlikeCosts | FleetCosts | PlaceCosts
 
 
 def leg(costs: Costs, k: int, u: int, w: int) -> float:
     """Return what UAV k takes from node u to node w [s], read along the row of u."""
     if isinstance(costs, FleetCosts):
         return float(costs.out[costs.classes[k], u, w] * costs.scale[k])
+    if isinstance(costs, PlaceCosts):
+        return float(place_leg(costs, u, w))
     return float(costs.out[u, w])
 
 
@@ -59,6 +64,8 @@ def leg_into(costs: Costs, k: int, w: int, u: int) -> float:
     """Return what UAV k takes to node w from node u [s], read along the row of w."""
     if isinstance(costs, FleetCosts):
         return float(costs.into[costs.classes[k], w, u] * costs.scale[k])
+    if isinstance(costs, PlaceCosts):
+        return float(place_leg(costs, u, w))
     return float(costs.into[w, u])
 
 
@@ -67,15 +74,27 @@ def uavs_differ(costs: Costs) -> bool:
     return isinstance(costs, FleetCosts)
 
 
+def n_nodes(costs: Costs) -> int:
+    """Return the number of nodes n + m."""
+    return costs.x.size if isinstance(costs, PlaceCosts) else costs.out.shape[-1]
+
+
 def _of_fleet(costs: Any) -> bool:
     """Return whether `costs` is numba's type of a fleet's costs."""
     return getattr(costs, "instance_class", None) is FleetCosts
+
+
+def _of_places(costs: Any) -> bool:
+    """Return whether `costs` is numba's type of costs without a matrix."""
+    return getattr(costs, "instance_class", None) is PlaceCosts
 
 
 @overload(leg, strict=False)
 def _leg(costs: Any, k: Any, u: Any, w: Any) -> Callable[..., Any]:
     if _of_fleet(costs):
         return lambda costs, k, u, w: costs.out[costs.classes[k], u, w] * costs.scale[k]
+    if _of_places(costs):
+        return lambda costs, k, u, w: place_leg(costs, u, w)
     return lambda costs, k, u, w: costs.out[u, w]
 
 
@@ -83,6 +102,8 @@ def _leg(costs: Any, k: Any, u: Any, w: Any) -> Callable[..., Any]:
 def _leg_into(costs: Any, k: Any, w: Any, u: Any) -> Callable[..., Any]:
     if _of_fleet(costs):
         return lambda costs, k, w, u: costs.into[costs.classes[k], w, u] * costs.scale[k]
+    if _of_places(costs):
+        return lambda costs, k, w, u: place_leg(costs, u, w)
     return lambda costs, k, w, u: costs.into[w, u]
 
 
@@ -92,23 +113,32 @@ def _uavs_differ(costs: Any) -> Callable[..., Any]:
     return lambda costs: differ
 
 
+@overload(n_nodes, strict=False)
+def _n_nodes(costs: Any) -> Callable[..., Any]:
+    if _of_places(costs):
+        return lambda costs: costs.x.size
+    return lambda costs: costs.out.shape[-1]
+
+
 def both_ways(cost: Floats) -> AlikeCosts:
     """Return the costs of UAVs that are alike, of the matrix `cost`; an asymmetric one is copied once, transposed."""
     few = cost[:_FEW]
     if np.array_equal(few, cost[:, :_FEW].T) and np.array_equal(cost, cost.T):
         return AlikeCosts(cost, cost)
-    return AlikeCosts(cost, _frozen(cost.T))
+    return AlikeCosts(cost, frozen(cost.T))
 
 
 def fleet_costs(cost: Floats, classes: Ints, scale: Floats) -> FleetCosts:
     """Return the costs of UAVs that differ, of matrices `cost` (G, n+m, n+m) [s], finite."""
     symmetric = np.array_equal(cost, cost.transpose(0, 2, 1))
-    out = _frozen(cost)
-    return FleetCosts(out, out if symmetric else _frozen(cost.transpose(0, 2, 1)), _frozen(classes), scale)
+    out = frozen(cost)
+    return FleetCosts(out, out if symmetric else frozen(cost.transpose(0, 2, 1)), frozen(classes), scale)
 
 
 def search_costs(instance: Instance) -> Costs:
     """Return the costs of an instance's UAVs; the scale of a fleet is 1."""
+    if instance.by_metric is not None:
+        return place_costs(instance.by_metric)
     if not instance.axes:
         return both_ways(instance.cost)
     cost = instance.class_costs
@@ -125,6 +155,13 @@ def forbidden(instance: Instance) -> float:
 
 def warm_up(like: Instance, n_tasks: int, n_depots: int) -> Instance:
     """Return a small instance for which the same kernels are compiled as for `like`; its UAVs can fly all."""
+    if like.by_metric is not None:
+        some = [
+            *(v % like.n_tasks for v in range(n_tasks)),
+            *(like.n_tasks + k % like.n_depots for k in range(n_depots)),
+        ]
+        points = like.by_metric.coordinates[some]
+        return Instance.of_metric("warm-up", like.by_metric.metric, points, n_tasks, n_depots)
     cost = 1.0 - np.eye(n_tasks + n_depots)
     limits = np.full(n_depots, 1.5 * (n_tasks + 1)) if like.axes else None
     return Instance("warm-up", cost, n_tasks, n_depots, endurance=limits)
@@ -141,6 +178,8 @@ def warm_up_by_clock(like: Instance, n_tasks: int, n_depots: int) -> Instance:
 
 def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer]) -> Costs:
     """Return the costs between some nodes, the tasks first, then the depots of `uavs`; a fleet's scale is copied."""
+    if isinstance(costs, PlaceCosts):
+        return costs._replace(x=frozen(costs.x[nodes]), y=frozen(costs.y[nodes]))
     if isinstance(costs, FleetCosts):
         used, classes = np.unique(costs.classes[uavs], return_inverse=True)
         return fleet_costs(costs.out[np.ix_(used, nodes, nodes)], classes, costs.scale[uavs])
@@ -149,7 +188,7 @@ def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer])
     return both_ways(cost)
 
 
-def least(costs: Costs) -> AlikeCosts:
+def least(costs: AlikeCosts | FleetCosts) -> AlikeCosts:
     """Return what legs take [s] whoever flies them: to and from a depot its own UAV, between tasks the fastest."""
     if isinstance(costs, AlikeCosts):
         return costs
@@ -160,16 +199,8 @@ def least(costs: Costs) -> AlikeCosts:
     return both_ways(cost)
 
 
-def kinds(costs: Costs, n_depots: int) -> Ints:
+def kinds(costs: AlikeCosts | FleetCosts, n_depots: int) -> Ints:
     """Return numbers (m,), equal for UAVs of the same class and scale."""
     if isinstance(costs, AlikeCosts):
         return np.zeros(n_depots, dtype=np.int64)
     return np.unique(np.column_stack([costs.classes, costs.scale]), axis=0, return_inverse=True)[1].ravel()
-
-
-def _frozen(array: Any) -> Any:
-    """Return the array contiguous and read only, the type the kernels are compiled for; copied where it is neither."""
-    if array.flags.writeable or not array.flags.c_contiguous:
-        array = np.array(array, order="C")
-        array.setflags(write=False)
-    return array

@@ -69,7 +69,7 @@ class Memetic(RecordedSolver):
     decoupled: bool = False
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states", "window"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states", "window", "metric"})
     parameters: ClassVar[SearchParameters] = _DEFAULT
 
     def __post_init__(self) -> None:

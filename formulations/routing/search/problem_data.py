@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.search.costs import AlikeCosts, Costs, kinds, least
+from formulations.routing.search.place_costs import PlaceCosts, near_places, place_sites
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
@@ -41,6 +42,9 @@ class ProblemData(NamedTuple):
 
 def problem_data(costs: Costs, n_tasks: int, parameters: NeighbourhoodParameters) -> ProblemData:
     """Return the ProblemData of an instance's costs."""
+    if isinstance(costs, PlaceCosts):
+        near = GranularNeighbourhood(*near_places(costs, n_tasks, *parameters))
+        return ProblemData(costs, near, place_sites(costs, n_tasks))
     anyones = least(costs)
     site = depot_sites(anyones, n_tasks, kinds(costs, len(anyones.out) - n_tasks))
     return ProblemData(costs, granular_neighbourhood(anyones, n_tasks, parameters), site)

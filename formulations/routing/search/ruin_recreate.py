@@ -38,7 +38,7 @@ class RuinRecreate(RecordedSolver):
     removals: int = 12
 
     proves: ClassVar[bool] = False
-    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "window"})
+    axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "window", "metric"})
 
     def __post_init__(self) -> None:
         if not 1 <= self.removals <= _NEAREST.tasks:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs, leg, leg_into
+from formulations.routing.search.costs import Costs, leg, leg_into, n_nodes
 from formulations.routing.search.problem_data import Nodes
 from instances import Routes
 from instances.arrays import Floats
@@ -167,7 +167,7 @@ def fill(costs: Costs, tours: Tours, k: int, tasks: Nodes) -> None:
 def from_routes(costs: Costs, routes: Routes) -> Tours:
     """Return `routes` as rings with their costs."""
     n_depots = len(routes)
-    n_tasks = costs.out.shape[-1] - n_depots
+    n_tasks = n_nodes(costs) - n_depots
     tours = empty_tours(n_tasks, n_depots)
     for k, route in enumerate(routes):
         fill(costs, tours, k, np.array(route, np.int32))

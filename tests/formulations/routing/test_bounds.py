@@ -184,3 +184,16 @@ def test_routes_that_cost_nothing_need_no_more() -> None:
     found = list(lower_bounds(Instance("nothing", np.zeros((3, 3)), 2, 1)))
     assert [bound.name for bound in found] == list(SIMPLE)
     assert all(bound.value == 0 for bound in found)
+
+
+def test_bounds_without_a_matrix_are_below_the_optimum_and_farthest_is_that_of_the_matrix() -> None:
+    xy = np.random.default_rng(4).uniform(0.0, 100.0, (9, 2))
+    places = Instance.of_metric("places", {"metric": "euclidean"}, xy, 7, 2)
+    matrix = Instance("matrix", places.cost[:, :], 7, 2)
+    optimum = SubsetDp().solve(matrix, limits=Limits(time=60.0)).objective
+    found = {bound.name: bound for bound in lower_bounds(places)}
+    assert found["farthest"].value == pytest.approx(farthest(matrix, 1e4), rel=1e-9)
+    assert optimum is not None
+    assert 0.5 * optimum < found["nearest-two"].value <= optimum
+    rounded = Instance.of_metric("rounded", {"metric": "euclidean", "rounding": "nearest"}, xy, 7, 2)
+    assert "no metric" in next(iter(lower_bounds(rounded))).message

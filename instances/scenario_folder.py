@@ -15,7 +15,7 @@ from instances.arrays import Floats
 from instances.disk import read_toml, write_aside
 from instances.environment.radio import RadioMap
 from instances.environment.radio_changing import ChangingField
-from instances.environment.raster import node_axes
+from instances.environment.raster import SINCE, node_axes
 from instances.environment.terrain import Terrain
 from instances.environment.value_map import ValueMap
 from instances.environment.wind_forecast import Forecast
@@ -39,6 +39,8 @@ def keep_scenario(scenario: Scenario, folder: Path) -> None:
             table[key] = given.rename(given.with_suffix(".json")).name
     if grid is not None:
         table["wind"] = {"kind": "grid", "file": "wind.nc"}
+        if isinstance(grid, Forecast) and grid.take_off:
+            table["wind"]["take_off"] = grid.take_off
         _keep_wind(grid, folder / "wind.nc", scenario.plane)
         members = grid.members if isinstance(grid, Forecast) else ()
         for number, member in enumerate(members, 1):
@@ -59,7 +61,7 @@ def _keep_wind(wind: Grid | Forecast, path: Path, plane: TangentPlane | None) ->
         name: Variable(over, values, {"units": "m s-1", "standard_name": standard})
         for name, values, standard in (("u", wind.u, "x_wind"), ("v", wind.v, "y_wind"))
     }
-    write_grids(path, axes, components, plane)
+    write_grids(path, axes, components, plane, SINCE)
 
 
 def _kept_wind(path: Path) -> Grid | Forecast:
@@ -118,7 +120,7 @@ def keep_field(field: RadioMap | ChangingField, folder: Path, plane: TangentPlan
         over, axes["time"] = ("time", *over), np.asarray(field.times)
         values = np.stack([frame.values for frame in field.frames])
     about = {"long_name": "field", "units": field.unit or "1"}
-    write_grids(folder / "field.nc", axes, {"field": Variable(over, values, about)}, plane)
+    write_grids(folder / "field.nc", axes, {"field": Variable(over, values, about)}, plane, SINCE)
 
 
 def kept_field(folder: Path) -> RadioMap | ChangingField:

@@ -43,14 +43,19 @@ def write_grids(
     axes: Mapping[str, Floats],
     variables: Mapping[str, Variable],
     plane: TangentPlane | None = None,
+    time_unit: str = "s",
 ) -> None:
-    """Write `variables` over `axes`; values are kept as float64. plane : where on Earth x and y are, if known."""
+    """Write `variables` over `axes`; values are kept as float64. plane : where on Earth x and y are, if known.
+
+    time_unit : of the axis "time"; one since an instant where it is to be read as a wind or field that changes.
+    """
     buffer = io.BytesIO()
     with netcdf_file(buffer, "w", mmap=False) as data:
         setattr(data, "Conventions", "CF-1.8")  # noqa: B010 - a global attribute of the file
         for name, values in axes.items():
             data.createDimension(name, len(values))
-            _write(data, name, (name,), np.asarray(values), AXES.get(name, {}))
+            about = AXES.get(name, {}) | ({"units": time_unit} if name == "time" else {})
+            _write(data, name, (name,), np.asarray(values), about)
         mapped = {} if plane is None else {"grid_mapping": GRID_MAPPING}
         for name, variable in variables.items():
             _write(data, name, variable.axes, variable.values, {**variable.attributes, **mapped})

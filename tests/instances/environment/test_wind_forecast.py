@@ -82,6 +82,10 @@ def test_a_scenario_and_its_folder_keep_a_forecast(tmp_path: Path) -> None:
     assert isinstance(kept, Forecast)
     points, times = scenario.points, np.array([0.0, 500.0])
     assert kept.velocities(points, times) == pytest.approx(TURNING.velocities(points, times + 600.0), rel=5e-3)
+    again = read_scenario(tmp_path / "scenario.toml").wind
+    assert isinstance(again, Forecast)
+    assert again.lasts == kept.lasts
+    assert again.velocities(points, times) == pytest.approx(kept.velocities(points, times), rel=1e-9)
     with pytest.raises(InputError, match="energy is no clock"):
         scenario_of({**make_scenario_table(), "wind": {"kind": "grid", "file": "given.nc"}}, tmp_path, "s")
 

@@ -51,8 +51,8 @@ class Paths:
     empty.
 
     others : the paths of further classes of UAV, where they are planned for each; these are those of class 0.
-    later, departures : in a wind that changes, paths planned for later moments [s]; of all these, whoever departs flies
-        the one that is quickest from then on (`instances.paths_clocked`).
+    later, departures : in a wind that changes, further paths and the moments [s] they are planned for; of all these,
+        whoever departs flies the one that is quickest from then on (`instances.paths_clocked`).
     """
 
     n_nodes: int
@@ -304,8 +304,8 @@ def _read_lines(table: dict[str, Any], n_nodes: int) -> Paths:
     """Return what `_lines` wrote."""
     later = _tables(table, "later", {"points", "offsets", "departure"})
     departures = [t["departure"] for t in later]
-    if not all(isinstance(t, float | int) and 0 < t <= LARGEST for t in departures):
-        raise InputError(f"later: each departure must be a time [s] above 0, got {shown(departures)}")
+    if not all(isinstance(t, float | int) and 0 <= t <= LARGEST for t in departures):
+        raise InputError(f"later: each departure must be a time [s] of at least 0, got {shown(departures)}")
     return Paths(
         n_nodes,
         _points(table["points"]),

@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from instances.arrays import Floats, Ints
+from instances.arrays import Bools, Floats, Ints
 from instances.environment.region import Region
 from instances.environment.wind_changing import ChangingWind
 from instances.moving_cost import segments
@@ -32,6 +32,16 @@ ROUNDS = 30
 """Of Picard's iteration, at most."""
 TOLERANCE = 5e-4
 """Difference between a claimed and a recomputed time, over that time, that counts as agreement."""
+
+
+def beside(paths: Paths, times: Floats, count: int) -> Bools:
+    """Return which of the plans, these paths and their later ones, lie beside `times` (k,) [s], shape (plans, k).
+
+    They are those for `count` moments in turn, from the last one on that is not after the time.
+    """
+    moments, of = np.unique([0.0, *paths.departures], return_inverse=True)
+    since = of[:, None] - (np.searchsorted(moments, times, side="right") - 1)[None, :]
+    return np.asarray((since >= 0) & (since < count))
 
 
 def flown_from(paths: Paths, i: int, j: int, departure: float, wind: ChangingWind, airspeed: float) -> Floats:

@@ -14,7 +14,7 @@ from formulations.moving_cost.fleet import classes_of, fleet_instance, leg_costs
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from formulations.moving_cost.registry import DEFAULT, make_method
 from instances import Instance
-from instances.arrays import Floats
+from instances.arrays import Floats, Ints
 from instances.environment.raster import same_projection
 from instances.environment.terrain import read_terrain
 from instances.environment.wind import Uniform, WindField
@@ -69,17 +69,23 @@ def solve_query(
 
 def all_pairs(query: Query, method: MovingCostMethod, progress: Progress = silent) -> MovingCosts:
     """Return costs and paths between all terminals; terminals may coincide (several UAVs at one depot)."""
-    _, first, of = np.unique(query.terminals, axis=0, return_index=True, return_inverse=True)
-    # In order of first appearance, so that without coincidence nothing is renumbered.
-    of, first = np.argsort(np.argsort(first))[of.ravel()], np.sort(first)
-    if len(first) == 1:
+    places, of = distinct(query)
+    if len(places.terminals) == 1:
         n = len(of)
         alone = Paths(1, np.empty((0, 2)), np.zeros(2, dtype=np.int64))
         return MovingCosts(np.zeros((n, n)), alone.repeated(of, query.terminals), {})
-    found = method.solve(dataclasses.replace(query, terminals=query.terminals[first]), progress)
-    if len(first) == len(of):
+    found = method.solve(places, progress)
+    if len(places.terminals) == len(of):
         return found
     return MovingCosts(found.cost[np.ix_(of, of)], found.paths.repeated(of, query.terminals), found.statistics)
+
+
+def distinct(query: Query) -> tuple[Query, Ints]:
+    """Return `query` with each of its terminals once, and which of these each of its terminals is."""
+    _, first, of = np.unique(query.terminals, axis=0, return_index=True, return_inverse=True)
+    # In order of first appearance, so that without coincidence nothing is renumbered.
+    of, first = np.argsort(np.argsort(first))[of.ravel()], np.sort(first)
+    return dataclasses.replace(query, terminals=query.terminals[first]), of
 
 
 def instance_of(

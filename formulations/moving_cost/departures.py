@@ -4,10 +4,13 @@
 2. The same for `PLANS` moments in all, spread over the time that tours may take, each from scratch: begun with the
    paths of the moment before, `refined` took 1.6 times as long (50 tasks, drifting vortices) and stayed on the old
    sides of obstacles, up to 3.5 % dearer.
-3. For each knot of departure the plan before it and the two after it, for a leg lasts, are flown from then on in the
-   wind as it changes (`instances.wind_flights`), and the quickest counts. No path is claimed to be the best by the
-   clock: one planned for a wind that stays is, where the wind changes, only a good one.
-4. What a later departure would gain, c(t) > c(t + d) + d, is closed: c(t) ← min(c(t), c(t + d) + d), which `Travel`
+3. A method that plans by the clock (`method.PlansByClock`) adds a plan for departures at each of these moments, made
+   in the wind as it changes: a tree of earliest arrivals for each node and moment.
+4. For each knot of departure the plans for the moment before it and the two after it, for a leg lasts, are flown from
+   then on in the wind as it changes (`instances.wind_flights`), and the quickest counts. Plans by the clock make no leg
+   later, since the others are flown as well; among drifting vortices they make many quicker. No path is claimed to be
+   the best.
+5. What a later departure would gain, c(t) > c(t + d) + d, is closed: c(t) ← min(c(t), c(t + d) + d), which `Travel`
    asks for. All plans together are "first in, first out" (`instances.paths_clocked`), so this promises nothing that
    they do not keep.
 
@@ -25,27 +28,30 @@ from typing import Any
 import numpy as np
 
 from formulations.moving_cost.clocked import clock_of, longest_at_take_off, reach_of
-from formulations.moving_cost.costing import all_pairs, query_in
+from formulations.moving_cost.costing import all_pairs, distinct, query_in
 from formulations.moving_cost.effect import wind_effect
 from formulations.moving_cost.fleet import classes_of, leg_costs
-from formulations.moving_cost.method import MovingCostMethod, Progress, silent
+from formulations.moving_cost.method import MovingCostMethod, PlansByClock, Progress, silent
 from formulations.moving_cost.registry import DEFAULT, make_method
+from formulations.moving_cost.wind_frames import wind_frames
 from instances import Instance, Travel
-from instances.arrays import Floats
+from instances.arrays import Floats, Ints
 from instances.environment.wind_changing import ChangingWind
 from instances.paths import Paths
+from instances.paths_clocked import beside
 from instances.scenario import Scenario
 from instances.wind_flights import polyline_times
 
 PLANS = 8
 """Moments for whose winds paths are planned."""
 BESIDE = 3
-"""Plans that are flown at a knot. With two, eight nodes among drifting vortices were off by 0.52 s on average and by
-169 s at most between 33 knots, with three by 0.21 s and 38 s."""
+"""Moments whose plans are flown at a knot. With two, and plans for winds that stay alone, eight nodes among drifting
+vortices were off by 0.52 s on average and by 169 s at most between 33 knots, with three by 0.21 s and 38 s."""
 KNOTS = 65
 """Knots of departure beyond which they are not halved any more."""
 THREADS = 2
-"""Plans made at once: `refined` is in a kernel or in numpy for most of its time, and each plan holds its own memory."""
+"""Plans made, or parts of the flights flown, at once: most of their time they are in kernels or in numpy. Each plan
+holds its own memory."""
 PRECISION = 1e-4
 """Of paths by `refined`, unless it is told: far below what costs are off by between knots."""
 
@@ -69,21 +75,29 @@ class PathClock:
         speeds, _ = classes_of(scenario)
         found = np.zeros((len(speeds), len(times), n, n))
         for g, speed in enumerate(speeds):
-            planned_for = np.array([0.0, *self.paths[g].departures])
-            before = np.searchsorted(planned_for, times, side="right") - 1
+            plan, knot = np.nonzero(beside(self.paths[g], times, BESIDE))
+            took = _flown(self.paths[g], plan, times[knot, None] + half, scenario.wind, speed)
             quickest = np.full((len(times), n * n), np.inf)
-            for number, plan in enumerate((self.paths[g], *self.paths[g].later)):
-                knots = np.flatnonzero((before <= number) & (number < before + BESIDE))
-                begun = np.repeat(times[knots, None] + half, n, axis=1)
-                quickest[knots] = np.minimum(quickest[knots], _flown(plan, begun, scenario.wind, speed))
+            for q, each in zip(knot, took, strict=True):
+                np.minimum(quickest[q], each, out=quickest[q])
             found[g] = [leg_costs(scenario, each.reshape(n, n)) for each in quickest]
         return found
 
 
-def _flown(paths: Paths, begun: Floats, wind: ChangingWind, airspeed: float) -> Floats:
-    """Return the times [s] of all paths begun at `begun` (k, n²) [s], all at once: few flights are as dear as many."""
-    which = np.tile(np.arange(paths.n_nodes**2), len(begun))
-    return polyline_times(paths.points, paths.offsets, which, begun.ravel(), wind, airspeed).reshape(begun.shape)
+def _flown(paths: Paths, plan: Ints, begun: Floats, wind: ChangingWind, airspeed: float) -> Floats:
+    """Return the times (k, n²) [s] of all paths of each `plan` (k,), begun at `begun` (k, n) [s] where they lead from.
+
+    All at once: few flights are as dear as many.
+    """
+    plans, n = (paths, *paths.later), paths.n_nodes
+    ends = np.cumsum([0, *(each.offsets[-1] for each in plans)])
+    offsets = np.concatenate([[0], *(each.offsets[1:] + end for each, end in zip(plans, ends, strict=False))])
+    which = (plan[:, None] * n**2 + np.arange(n**2)).ravel()
+    points, begun = np.concatenate([each.points for each in plans]), np.repeat(begun, n, axis=1).ravel()
+    parts = np.array_split(np.arange(len(which)), THREADS)
+    with ThreadPoolExecutor(THREADS) as pool:
+        times = pool.map(lambda k: polyline_times(points, offsets, which[k], begun[k], wind, airspeed), parts)
+        return np.concatenate(list(times)).reshape(-1, n**2)
 
 
 def instance_by_clock(
@@ -100,17 +114,21 @@ def instance_by_clock(
     def planned(moment: float) -> list[Paths]:
         return [_planned(scenario, make_method(method, asked), speed, moment) for speed in speeds]
 
-    paths = first = planned(0.0)
-    progress(1 / (PLANS + 1), "planned for the wind of take-off")
+    first, rest = planned(0.0), list[list[Paths]]()
+    progress(1 / (PLANS + 2), "planned for the wind of take-off")
     horizon = reach_of(scenario.wind, longest_at_take_off(PathClock(scenario, first)) + scenario.fleet.window)
-    moments = np.linspace(0.0, horizon, PLANS)[1:].tolist()
+    moments = np.linspace(0.0, horizon, PLANS)
     with ThreadPoolExecutor(THREADS) as pool:
-        for done, (moment, new) in enumerate(zip(moments, pool.map(planned, moments), strict=True), 2):
-            paths = [
-                dataclasses.replace(each, later=(*each.later, plan), departures=(*each.departures, moment))
-                for each, plan in zip(paths, new, strict=True)
-            ]
-            progress(done / (PLANS + 1), f"planned for the wind {moment:.0f} s later")
+        for moment, new in zip(moments[1:], pool.map(planned, moments[1:].tolist()), strict=True):
+            rest.append(new)
+            progress((1 + len(rest)) / (PLANS + 2), f"planned for the wind {moment:.0f} s later")
+    paths = []
+    for g, speed in enumerate(speeds):
+        by_clock = _planned_by_clock(scenario, make_method(method, asked), speed, moments)
+        planned_for = [*moments[1:].tolist(), *moments[: len(by_clock)].tolist()]
+        later = (*(each[g] for each in rest), *by_clock)
+        paths.append(dataclasses.replace(first[g], later=later, departures=tuple(planned_for)))
+    progress((PLANS + 1) / (PLANS + 2), "planned by the clock")
     departures, costs, clock = clock_of(PathClock(scenario, paths), horizon, KNOTS)
     instance = Instance.of_travel(
         scenario.name,
@@ -128,6 +146,19 @@ def _planned(scenario: Scenario, planner: MovingCostMethod, speed: float, time: 
     assert isinstance(scenario.wind, ChangingWind)
     query = dataclasses.replace(query_in(scenario, scenario.wind.at(time)), v0=speed)
     return all_pairs(query, planner).paths
+
+
+def _planned_by_clock(scenario: Scenario, planner: MovingCostMethod, speed: float, moments: Floats) -> list[Paths]:
+    """Return the paths for departures at `moments` (k,) [s] in the wind as it changes; none by a method that cannot."""
+    assert isinstance(scenario.wind, ChangingWind)
+    query = dataclasses.replace(query_in(scenario, scenario.wind.at(0.0)), v0=speed)
+    places, of = distinct(query)
+    if not isinstance(planner, PlansByClock) or len(places.terminals) == 1:
+        return []
+    x0, y0, x1, y1 = query.region.bounds
+    across = float(np.hypot(x1 - x0, y1 - y0)) / speed
+    wind = wind_frames(scenario.wind, query.region, speed, float(moments[-1]) + across)
+    return [each.repeated(of, query.terminals) for each in planner.by_clock(places, wind, moments)]
 
 
 def _closed(costs: Floats, departures: Floats) -> Floats:

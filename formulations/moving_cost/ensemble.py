@@ -12,13 +12,14 @@ import numpy as np
 from instances.arrays import Floats
 from instances.environment.wind_forecast import Forecast
 from instances.paths import Paths
+from instances.paths_clocked import beside
 from instances.wind_flights import polyline_times
 
 KNOTS = 9
 """Knots of departure: for five members of 36 tasks these take 4.6 s, and tours of an hour differ from the judge's by
 up to 10 s in a wind that turns by 180° an hour."""
 BESIDE = 3
-"""Plans of which the quickest is looked for at a knot: the one before it and those after, for a leg lasts."""
+"""Moments whose plans are flown at a knot: the one before it and those after, for a leg lasts."""
 
 
 def member_costs(paths: Paths, forecast: Forecast, speed: float, until: float) -> tuple[Floats, Floats]:
@@ -28,16 +29,15 @@ def member_costs(paths: Paths, forecast: Forecast, speed: float, until: float) -
     strong as `speed` [m/s].
     """
     n, knots = paths.n_nodes, np.linspace(0.0, until, KNOTS)
-    plans, planned_for = (paths, *paths.later), np.array([0.0, *paths.departures])
+    plans, by_knot = (paths, *paths.later), beside(paths, knots, BESIDE).T
     each, winds = np.arange(n * n), (forecast, *forecast.members)
     costs = np.zeros((len(winds), KNOTS, n * n))
     for q, time in enumerate(knots):
-        before = int(np.searchsorted(planned_for, time, side="right")) - 1
-        beside, begun = plans[before : before + BESIDE], np.full(n * n, time)
-        flown = np.stack([polyline_times(plan.points, plan.offsets, each, begun, forecast, speed) for plan in beside])
+        some, begun = [plans[p] for p in np.flatnonzero(by_knot[q])], np.full(n * n, time)
+        flown = np.stack([polyline_times(plan.points, plan.offsets, each, begun, forecast, speed) for plan in some])
         quickest = flown.argmin(axis=0)
         costs[0, q] = flown.min(axis=0)
-        for p, plan in enumerate(beside):
+        for p, plan in enumerate(some):
             which = np.flatnonzero(quickest == p)
             for s, member in enumerate(forecast.members, 1):
                 costs[s, q, which] = polyline_times(plan.points, plan.offsets, which, begun[which], member, speed)

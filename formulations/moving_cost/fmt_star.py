@@ -19,14 +19,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.moving_cost.arrivals import Timetable, cost_at, paths_of_trees, timetable
 from formulations.moving_cost.field import search_field
 from formulations.moving_cost.free_space import FreeSpace, free_space, segment_free
 from formulations.moving_cost.graph import BLOCKED, FREE, UNKNOWN, Graph, build_graph, near_pairs, standard_radius
+from formulations.moving_cost.heap import pop, push
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from formulations.moving_cost.tree import costs_of_trees
+from formulations.moving_cost.wind_frames import WindFrames
 from instances.arrays import Floats, Ints
 from instances.errors import InputError
 from instances.kernels import njit
+from instances.paths import Paths
 
 UNVISITED, OPEN, CLOSED = 0, 1, 2
 """What a node is while a tree grows; open nodes are in the heap."""
@@ -65,12 +69,26 @@ class FmtStar(MovingCostMethod):
         for i in range(n):
             if graph is None or not self.share:
                 graph = build_graph(points, pairs, query.measure, field, None)
-            predecessor[i], tested = grow_tree(graph, space, i)
+            predecessor[i], tested = grow_tree(graph, Timetable(1.0, graph.back[:, None]), space, i, 0.0)
             tests += tested
             progress((i + 1) / n, f"tree {i + 1} of {n}")
         planned = time.process_time() - began
         figures = {"nodes": len(points), "edges": 2 * len(pairs), "collision_tests": tests, "planning_cpu": planned}
         return costs_of_trees(query, points, predecessor, figures)
+
+    def by_clock(self, query: Query, wind: WindFrames, moments: Floats, progress: Progress = silent) -> list[Paths]:
+        """Return the paths between all terminals for departures at `moments`: open neighbours compared by arrival."""
+        field, space = search_field(query.measure, query.region), free_space(query.region)
+        points = sample_points(query, self.samples, self.seed)
+        pairs = near_pairs(points, self.radius_factor * standard_radius(query.region.area, len(points)))
+        graph = build_graph(points, pairs, query.measure, field, None)
+        a, b = points[graph.tails()], points[graph.neighbour]
+        back = timetable(b, a, wind)
+
+        def tree(root: int, departure: float) -> Ints:
+            return grow_tree(graph, back, space, root, departure)[0]
+
+        return paths_of_trees(query, points, moments, tree, progress)
 
 
 def sample_points(query: Query, samples: int, seed: int) -> Floats:
@@ -79,66 +97,45 @@ def sample_points(query: Query, samples: int, seed: int) -> Floats:
 
 
 @njit(cache=True)
-def _push(keys: Floats, items: Ints, size: int, key: float, item: int) -> None:
-    """Put (key, item) into a binary heap of `size` entries."""
-    k = size
-    while k > 0 and keys[(k - 1) // 2] > key:
-        keys[k], items[k] = keys[(k - 1) // 2], items[(k - 1) // 2]
-        k = (k - 1) // 2
-    keys[k], items[k] = key, item
-
-
-@njit(cache=True)
-def _pop(keys: Floats, items: Ints, size: int) -> int:
-    """Take the item of the least key out of a binary heap of `size` entries."""
-    top = items[0]
-    key, item = keys[size - 1], items[size - 1]
-    k = 0
-    while 2 * k + 1 < size - 1:
-        child = 2 * k + 1
-        if child + 1 < size - 1 and keys[child + 1] < keys[child]:
-            child += 1
-        if keys[child] >= key:
-            break
-        keys[k], items[k] = keys[child], items[child]
-        k = child
-    keys[k], items[k] = key, item
-    return top
-
-
-@njit(cache=True)
-def _best_open_neighbour(x: int, graph: Graph, status: NDArray[np.int8], value: Floats) -> tuple[float, int]:
+def _best_open_neighbour(
+    x: int, graph: Graph, back: Timetable, status: NDArray[np.int8], value: Floats
+) -> tuple[float, int]:
     """Return the least cost of reaching `x` from an open node, and the edge out of `x` to that node."""
     best, via = np.inf, -1
     for e in range(graph.start[x], graph.start[x + 1]):
         y = graph.neighbour[e]
-        if status[y] == OPEN and value[y] + graph.back[e] < best:
-            best, via = value[y] + graph.back[e], e
+        if status[y] == OPEN:
+            reached = value[y] + cost_at(back, e, value[y])
+            if reached < best:
+                best, via = reached, e
     return best, via
 
 
-@njit(cache=True)
-def grow_tree(graph: Graph, space: FreeSpace, root: int) -> tuple[Ints, int]:
-    """Grow one FMT* tree from `root`: predecessors (N,), −1 for the root and what was not reached; tests made."""
+@njit(cache=True, nogil=True)
+def grow_tree(graph: Graph, back: Timetable, space: FreeSpace, root: int, departure: float) -> tuple[Ints, int]:
+    """Grow one FMT* tree from `root` on: predecessors (N,), −1 for the root and what was not reached; tests made.
+
+    back : what edges flown backwards cost. departure : when it is begun [s], where that matters.
+    """
     points, start, neighbour, state = graph.points, graph.start, graph.neighbour, graph.state
     n = len(points)
     status = np.zeros(n, dtype=np.int8)
     value = np.full(n, np.inf)
     parent = np.full(n, -1, dtype=np.int64)
     keys, items = np.empty(n), np.empty(n, dtype=np.int64)
-    _push(keys, items, 0, 0.0, root)
+    push(keys, items, 0, departure, root)
     size, tests = 1, 0
-    status[root], value[root] = OPEN, 0.0
+    status[root], value[root] = OPEN, departure
     fresh = np.empty(n, dtype=np.int64)
     while size > 0:
-        z = _pop(keys, items, size)
+        z = pop(keys, items, size)
         size -= 1
         count = 0
         for e in range(start[z], start[z + 1]):
             x = neighbour[e]
             if status[x] != UNVISITED:
                 continue
-            best, via = _best_open_neighbour(x, graph, status, value)
+            best, via = _best_open_neighbour(x, graph, back, status, value)
             k = graph.pair[via]
             if state[k] == UNKNOWN:
                 tests += 1
@@ -153,7 +150,7 @@ def grow_tree(graph: Graph, space: FreeSpace, root: int) -> tuple[Ints, int]:
         for i in range(count):
             x = fresh[i]
             status[x] = OPEN
-            _push(keys, items, size, value[x], x)
+            push(keys, items, size, value[x], x)
             size += 1
         status[z] = CLOSED
     return parent, tests

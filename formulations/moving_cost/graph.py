@@ -40,10 +40,14 @@ class Graph(NamedTuple):
     pair: Ints
     state: NDArray[np.int8]
 
+    def tails(self) -> Ints:
+        """Return the node that each edge starts from, (M,)."""
+        return np.repeat(np.arange(len(self.points)), np.diff(self.start))
+
     def free_matrix(self) -> csr_array:
         """Return the edges known to be free as a sparse matrix of reduced costs."""
         free = self.state[self.pair] == FREE
-        rows = np.repeat(np.arange(len(self.points)), np.diff(self.start))[free]
+        rows = self.tails()[free]
         size = len(self.points)
         return csr_array((self.cost[free], (rows, self.neighbour[free])), shape=(size, size))
 

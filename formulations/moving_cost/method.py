@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from instances.arrays import Floats
 from instances.environment.region import Region
 from instances.environment.wind import WindField
 from instances.moving_cost import CostKind, CostMeasure
 from instances.paths import Paths
+
+if TYPE_CHECKING:
+    from formulations.moving_cost.wind_frames import WindFrames
 
 Progress = Callable[[float, str], None]
 """Called now and then with the fraction done (0 to 1) and a few words on what is being done."""
@@ -90,5 +93,31 @@ class MovingCostMethod(Protocol):
         InputError
             For a wind at least as strong as the speed that is held constant (for energies, where it is no potential
             wind) and for a terminal that cannot be reached.
+        """
+        ...
+
+
+@runtime_checkable
+class PlansByClock(Protocol):
+    """What a method may have besides: it plans by the clock where the wind changes, at constant airspeed."""
+
+    def by_clock(self, query: Query, wind: WindFrames, moments: Floats, progress: Progress = silent) -> list[Paths]:
+        """Return the paths between all terminals for departures at each of `moments` (k,) [s].
+
+        Parameters
+        ----------
+        query
+            What is asked, in the wind of take-off.
+        wind
+            As it changes.
+        moments
+            From 0 on, rising.
+        progress
+            Is told how far it is.
+
+        Raises
+        ------
+        InputError
+            For a terminal that cannot be reached.
         """
         ...

@@ -23,15 +23,18 @@ from dataclasses import dataclass
 import numpy as np
 from shapely.geometry import Polygon
 
+from formulations.moving_cost.arrivals import earliest_paths
 from formulations.moving_cost.cores import vortex_cores
+from formulations.moving_cost.corridor import quicker
 from formulations.moving_cost.field import SearchField, search_field
 from formulations.moving_cost.free_space import FreeSpace, free_space
-from formulations.moving_cost.graph import build_graph, hexagonal_lattice, near_pairs
+from formulations.moving_cost.graph import Graph, build_graph, hexagonal_lattice, near_pairs
 from formulations.moving_cost.homotopy import swept_angles, via_candidates, via_paths
 from formulations.moving_cost.method import MovingCostMethod, MovingCosts, Progress, Query, silent
 from formulations.moving_cost.polish import polish_all
 from formulations.moving_cost.pool import Pool
 from formulations.moving_cost.tree import require_reached, shortest_path_trees
+from formulations.moving_cost.wind_frames import WindFrames
 from instances.arrays import Floats, Ints
 from instances.errors import InputError
 from instances.paths import Paths
@@ -96,6 +99,25 @@ class Refined(MovingCostMethod):
         paths = Paths(n, pool.points, np.concatenate([[0], np.cumsum(full)]))
         cost = query.measure.polylines(paths.points, paths.offsets).reshape(n, n)
         return MovingCosts(cost, paths, {"edges": lattice.edges, "candidates": len(found), "rivals": len(rivals)})
+
+    def by_clock(self, query: Query, wind: WindFrames, moments: Floats, progress: Progress = silent) -> list[Paths]:
+        """Return the paths of earliest arrival on the lattice for departures at `moments`, made quicker nearby."""
+        field, space = search_field(query.measure, query.region), free_space(query.region)
+        graph, spacing = _lattice_graph(query, field, space, self.samples)
+        return quicker(earliest_paths(query, graph, wind, moments, progress), moments, spacing, wind, space)
+
+
+def _lattice_graph(query: Query, field: SearchField, space: FreeSpace, samples: int) -> tuple[Graph, float]:
+    """Return the graph of free edges over terminals, corners and about `samples` lattice points; their spacing [m]."""
+    seen = len(query.terminals) + len(space.corners)
+    lattice, spacing = hexagonal_lattice(query.region, samples)
+    points = np.concatenate([query.terminals, space.corners, lattice])
+    near = near_pairs(points, REACH * spacing)
+    if seen <= VISIBLE:
+        near = near[near[:, 1] >= seen]
+        near = np.concatenate([near, np.column_stack(np.triu_indices(seen, 1))])
+        near = near[(points[near[:, 0]] != points[near[:, 1]]).any(axis=1)]
+    return build_graph(points, near, query.measure, field, space), spacing
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,21 +192,14 @@ class _Lattice:
     @classmethod
     def over(cls, query: Query, field: SearchField, space: FreeSpace, samples: int) -> _Lattice:
         """Search the lattice of about `samples` points."""
-        n, seen = len(query.terminals), len(query.terminals) + len(space.corners)
-        lattice, spacing = hexagonal_lattice(query.region, samples)
-        points = np.concatenate([query.terminals, space.corners, lattice])
-        near = near_pairs(points, REACH * spacing)
-        if seen <= VISIBLE:
-            near = near[near[:, 1] >= seen]
-            near = np.concatenate([near, np.column_stack(np.triu_indices(seen, 1))])
-            near = near[(points[near[:, 0]] != points[near[:, 1]]).any(axis=1)]
-        graph = build_graph(points, near, query.measure, field, space)
+        n = len(query.terminals)
+        graph, spacing = _lattice_graph(query, field, space, samples)
         legs = graph.free_matrix()
         away, parent = shortest_path_trees(legs, np.arange(n))
         into, child = shortest_path_trees(legs.T.tocsr(), np.arange(n))
         require_reached(query, np.isfinite(away[:, :n]))
         cores = vortex_cores(field.bending, query.region)
-        return cls(query, space, cores, points, spacing, len(graph.cost), away, parent, into, child)
+        return cls(query, space, cores, graph.points, spacing, len(graph.cost), away, parent, into, child)
 
     def candidates(self, slack: float, most: int) -> Pool:
         """Return the best path of each class of sides on which obstacles are passed, at most `most` a pair."""

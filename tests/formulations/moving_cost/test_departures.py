@@ -11,7 +11,7 @@ from shapely.geometry import box
 
 from formulations.moving_cost.clocked import LegClock
 from formulations.moving_cost.costing import instance_of
-from formulations.moving_cost.departures import PathClock
+from formulations.moving_cost.departures import PLANS, PathClock
 from instances import InputError, Instance, Travel, tour_costs, wind_flights
 from instances.environment.region import Region
 from instances.environment.wind_changing import ChangingWind, Drifting, Front, Turning
@@ -112,6 +112,18 @@ def test_flights_of_many_departures_are_those_of_each(
     each = np.concatenate([clock.at(times[k : k + 1]) for k in range(4)], axis=1)
     monkeypatch.setattr(wind_flights, "TOGETHER", 7)
     np.testing.assert_allclose(clock.at(times), each, rtol=wind_flights.TOLERANCE)
+
+
+def test_paths_by_the_clock_are_never_later_than_those_for_winds_that_stay(
+    planned: tuple[Scenario, Instance, Paths],
+) -> None:
+    scenario, instance, paths = planned
+    assert instance.travel is not None
+    assert len(paths.later) == 2 * PLANS - 1
+    staying = replace(paths, later=paths.later[: PLANS - 1], departures=paths.departures[: PLANS - 1])
+    both, alone = (PathClock(scenario, [each]).at(instance.travel.departures) for each in (paths, staying))
+    assert (both <= alone * (1 + wind_flights.TOLERANCE)).all()
+    assert (both < 0.99 * alone).any()
 
 
 @pytest.mark.slow

@@ -7,11 +7,11 @@ promised, what it takes, what it takes with every tour in its better direction, 
 static plans that promise the same that of several seeds which takes least in its better directions;
 losses against the latter, beside those once measured), speed (steps a second of the annealing by the clock and of the
 static one), optima (`memetic` against `subset-dp`), proofs (`branch-and-price` in turning winds), walls
-(what costs by departure around walls take: wall clock, CPU and peak memory of this process; what
-paths planned by the clock save), windows (what a take-off within half an hour saves where endurance is 95 % of the least makespan, and how often searches find it), risk (36
-tasks, 3 UAVs, five members: best of five seeds of `memetic`, a tenth of the seconds each, against the search over
-members from there in half of them, the members' costs left out). One thread but for walls, which plans on two; seconds
-are those of each search.
+(what costs by departure around walls take: wall clock, CPU and peak memory of this process; what paths planned by the
+clock save), windows (what a take-off within half an hour saves where endurance is 95 % of the least makespan, and how
+often searches find it), risk (36 tasks, 3 UAVs, five members: best of five seeds of `memetic`, a tenth of the seconds
+each, against the search over members from there in half of them, the members' costs left out). One thread but for
+walls, which plans on two; seconds are those of each search.
 """
 
 from __future__ import annotations

@@ -45,13 +45,15 @@ class Bookings(NamedTuple):
 
     times (n+m, 4): columns DEPARTS [s]; SENSE, S; SINCE, the time between the knot before and the departure [s]; RISE,
     1 + c' of the leg flown from the node. marks (n+m, 2): KNOT before and ERA of its departure. scale (m,): what the
-    time of each UAV is multiplied by, for its endurance; waits (m, 3): who may wait before take-off (`Waits.table`).
+    time of each UAV is multiplied by, for its endurance; waits (m, 3): who may wait before take-off (`Waits.table`);
+    growth (m, 4): room for what `recreate` needs of tours.
     """
 
     times: Floats
     marks: Nodes
     scale: Floats
     waits: Floats
+    growth: Floats
 
 
 DEPARTS, SENSE, SINCE, RISE = range(4)
@@ -62,7 +64,7 @@ def empty_bookings(n_nodes: int, scale: Floats, waits: Floats) -> Bookings:
     """Return bookings of empty tours."""
     times = np.zeros((n_nodes, 4))
     times[:, [SENSE, RISE]] = 1.0
-    return Bookings(times, np.zeros((n_nodes, 2), np.int32), scale, waits)
+    return Bookings(times, np.zeros((n_nodes, 2), np.int32), scale, waits, np.zeros((scale.size, 4)))
 
 
 def eras_of(clocks: Clocks, horizon: float) -> Eras:
@@ -155,17 +157,18 @@ def book_all(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings) -> No
 
 
 @njit(cache=True, nogil=True)
-def insertion_change(clocks: Clocks, tours: Tours, bookings: Bookings, v: int, u: int) -> float:
-    """Return by about how much its tour's cost [s] changes where task v is put behind node u."""
-    lines, times = clocks.lines, bookings.times
-    k, w = tours.tour[u], tours.after[u]
-    g, q, since = clocks.classes[k], bookings.marks[u, KNOT], times[u, SINCE]
-    there = lines[g, u, v, q, 0] + lines[g, u, v, q, 1] * since
-    straight = lines[g, u, w, q, 0] + lines[g, u, w, q, 1] * since if u != w else 0.0
-    time = times[u, DEPARTS] + there
-    q = knot_at(clocks, time)
-    on = lines[g, v, w, q, 0] + lines[g, v, w, q, 1] * (time - clocks.knots[q])
-    return (there + on - straight) * times[w, SENSE] * bookings.scale[k]
+def insertion(clocks: Clocks, tours: Tours, bookings: Bookings, v: int, u: int) -> tuple[float, float, int]:
+    """Return (about how much its tour's cost [s] changes, departure [s], knot before) of task v put behind node u."""
+    lines, knots, times = clocks.lines, clocks.knots, bookings.times
+    a, b, w = np.uint32(u), np.uint32(v), np.uint32(tours.after[np.uint32(u)])  # unsigned: see `recreate.best_by_era`
+    k, q, since = np.uint32(tours.tour[a]), np.uint32(bookings.marks[a, KNOT]), times[a, SINCE]
+    g = np.uint32(clocks.classes[k])
+    there = lines[g, a, b, q, 0] + lines[g, a, b, q, 1] * since
+    straight = lines[g, a, w, q, 0] + lines[g, a, w, q, 1] * since if a != w else 0.0
+    time = times[a, DEPARTS] + there
+    q = np.uint32(knot_at(clocks, time))
+    on = lines[g, b, w, q, 0] + lines[g, b, w, q, 1] * (time - knots[q])
+    return (there + on - straight) * times[w, SENSE] * bookings.scale[k], time, int(q)
 
 
 @njit(cache=True, nogil=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.routing.clocked.annealing import Search
-from formulations.routing.clocked.bookings import DEPARTS, Bookings, book_tour, insertion_change
+from formulations.routing.clocked.bookings import DEPARTS, Bookings, book_tour, insertion
 from formulations.routing.clocked.problem import ClockedProblem
 from formulations.routing.clocks import Clocks, leg_at
 from formulations.routing.recorder import Recorder
@@ -97,7 +97,7 @@ def look(clocks: Clocks, tours: Tours, bookings: Bookings, k: int, growth: Float
             continue
         u = depot
         while True:
-            change = insertion_change(clocks, tours, bookings, v, u)
+            change = insertion(clocks, tours, bookings, v, u)[0]
             if change < growth[v]:
                 growth[v], behind[v] = change, u
             u = tours.after[u]

@@ -10,14 +10,16 @@ import pytest
 from formulations.limits import Limits
 from formulations.moving_cost.families import generate
 from formulations.routing.clocked.annealing import anneal_by_clock
-from formulations.routing.clocked.bookings import insertion_change, reverse
+from formulations.routing.clocked.bookings import empty_bookings, insertion, reverse
 from formulations.routing.clocked.problem import ClockedProblem
+from formulations.routing.clocked.recreate import BEND, BEYOND, LINEAR, SQUARE, expand
 from formulations.routing.frozen import frozen, in_better_directions, judged
 from formulations.routing.registry import make_solver
 from formulations.routing.search.annealing import AnnealingParameters
-from formulations.routing.search.energy import Objective, p_norm
+from formulations.routing.search.energy import Measure, Objective, excess, p_norm
 from formulations.routing.search.problem_data import NeighbourhoodParameters
 from formulations.routing.search.randomness import seeded
+from formulations.routing.search.recreate import GUIDES, growth
 from formulations.routing.search.tours import duplicate, to_routes
 from instances import Instance, Routes, makespan, tour_costs
 
@@ -47,8 +49,21 @@ def test_first_order_changes_are_nearly_those_of_tours_flown_anew() -> None:
     search = problem.search(tours, 1)
     for place, u in enumerate([12, *order]):
         flown = tour_costs(instance, ((*order[:place], 0, *order[place:]),))[0] - tours.cost[0]
-        change = insertion_change(search.clocks, tours, search.bookings, 0, u)
+        change = insertion(search.clocks, tours, search.bookings, 0, u)[0]
         assert change == pytest.approx(flown, rel=0.08, abs=5.0)
+
+
+@pytest.mark.parametrize("guide", [*GUIDES, excess(0.7)])
+def test_guides_grow_to_second_order_as_they_are_expanded(guide: Measure) -> None:
+    """Exactly where they are lines or squares, tours longer than a cap growing; else but for terms of third order."""
+    bookings, scale = empty_bookings(1, np.array([1.25])), 1 / 2000
+    expand(guide, 1600.0, scale, 1e-4, bookings, 0)
+    row, length = bookings.growth[0], 1600.0 * scale
+    for change in (0.0, 1.0, 10.0, 400.0):
+        rise = change * (row[LINEAR] + change * row[SQUARE]) + row[BEYOND] * max(0.0, change - row[BEND])
+        share = change * bookings.scale[0] * scale
+        third = guide.p**3 * share**3 * (length + share) ** max(0, guide.p - 3) if guide.p > 2 else 0.0
+        assert rise == pytest.approx(growth(length, share, guide, 1e-4), rel=1e-12, abs=third)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -56,7 +56,7 @@ def test_first_order_changes_are_nearly_those_of_tours_flown_anew() -> None:
 @pytest.mark.parametrize("guide", [*GUIDES, excess(0.7)])
 def test_guides_grow_to_second_order_as_they_are_expanded(guide: Measure) -> None:
     """Exactly where they are lines or squares, tours longer than a cap growing; else but for terms of third order."""
-    bookings, scale = empty_bookings(1, np.array([1.25])), 1 / 2000
+    bookings, scale = empty_bookings(1, np.array([1.25]), np.zeros((1, 3))), 1 / 2000
     expand(guide, 1600.0, scale, 1e-4, bookings, 0)
     row, length = bookings.growth[0], 1600.0 * scale
     for change in (0.0, 1.0, 10.0, 400.0):

@@ -101,7 +101,8 @@ def texts(columns: Sequence[Column], table: pd.DataFrame) -> list[list[str]]:
     return [list(row) for row in zip(*([c.text(value) for value in table[c.key]] for c in columns), strict=True)]
 
 
-_STORED = stored("status", "value", "bound", "elapsed", "time_limit", "stopped_by", "utilisation", "endurance_margin")
+_STORED = stored("status", "value", "bound", "elapsed", "time_limit", "stopped_by", "utilisation", "endurance_margin",
+                 "promised", "turned")  # fmt: skip
 
 FAILED = Column("failed", "Failed", "", numbers.count, "runs that were killed or ended in error")
 COUNT = Column("runs", "Runs", "", numbers.count, "stored runs of the method")
@@ -178,13 +179,16 @@ RUNS = [
     Column("stopped_by", "Stopped by", meaning=_STORED["stopped_by"].meaning),
     Column("utilisation", "Utilisation", "", numbers.gap, _STORED["utilisation"].meaning),
     Column("endurance_margin", "Endurance left", "", numbers.gap, _STORED["endurance_margin"].meaning),
+    Column("promised", "At take-off's costs", "s", numbers.cost, _STORED["promised"].meaning),
+    Column("turned", "Better ways round", "s", numbers.cost, _STORED["turned"].meaning),
 ]
 """Of `metrics.with_gaps`, a row a run, as listed on the study's page."""
 
 
 def listed_runs(runs: pd.DataFrame) -> list[Column]:
-    """Return the columns of a list of `runs`: endurance only where it is limited in any."""
-    return [column for column in RUNS if column.key != "endurance_margin" or runs[column.key].notna().any()]
+    """Return the columns of a list of `runs`: endurance only where any has it limited, clocks where costs change."""
+    rare = {"endurance_margin", "promised", "turned"}
+    return [column for column in RUNS if column.key not in rare or runs[column.key].notna().any()]
 
 
 PLACEMENTS = [

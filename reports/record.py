@@ -100,6 +100,8 @@ DERIVED = (
     Column("utilisation", "number", "", "mean of C_k / C_max over the UAVs: 1 where all fly equally long"),
     Column("endurance_margin", "number", "", "least of 1 − C_k / L_k over the UAVs; nothing where none is limited"),
     Column("recomputed", "number", "s", "C_max of the stored routes, right or wrong"),
+    Column("promised", "number", "s", "C_max of the routes if costs stayed those of take-off, where they change"),
+    Column("turned", "number", "s", "C_max with each tour flown the way round that is home first, where costs change"),
     Column("fault", "text", "", "what is wrong with the stored routes"),
     Column("stale", "flag", "", "whether other code of ours than today's made it"),
     Column("path", "text", "", "the file"),

@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from instances import InputError, Instance, check_routes, take_offs, tour_costs
+from instances import InputError, Instance, as_routes, check_routes, makespan, take_offs, tour_costs
 from instances.errors import one_line
 from instances.files import read_instance
+from instances.frozen import frozen, in_better_directions
 from instances.natural import natural
 from instances.utilisation import endurance_margins, utilisation
 from reports.foreign import claim_without_routes, is_mere_claim
@@ -33,7 +34,8 @@ FRAME = (
     "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "restricted", "spacing", "best_known", "solver",
     "method", "label", "options", "proves", "seed", "time_limit", "threads", "iterations", "status", "objective",
     "bound", "gap", "value", "proved", "elapsed", "stopped_by", "message", "tolerance", "claimed_objective",
-    "recomputed", "fault", "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory", "environment",
+    "recomputed", "promised", "turned", "fault", "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory",
+    "environment",
     "code", "revision", "stale", "foreign", "created", "routes", "tour_costs", "utilisation", "endurance_margin",
     "trace", "statistics", "path",
 )  # fmt: skip
@@ -213,7 +215,7 @@ def _number(value: Any) -> float:
 
 def _recomputed(run: Run, instance: Instance | None) -> dict[str, Any]:
     """Return value, recomputed, fault and tour costs of a run, and how much of its fleet it uses."""
-    unknown = ("value", "recomputed", "utilisation", "endurance_margin")
+    unknown = ("value", "recomputed", "promised", "turned", "utilisation", "endurance_margin")
     nothing = dict.fromkeys(unknown, math.nan) | {"fault": "", "tour_costs": np.empty(0)}
     routes, objective = run.own["routes"], _number(run.objective)
     if routes is None:
@@ -228,6 +230,9 @@ def _recomputed(run: Run, instance: Instance | None) -> dict[str, Any]:
     cost = float(costs.max())
     right = solved and math.isclose(cost, objective, rel_tol=RELATIVE_ROUNDING)
     used = {"utilisation": float(utilisation(costs).mean())}
+    if "time" in instance.axes:
+        used["promised"] = makespan(frozen(instance), routes)
+        used["turned"] = makespan(instance, in_better_directions(instance, as_routes(routes)))
     if instance.endurance is not None:
         used["endurance_margin"] = float(endurance_margins(instance, costs - take_offs(instance, routes)).min())
     return nothing | used | {"value": cost if right else math.nan, "recomputed": cost, "tour_costs": costs}

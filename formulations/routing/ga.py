@@ -34,7 +34,6 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.clocked.waiting import Waits
-from formulations.routing.frozen import guiding
 from formulations.routing.ga_operators import (
     Population,
     best_cost_route_crossover,
@@ -50,6 +49,7 @@ from formulations.routing.search.endurance import Endurance
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes, as_routes
 from instances.arrays import Bools, Floats, Ints
+from instances.frozen import guiding
 from instances.kernels import njit
 
 Clock = Callable[[Population, Costs], None]

@@ -13,6 +13,7 @@ from reports import numbers
 from reports.columns import SUMMARY, Column, least, shown
 from reports.compare import Comparison
 from reports.metrics import contributions, shifted_geometric_mean, summary, virtual_best
+from reports.metrics.gaps import relative_gap
 from reports.metrics.means import PENALTY, SHIFT
 from reports.metrics.scores import GROUPINGS, banded, scores
 from reports.pages.blocks import Block, Cell, Lines, Note, Section, Table, cell, table_of
@@ -124,6 +125,41 @@ def _virtual_best(runs: pd.DataFrame) -> str:
         f"{numbers.gap(best['gap_best'].mean())} in {numbers.seconds(shifted_geometric_mean(best['elapsed']))} s "
         f"(medians over seeds). Of {runs['digest'].nunique()} instances, {words}."
     )
+
+
+CLOCKED = [
+    Column("method", "Method"),
+    Column("runs", "Runs", "", numbers.count, "with routes, on instances whose costs change with time"),
+    Column("promised", "Promise off by", "", numbers.gap, "what the routes take, against what they would if costs "
+           "stayed those of take-off"),
+    Column("value", "Loss", "", numbers.gap, "what the routes take, against the best found by any method", least),
+    Column("turned", "Loss in better directions", "", numbers.gap,
+           "the same with each tour flown the way round that is home first; below 0 that is the best there is", least),
+]  # fmt: skip
+"""What the table of plans in costs that change holds: means over runs, a row a method."""
+
+
+def by_clock(runs: pd.DataFrame) -> list[Section]:
+    """Return what plans promise, take and lose where costs change with time; nothing where they do nowhere."""
+    held = runs[runs["promised"].notna() & runs["value"].notna()]
+    if held.empty:
+        return []
+    value, best = held["value"].to_numpy(float), held["best_found"].to_numpy(float)
+    shares = pd.DataFrame({
+        "method": held["method"].to_numpy(),
+        "promised": relative_gap(value, held["promised"].to_numpy(float)),
+        "value": relative_gap(value, best),
+        "turned": relative_gap(held["turned"].to_numpy(float), best),
+    })  # fmt: skip
+    means = shares.groupby("method", sort=False)
+    table = means.mean().assign(runs=means.size()).reset_index()
+    note = (
+        "Costs change with time on "
+        f"{numbers.counted(held['digest'].nunique(), 'instance')}. A plan for the costs of take-off, as if they stayed "
+        "(memetic with static = true makes one), promises something else than it takes. All was computed again from "
+        "the stored routes; a tour that is turned round costs no search."
+    )
+    return [Section("Planning by the clock", [Note(note), table_of(table, CLOCKED, key="clocked")], "clocked")]
 
 
 def groups(runs: pd.DataFrame) -> Section:

@@ -38,7 +38,6 @@ from formulations.moving_cost.families import generate
 from formulations.routing.clocked.annealing import anneal_by_clock
 from formulations.routing.clocked.problem import ClockedProblem
 from formulations.routing.clocked.risk import routes_of_less_risk
-from formulations.routing.frozen import frozen, judged
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.registry import make_solver
 from formulations.routing.search.annealing import anneal
@@ -53,6 +52,7 @@ from instances.environment.region import Region
 from instances.environment.wind_changing import Turning
 from instances.environment.wind_forecast import Forecast, sampled
 from instances.families import make_scenario
+from instances.frozen import frozen, judged
 from instances.moving_cost import CostKind
 from instances.paths import Paths
 from instances.scenario import Scenario

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from formulations.routing.frozen import in_better_directions
 from instances import InputError, Instance, Travel, check_routes, makespan, objective, take_offs, tour_costs
 from instances.formats.native import document_text, instance_of
+from instances.frozen import in_better_directions
 
 
 def calming(window: float, endurance: float | None = 170.0) -> Instance:

@@ -1,6 +1,7 @@
 """Reading stores: what is there becomes a frame, what is damaged is named and left alone."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,12 +9,13 @@ import numpy as np
 import pytest
 from shapely.geometry import Polygon, box
 
-from instances import InputError, Instance, makespan, tour_costs
+from instances import InputError, Instance, Travel, makespan, tour_costs
 from instances.environment.region import Region
 from instances.files import read_instance
 from instances.scenario import Scenario
 from reports import load
 from reports.columns import listed_runs
+from reports.pages.study import write_report
 from reports.stores import COLUMNS, read_runs, read_stores, short_labels
 from workbench.jobs.job import folder_of
 from workbench.problems.moving_cost import MOVING_COST, MovingCostItem
@@ -31,6 +33,38 @@ def test_a_row_a_run_with_recomputed_value(make_store):
         assert run.value == makespan(instance, record["routes"])
         assert run.trace.shape == (len(record["trace"]), 3)
     assert set(runs["method"]) == {"greedy", "ga", "memetic", "milp", "milp (cuts=false)"}
+
+
+def calming() -> Instance:
+    """One UAV, two tasks: the way round by task 1 is long at first, and short from 100 s on."""
+    legs = np.full((3, 3), 100.0) - 100.0 * np.eye(3)
+    first, then = legs.copy(), legs.copy()
+    first[1, 0], then[1, 0] = 150.0, 60.0
+    travel = Travel(np.stack([first, then])[None], np.array([0]), np.array([0.0, 100.0]))
+    return Instance.of_travel("calming", travel, 2, provenance={"family": "wind"})
+
+
+def test_what_routes_promise_and_take_where_costs_change(make_store):
+    """Legs 2→0→1→2 take 300 s whenever; 2→1→0→2 would take 350 s at take-off's costs, and takes 260 s."""
+    store = make_store()
+    store.put(calming(), store.record(calming(), "ga", 0, ((0, 1),)))
+    still = Instance("still", calming().cost, 2, 1, provenance={"family": "wind"})
+    store.put(still, store.record(still, "ga", 0, ((0, 1),)))
+    runs = load(store.root).set_index("instance")
+    assert runs.loc["calming", ["promised", "value", "turned"]].tolist() == [300.0, 300.0, 260.0]
+    assert runs.loc["still", ["promised", "turned"]].isna().all()
+    assert {"promised", "turned"} <= {column.key for column in listed_runs(runs)}
+    assert not {"promised", "turned"} & {column.key for column in listed_runs(runs.drop("calming"))}
+    turned = replace(calming(), name="turned")
+    store.put(turned, store.record(turned, "memetic", 1, ((1, 0),)))
+    page = store.root / "report.html"
+    write_report([store.root], page)
+    text = re.sub(r"<[^>]*>|\s+", " ", page.read_text())
+    assert "Planning by the clock" in text
+    assert "Costs change with time on 1 instance." in text
+    section = re.sub(r" +", " ", text[text.index("Costs change with time on") :])
+    assert "15.4" in section[:1500], "300 s are 15.4 % more than 260 s"
+    assert "-25.7" in section[:1500].replace("−", "-"), "260 s are 25.7 % less than the 350 s promised"
 
 
 def test_how_much_of_its_fleet_a_run_uses(make_store):

@@ -18,7 +18,6 @@ import numpy as np
 
 from formulations.mapping.flight import Flight
 from formulations.moving_cost.registry import METHODS
-from formulations.routing.frozen import frozen, judged
 from formulations.routing.registry import SOLVERS
 from formulations.routing.solver import ABLE
 from instances import makespan
@@ -27,6 +26,7 @@ from instances.disk import write_aside
 from instances.environment.wind_changing import ChangingWind
 from instances.errors import InputError
 from instances.files import read_routes
+from instances.frozen import frozen, judged
 from instances.routes import ENDURANCE_ROUNDING
 from instances.scenario import Scenario
 from instances.wind_flights import polyline_times

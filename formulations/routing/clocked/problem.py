@@ -8,13 +8,13 @@ from formulations.routing.clocked.annealing import Search, empty_room
 from formulations.routing.clocked.bookings import book_all, empty_bookings, eras_of
 from formulations.routing.clocked.waiting import WINDOW, Waits
 from formulations.routing.clocks import Clocks, clocks_of, lines_of
-from formulations.routing.frozen import frozen, guiding
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.search.costs import FleetCosts, search_costs
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData, problem_data
 from formulations.routing.search.tours import Tours, duplicate, empty_tours, from_routes
 from instances import Instance, Routes, makespan
+from instances.frozen import frozen, guiding
 
 
 class ClockedProblem:

@@ -10,7 +10,6 @@ from formulations.limits import Limits
 from formulations.routing.clocked.annealing import anneal_by_clock
 from formulations.routing.clocked.population import ClockedPopulation
 from formulations.routing.clocked.problem import ClockedProblem, at_take_off, half_time
-from formulations.routing.frozen import guiding, in_better_directions
 from formulations.routing.greedy import greedy_routes
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.annealing import AnnealingParameters
@@ -23,6 +22,7 @@ from formulations.routing.search.strategy import SEVERAL_DEPOTS
 from formulations.routing.search.tours import duplicate, to_routes
 from formulations.routing.solver import Result
 from instances import Instance, Routes
+from instances.frozen import guiding, in_better_directions
 
 STATIC = 0.1
 """Share of the limit that the static plan gets."""

@@ -17,7 +17,6 @@ from itertools import repeat
 from typing import ClassVar
 
 from formulations.limits import Limits
-from formulations.routing.frozen import guiding
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.budget import Budget
 from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
@@ -33,6 +32,7 @@ from formulations.routing.search.states import searching as states
 from formulations.routing.search.tours import from_routes, to_routes
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes
+from instances.frozen import guiding
 
 _DEFAULT = SearchParameters()
 
@@ -54,6 +54,8 @@ class Memetic(RecordedSolver):
         start (at least 0.01).
     decoupled : where nodes have several states, take the routes of straight legs with the best states put in
         afterwards: what a plan that ignores them comes to (true or false).
+    static : where costs change with time, plan for those of take-off as if they stayed: what a plan that ignores the
+        clock comes to (true or false).
 
     What else could be set is in `parameters`, of the class.
     """
@@ -67,6 +69,7 @@ class Memetic(RecordedSolver):
     kicks: float = _DEFAULT.population.kicks
     depth: float = _DEFAULT.population.depth
     decoupled: bool = False
+    static: bool = False
 
     proves: ClassVar[bool] = False
     axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states", "window", "metric"})
@@ -115,6 +118,8 @@ class Memetic(RecordedSolver):
             return states.search_decoupled(recorder, seed, self._routes)
         if "states" in recorder.instance.axes:
             return states.search_states(recorder, seed, self._routes, states.StateSearch())
+        if "time" in recorder.instance.axes and self.static:
+            return self._planned_at_take_off(recorder, seed)
         if "time" in recorder.instance.axes:
             from formulations.routing.clocked.searches import memetic_by_clock  # here: others need no such kernels
 
@@ -146,6 +151,13 @@ class Memetic(RecordedSolver):
                     list(pool.map(Population.advance, populations, repeat(now), repeat(steps)))
                 budget.took(steps)
         return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=populations[0].stages)
+
+    def _planned_at_take_off(self, recorder: Recorder, seed: int) -> Result:
+        """Return the routes found for the costs of take-off; by the clock they may be past endurance."""
+        planned = self.solve(guiding(recorder.instance), limits=recorder.limits, seed=seed)
+        if planned.routes is not None:
+            recorder.incumbent(planned.routes)
+        return recorder.result(planned.stopped_by, **planned.statistics)
 
     def _routes(self, instance: Instance, limits: Limits, seed: int) -> Routes | None:
         """Return the routes found of an instance without states."""

@@ -13,7 +13,6 @@ from formulations.routing.clocked.annealing import anneal_by_clock
 from formulations.routing.clocked.bookings import empty_bookings, insertion, reverse
 from formulations.routing.clocked.problem import ClockedProblem
 from formulations.routing.clocked.recreate import BEND, BEYOND, LINEAR, SQUARE, expand
-from formulations.routing.frozen import frozen, in_better_directions, judged
 from formulations.routing.registry import make_solver
 from formulations.routing.search.annealing import AnnealingParameters
 from formulations.routing.search.energy import Measure, Objective, excess, p_norm
@@ -22,6 +21,7 @@ from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import GUIDES, growth
 from formulations.routing.search.tours import duplicate, to_routes
 from instances import Instance, Routes, makespan, tour_costs
+from instances.frozen import frozen, in_better_directions, judged
 
 Clocked = Callable[..., Instance]
 
@@ -128,6 +128,14 @@ def test_searches_by_the_clock_repeat_themselves(name: str) -> None:
     first, second = (solver.solve(instance, limits=limits, seed=3) for _ in range(2))
     assert first.routes == second.routes
     assert first.objective == second.objective
+
+
+def test_a_static_plan_is_that_of_the_costs_of_take_off() -> None:
+    instance, limits = generate("wind-turning", 12, 2, 3, turning=360), Limits(time=60, iterations=2000)
+    still = make_solver("memetic").solve(frozen(instance), limits=limits, seed=1)
+    plan = make_solver("memetic", {"static": True}).solve(instance, limits=limits, seed=1)
+    assert plan.routes == still.routes
+    assert plan.objective == makespan(instance, plan.routes or ()) != still.objective
 
 
 @pytest.mark.slow

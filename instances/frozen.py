@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from instances import Instance, Routes, Travel, makespan, take_offs, tour_costs
 from instances.arrays import Floats
-from instances.routes import past_endurance
+from instances.instance import Instance
+from instances.routes import Routes, makespan, past_endurance, take_offs, tour_costs
+from instances.travel import Travel
 
 
 def costs_at(travel: Travel, time: float) -> Floats:

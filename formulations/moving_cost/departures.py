@@ -21,6 +21,7 @@ are those of a wind that stays.
 from __future__ import annotations
 
 import dataclasses
+import math
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -52,6 +53,8 @@ KNOTS = 65
 THREADS = 2
 """Plans made, or parts of the flights flown, at once: most of their time they are in kernels or in numpy. Each plan
 holds its own memory."""
+AT_ONCE = 1 << 16
+"""Flights that are flown by one call, about."""
 PRECISION = 1e-4
 """Of paths by `refined`, unless it is told: far below what costs are off by between knots."""
 
@@ -87,17 +90,22 @@ class PathClock:
 def _flown(paths: Paths, plan: Ints, begun: Floats, wind: ChangingWind, airspeed: float) -> Floats:
     """Return the times (k, n²) [s] of all paths of each `plan` (k,), begun at `begun` (k, n) [s] where they lead from.
 
-    All at once: few flights are as dear as many.
+    plan : rising numbers of these paths and their later ones. As many at once as is good: few are as dear as many.
     """
-    plans, n = (paths, *paths.later), paths.n_nodes
-    ends = np.cumsum([0, *(each.offsets[-1] for each in plans)])
-    offsets = np.concatenate([[0], *(each.offsets[1:] + end for each, end in zip(plans, ends, strict=False))])
-    which = (plan[:, None] * n**2 + np.arange(n**2)).ravel()
-    points, begun = np.concatenate([each.points for each in plans]), np.repeat(begun, n, axis=1).ravel()
-    parts = np.array_split(np.arange(len(which)), THREADS)
+    plans, each = (paths, *paths.later), np.arange(paths.n_nodes**2)
+
+    def part(rows: Ints) -> Floats:
+        first, last = plan[rows[0]], plan[rows[-1]]
+        some = plans[first : last + 1]
+        ends = np.cumsum([0, *(one.offsets[-1] for one in some)])
+        offsets = np.concatenate([[0], *(one.offsets[1:] + end for one, end in zip(some, ends, strict=False))])
+        which = ((plan[rows] - first)[:, None] * len(each) + each).ravel()
+        points, then = np.concatenate([one.points for one in some]), np.repeat(begun[rows], paths.n_nodes, axis=1)
+        return polyline_times(points, offsets, which, then.ravel(), wind, airspeed).reshape(-1, len(each))
+
+    count = min(len(plan), max(THREADS, math.ceil(len(plan) * len(each) / AT_ONCE)))
     with ThreadPoolExecutor(THREADS) as pool:
-        times = pool.map(lambda k: polyline_times(points, offsets, which[k], begun[k], wind, airspeed), parts)
-        return np.concatenate(list(times)).reshape(-1, n**2)
+        return np.concatenate(list(pool.map(part, np.array_split(np.arange(len(plan)), count))))
 
 
 def instance_by_clock(

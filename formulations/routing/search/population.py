@@ -2,23 +2,20 @@
 
 A stage anneals one newcomer. The first stages make founders from scratch; later ones search some tours of a member
 alone (decomposition.py), perturb a member (perturbation.py), cross two (crossover.py) or reheat one (strategy.py).
-At the end of a stage every tour of the newcomer gets a better order (local_search.py).
-A newcomer that is no copy of a member replaces the worst member where it is better; a population that brings forth
-nothing new for a while keeps its best member and restarts with fresh founders, annealed twice as long. The longer
-nothing is new, the more annealings are fine (schedule.py).
+At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
+The longer nothing is new, the more annealings are fine (schedule.py).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around_longest, merge, subproblem
 from formulations.routing.search.endurance import Endurance
-from formulations.routing.search.energy import Measure, MeasureKind, excess, fitness
+from formulations.routing.search.energy import fitness
+from formulations.routing.search.lineage import Lineage
 from formulations.routing.search.local_search import intensify
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
@@ -42,64 +39,27 @@ class Newcomer:
     subproblem: Subproblem | None = None
 
 
-class Population:
-    """Members, the newcomer being annealed, and the best tours so far.
-
-    Times are fractions of the limit; `founder` is the length of a founder's stage.
-    """
+class Population(Lineage):
+    """Members, the newcomer being annealed, and the best tours so far; times are fractions of the limit."""
 
     def __init__(
         self, data: ProblemData, endurance: Endurance, parameters: SearchParameters, rng: Rng, start: Tours | None
     ) -> None:
-        self.data, self.endurance, self.parameters, self.rng = data, endurance, parameters, rng
-        self.strategy = parameters.strategy(data)
-        recreate = parameters.annealing.recreate._replace(width=self.strategy.width)
-        self.annealing = self._steps = parameters.annealing._replace(recreate=recreate)
-        self.members: list[Tours] = []
-        self.founder, self.founders = 1.0, 1
-        self.stages = 0
-        self._since_restart, self._barren = 0, 0
-        self._step_length = 0.0
+        super().__init__(data, parameters, rng, 1)
+        self.endurance, self._steps = endurance, self.annealing
         schedule = parameters.schedule
         self._newcomer = Newcomer(start if start is not None else self._constructed(), schedule.founder, self.founder)
         self._schedule = Schedule(schedule.founder, schedule.softness[0], schedule.final)
         self._fittest = duplicate(self._newcomer.tours)
         self.best = duplicate(self._newcomer.tours)
         self.improved = True
-        self._begin, self.end = 0.0, 1.0
-
-    def plan(self, step: float) -> None:
-        """Say which part of the limit a step takes; founders are then annealed as deep as they should.
-
-        That begins with the founder under way, unless the limit allows fewer than three.
-        """
-        self._step_length = step
-        parameters = self.parameters.population
-        least = max(parameters.least, min(parameters.enough, parameters.per_task * self.data.size[0]))
-        founder = step * max(least, parameters.depth * self.data.crowding)
-        if founder <= 1.0 / 3.0:
-            self.founder = founder
-            self.founders = min(parameters.size, max(2, int(0.5 / founder)))
-            self.end = self._begin + founder
-
-    @property
-    def incumbent(self) -> float:
-        """The longest of the best tours [s]."""
-        return float(self.best.cost.max())
-
-    @property
-    def measure(self) -> Measure:
-        """The measure of fitness at present."""
-        measure = self.strategy.measure
-        return measure if measure.kind == MeasureKind.P_NORM else excess(self.incumbent)
 
     def advance(self, now: float, steps: int) -> None:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`."""
-        done = min(1.0, (now - self._begin) / max(self.end - self._begin, 1e-12))
         tours, part = self._newcomer.tours, self._newcomer.subproblem
         data, best = (self.data, self.best) if part is None else (part.data, part.best)
         incumbent, fittest = self.incumbent, self._fittest
-        temperature, objective = self._schedule.at(done, fittest, incumbent, self.parameters.schedule)
+        temperature, objective = self._schedule.at(self._done(now), fittest, incumbent, self.parameters.schedule)
         anneal(data, tours, best, fittest, self.rng, steps, temperature, objective, self.measure, self._steps)
         self.improved = self.improved or self.best.cost.max() < incumbent
         if part is None:
@@ -107,27 +67,18 @@ class Population:
 
     def next_stage(self, now: float, migrant: Tours | None = None) -> None:
         """Take the newcomer (and a migrant from another population) in and begin the next stage."""
-        self.stages += 1
-        self._since_restart += 1
         grown = self._grown()
         if self.parameters.population.kicks > 0:
             intensify(self.data.costs, grown, self.rng, self.parameters.population.kicks, self.parameters.local_search)
             self._remember(grown)
         self._follow(grown)
-        self._barren = 0 if self._select(grown) else self._barren + 1
-        if migrant is not None:
-            self._select(self._immigrated(migrant))
-        if self._since_restart >= self.founders and self._barren > self.strategy.patience * self.founders:
-            self.members = [duplicate(self.best)]
-            self._since_restart, self._barren = 1, 0
-            self.founder = min(2.0 * self.founder, 1.0 / 3.0)
-        staleness, schedule = self._barren / (self.strategy.settling * self.founders), self.parameters.schedule
+        self._take_in(grown, None if migrant is None else self._immigrated(migrant))
+        staleness, schedule = self._staleness, self.parameters.schedule
         reheating = self.strategy.draw_reheating(staleness, schedule, self.rng)
         if reheating is not None:
             self._newcomer, self._schedule = self._reheated(), reheating
         else:
-            founding = self._since_restart < self.founders or len(self.members) < 2
-            founder = Newcomer(self._constructed(), schedule.founder, self.founder) if founding else None
+            founder = Newcomer(self._constructed(), schedule.founder, self.founder) if self._founding else None
             self._newcomer = founder or self._renewed()
             self._schedule = self.strategy.draw_schedule(self._newcomer.first, staleness, schedule, self.rng)
         self._steps = self.annealing._replace(strings=self._schedule.final.strings * self.annealing.strings)
@@ -165,26 +116,6 @@ class Population:
         tours = duplicate(migrant)
         reprice(self.data.costs, tours)
         return tours
-
-    def _fitting(self, length: float, now: float) -> float:
-        """Return the end of a stage begun now, its length stretched so that a whole number of them fill the limit."""
-        left = max(1.0 - now, 0.0)
-        return now + left / max(1, round(left / length))
-
-    def _select(self, newcomer: Tours) -> bool:
-        """Add a copy of `newcomer` unless a member equals it; keep the best members; return whether it is in."""
-        measure, same = self.measure, self.parameters.population.same * self.incumbent
-        value = fitness(newcomer.cost, measure)
-        values = [fitness(member.cost, measure) for member in self.members]
-        if any(abs(value - other) <= same for other in values):
-            return False
-        if len(values) >= max(2, self.founders):
-            worst = int(np.argmax(values))
-            if value >= values[worst]:
-                return False
-            del self.members[worst]
-        self.members.append(duplicate(newcomer))
-        return True
 
     def _renewed(self) -> Newcomer:
         """Return a newcomer made from members."""
@@ -225,10 +156,8 @@ class Population:
 
     def child(self) -> Tours:
         """Return the child of two random members."""
-        i = below(self.rng, len(self.members))
-        j = (i + 1 + below(self.rng, len(self.members) - 1)) % len(self.members)
-        child = duplicate(self.members[i])
-        crossover(self.data, child, self.members[j], self.parameters.annealing.recreate, self.rng)
+        child, other = self._parents()
+        crossover(self.data, child, other, self.parameters.annealing.recreate, self.rng)
         return child
 
     def _constructed(self) -> Tours:

@@ -344,11 +344,12 @@ class Products:
             said: dict[str, Any] = read_json(path)
             found = [row["log_likelihood"] for row in said["evidence"]]
             found += [*said["length_scales"], *said["coefficients"], said["signal_sd"], said["nugget_sd"]]
-            found += [said[name] for name in ("tau", "drift", "direction") if name in said]
+            found += [said[name] for name in ("tau", "drift", "direction", "contrast") if name in said]
             if len(said["length_scales"]) != 2 or not all(is_number(value) for value in found):
                 raise InputError("must hold finite numbers")
-            if not all(scale > 0 for scale in (*said["length_scales"], said.get("tau", 1.0))):
-                raise InputError("length_scales and tau must be positive")
+            scales = [*said["length_scales"], *(said[name] for name in ("tau", "contrast") if name in said)]
+            if not all(scale > 0 for scale in scales):
+                raise InputError("length_scales, tau and contrast must be positive")
             names = [said, *said["evidence"]]
             if not all(isinstance(each[key], str) for each in names for key in ("kernel", "mean")):
                 raise InputError("kernel and mean must be names")

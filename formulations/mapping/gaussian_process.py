@@ -117,7 +117,7 @@ class GaussianProcess:
         N = cholesky(K - M @ M.T, lower=True, check_finite=False)
         self._L[old:new, :old], self._L[old:new, old:new] = M, N
         self._X[old:new], self._y[old:new], self._t[old:new] = X, y, t
-        rows = self.kernel(X, self.points)
+        rows = self.model.at_once(X, self.points)
         rows *= np.exp((t - self._as_of) / self.model.tau)[:, None]
         rows -= M @ self._V[:old]
         rows = solve_triangular(N, rows, lower=True, check_finite=False, overwrite_b=True)

@@ -19,8 +19,9 @@ Where the length scales hold along a direction φ and across it, Δ = (Δ_1, Δ_
 Where the prior standard deviation is a map σ_f m(x), K_II is that of σ_f with m_i m_j at its entries: σ_f is fitted,
 m is not.
 
-Where the field drifts, K_II is multiplied by exp(−|t − t′|/τ), entry by entry, and θ ends in log τ:
-∂C/∂log τ = K_II ∘ |t − t′|/τ.
+Where the field drifts, K_II is multiplied by exp(−|t − t′|/τ), entry by entry, and θ goes on with log τ:
+∂C/∂log τ = K_II ∘ |t − t′|/τ. Where the mean divides the field (trend.py), it is multiplied by exp(−|p − p′|/c) of the
+predicted p, and θ ends in log c, likewise.
 """
 
 from __future__ import annotations
@@ -40,8 +41,8 @@ from instances.arrays import Floats
 class RestrictedLikelihood:
     """log p(y | X) of samples `y` (N,) at `X` (N, 2) [m] with the mean `trend`, as a function of θ.
 
-    times : of the samples [s], shape (N,), where θ is asked with log τ. One object serves any kernel: what does not
-    depend on θ is made once.
+    times : of the samples [s], shape (N,), where θ is asked with log τ. divided : whether it is asked with log c. One
+    object serves any kernel: what does not depend on θ is made once.
     """
 
     def __init__(
@@ -52,6 +53,8 @@ class RestrictedLikelihood:
         trend: Trend,
         times: Floats | None = None,
         relative_sd: Floats | None = None,
+        *,
+        divided: bool = False,
     ) -> None:
         """relative_sd : m at `X`, shape (N,); None for 1."""
         self.noise_sd, self.H, self.precision = noise_sd, trend.columns(X), trend.prior_precision
@@ -61,7 +64,9 @@ class RestrictedLikelihood:
         dx, dy = (np.subtract.outer(x, x) for x in X.T)
         self.squares, self.product = [dx**2, dy**2], dx * dy
         self.shares = None if relative_sd is None else np.multiply.outer(relative_sd, relative_sd)
-        self.lags = None if times is None else np.abs(np.subtract.outer(times, times))
+        apart = [] if times is None else [times]
+        apart += [self.H[:, 1]] if divided else []
+        self.lags = [np.abs(np.subtract.outer(each, each)) for each in apart]  # over τ and over c
 
     def value(self, kernel: type[Kernel], theta: Floats, direction: float | None = None) -> float:
         """Return log p [nats]; LinAlgError where C or A is not positive in float64."""
@@ -73,29 +78,28 @@ class RestrictedLikelihood:
         direction : φ [rad] of the first length scale; x and y unless given. The gradient is that by θ, in its shape,
         and, where a direction is given, by φ after it.
         """
-        signal, lx, ly, nugget, *tau = np.exp(theta)
+        signal, lx, ly, nugget, *over = np.exp(theta)
         value, L, CH, a, LA = self._solved(kernel, theta, direction)
         inverse, _ = dpotri(L, lower=True)  # its lower triangle
         weighted = np.outer(a, a) - np.tril(inverse) - np.tril(inverse, -1).T
         weighted += CH @ cho_solve((LA, True), CH.T, check_finite=False)
         quiet = np.trace(weighted) * nugget**2
-        weighted *= self._decay(tau)
+        weighted *= self._decay(over)
         near = self._near(lx, ly, direction)
         if self.shares is not None:
             weighted *= self.shares
         along = 0.5 * signal**2 * weighted * kernel.steepness(near[0] + near[1])
         K = signal**2 * kernel.correlation(near[0] + near[1])
         by_lengths = (np.vdot(along, square) for square in near)
-        drift = [0.5 * np.vdot(weighted * K, self.lags / each) for each in tau]
+        fading = [0.5 * np.vdot(weighted * K, lag / each) for lag, each in zip(self.lags, over, strict=True)]
         turn = [] if direction is None else [np.vdot(along, self._turn(direction)) * (ly**-2 - lx**-2)]
-        return value, np.array([np.vdot(weighted, K), *by_lengths, quiet, *drift, *turn])
+        return value, np.array([np.vdot(weighted, K), *by_lengths, quiet, *fading, *turn])
 
-    def _decay(self, tau: Sequence[float]) -> Floats | float:
-        """Return exp(−|t − t′|/τ), 1 where there is no τ."""
-        if not tau:
+    def _decay(self, over: Sequence[float]) -> Floats | float:
+        """Return exp(−|t − t′|/τ) times exp(−|p − p′|/c), of these what there is; 1 where there is neither."""
+        if not self.lags:
             return 1.0
-        assert self.lags is not None
-        decay: Floats = np.exp(-self.lags / tau[0])
+        decay: Floats = np.exp(-sum(lag / each for lag, each in zip(self.lags, over, strict=True)))
         return decay
 
     def _near(self, lx: float, ly: float, direction: float | None) -> list[Floats]:
@@ -118,13 +122,13 @@ class RestrictedLikelihood:
         self, kernel: type[Kernel], theta: Floats, direction: float | None
     ) -> tuple[float, Floats, Floats, Floats, Floats]:
         """Return log p, the factor L of C, C⁻¹H, C⁻¹r and the factor of A."""
-        signal, lx, ly, nugget, *tau = np.exp(theta)
+        signal, lx, ly, nugget, *over = np.exp(theta)
         near = self._near(lx, ly, direction)
         C = kernel.correlation(near[0] + near[1])
         C *= signal**2
         if self.shares is not None:
             C *= self.shares
-        C *= self._decay(tau)
+        C *= self._decay(over)
         C[np.diag_indices_from(C)] += self.noise_sd**2 + nugget**2
         L = cholesky(C, lower=True, check_finite=False)
         solved = cho_solve((L, True), np.column_stack([self.H, self.u]), check_finite=False)

@@ -4,10 +4,18 @@ Every kernel and every mean offered is fitted with one length scale in all direc
 likelihood is taken. Two length scales (paper, eq. cov) are taken instead where they raise the log-likelihood by more
 than ½ log N, the price of a parameter under N samples (G. Schwarz, Estimating the Dimension of a Model, Annals of
 Statistics 6, 1978). They hold along x and y where planning goes on from the model; a map's hold along any direction and
-across it, one parameter more, and are tried with the likeliest kernels, not with the first alone. Kernels have as many
+across it, two parameters more at the price of one (½ log N is 2.7 nats of 213 samples; for prediction, which is a map's
+aim, Akaike asks 2), and are tried with the likeliest kernels, not with the first alone. Kernels have as many
 parameters as one another, and means are told apart without a price: the likelihood has their coefficients integrated
 out. A field that drifts has one parameter more, τ, and is believed where the likeliest drifting model is ahead of the
 likeliest that stays by more than that price.
+
+Where the likeliest kernel is a Matérn one, that of smoothness ½ is taken before it unless it is behind by more than
+`JUMPS` nats a sample. Signals behind ridges jump where no sample lies, and between the jumps they are smooth: samples a
+step apart on a track speak for what is smooth, while the map's error lies at the jumps between two tracks, where only
+Matérn ½ does not swing beyond its samples. A likelihood whose model is not that of the field is to weigh less
+(P. Grünwald & T. van Ommen, Bayesian Analysis 12, 2017). Draws of smoother kernels are told from ½ by more than that.
+A mean that may divide the field (trend.py) does so where that raises the log-likelihood by the price of its parameter.
 
 The likelihood of few samples has several peaks, and a search that begins where the last one ended stays on the wrong
 one for the rest of a survey. So each search also begins at the best of a grid of length scales.
@@ -27,7 +35,7 @@ from scipy.linalg import LinAlgError
 from scipy.optimize import minimize
 
 from formulations.blas import one_thread
-from formulations.kernel import KERNELS, Kernel, SquaredExponential
+from formulations.kernel import KERNELS, Kernel, Matern12, SquaredExponential
 from formulations.mapping.likelihood import RestrictedLikelihood
 from formulations.mapping.trend import CONSTANT, Trend
 from instances.arrays import Floats
@@ -47,10 +55,16 @@ TAU_SHARES = (0.1, 0.5, 2.0)
 """τ of the grid, in durations of the record."""
 TAUS = (0.01, 100.0)
 """Bounds of τ, in durations of the record."""
+CONTRASTS = (0.3, 2.0)
+"""c of the grid, in standard deviations of what is predicted at the samples."""
+WIDEST = (0.01, 100.0)
+"""Bounds of c, likewise."""
 TIE = 1e-3
 """Likelihoods [nats] that differ by less are a tie, which the order of what is offered decides."""
 QUIET = 0.3
 """The nugget at which a search begins, in sensor noises."""
+JUMPS = 0.1
+"""So far [nats a sample] Matérn ½ may be behind a smoother Matérn kernel; draws of 3/2 are 0.2 ahead."""
 TURNED = 2
 """So many of the likeliest kernels are tried with length scales along a direction and across it."""
 DIRECTIONS = (0.0, 0.25 * math.pi, 0.5 * math.pi, 0.75 * math.pi)
@@ -61,25 +75,37 @@ STRETCH = 0.5
 
 @dataclass(frozen=True)
 class MapModel:
-    """Covariance of the field, its nugget σ₀ in the field's unit, its mean, and how it drifts.
+    """Covariance of the field, its nugget σ₀ in the field's unit, its mean, and how it drifts and is divided.
 
     tau : τ > 0 [s], the field's correlation over time being exp(−|t − t′|/τ); infinite where the field stays.
+    contrast : c > 0 in the mean's unit, the correlation being exp(−|p − p′|/c) beside that over space, of what the mean
+    predicts; infinite where that does not divide the field.
     """
 
     kernel: Kernel = field(default_factory=SquaredExponential)
     nugget_sd: float = 0.0
     trend: Trend = CONSTANT
     tau: float = math.inf
+    contrast: float = math.inf
 
     def __post_init__(self) -> None:
-        if not self.tau > 0:
-            raise ValueError(f"tau must be positive, got {self.tau}")
+        for name, value in (("tau", self.tau), ("contrast", self.contrast)):
+            if not value > 0:
+                raise ValueError(f"{name} must be positive, got {value}")
 
     def covariance(self, X: Floats, t: Floats, Z: Floats, u: Floats) -> Floats:
         """Return k of the field at `X` (p, 2) [m], `t` (p,) [s], and at `Z` (q, 2), `u` (q,), shape (p, q)."""
-        K = self.kernel(X, Z)
+        K = self.at_once(X, Z)
         if self.tau < math.inf:
             K *= np.exp(-np.abs(np.subtract.outer(t, u)) / self.tau)
+        return K
+
+    def at_once(self, X: Floats, Z: Floats) -> Floats:
+        """Return k of the field at `X` (p, 2) and at `Z` (q, 2) [m] at one time, shape (p, q)."""
+        K = self.kernel(X, Z)
+        if self.contrast < math.inf:
+            predicted, other = (self.trend.columns(points)[:, 1] for points in (X, Z))
+            K *= np.exp(-np.abs(np.subtract.outer(predicted, other)) / self.contrast)
         return K
 
     def __str__(self) -> str:
@@ -87,9 +113,10 @@ class MapModel:
         lx, ly = (scale / 1e3 for scale in kernel.length_scales)
         nugget = f", nugget {self.nugget_sd:.2g}" if self.nugget_sd else ""
         drift = f", τ {self.tau:.0f} s" if self.tau < math.inf else ""
+        divided = f", divided at {self.contrast:.2g}" if self.contrast < math.inf else ""
         along = f" along {math.degrees(kernel.direction):.0f}° and across" if kernel.direction else ""
         scales = f"σ_f {kernel.signal_sd:.1f}, l {lx:.1f} and {ly:.1f} km{along}"
-        return f"{kernel.name} with {self.trend.name} mean, {scales}{nugget}{drift}"
+        return f"{kernel.name} with {self.trend.name} mean, {scales}{nugget}{drift}{divided}"
 
 
 @dataclass(frozen=True)
@@ -179,16 +206,25 @@ class _Likeliest:
 
     def fitted(self, drift: float | None = None) -> Fitted:
         """Return the model, with two length scales where they are worth it."""
-        search, (kernel, (value, theta)) = self.search, next(iter(self.found.items()))
-        direction = 0.0
+        search, credit = self.search, self._credit()
+        ranked = sorted(self.found, key=lambda each: -round((self.found[each][0] + credit.get(each, 0.0)) / TIE))
+        kernel, direction = ranked[0], 0.0
+        value, theta = self.found[kernel]
         if not self.turned:
             theta = search.anisotropic(kernel, value, theta)
         else:
-            for each, (_, start) in list(self.found.items())[:TURNED]:
-                higher, better, along = search.turned(each, start)
-                if higher - 2 * search.price > value:
-                    kernel, value, theta, direction = each, higher - 2 * search.price, better, along
+            worth = value + credit.get(kernel, 0.0)
+            for each in ranked[:TURNED]:
+                higher, better, along = search.turned(each, self.found[each][1])
+                higher += credit.get(each, 0.0) - search.price
+                if higher > worth:
+                    kernel, worth, theta, direction = each, higher, better, along
         return Fitted(_model(kernel, theta, direction, search), self.evidence, drift)
+
+    def _credit(self) -> dict[type[Kernel], float]:
+        """Return how far a kernel may be behind [nats] and be taken all the same."""
+        likeliest = next(iter(self.found))
+        return {} if likeliest is SquaredExponential else {Matern12: JUMPS * self.search.count}
 
 
 def _likeliest(
@@ -212,13 +248,22 @@ def _likeliest(
     ranked = sorted(evidence, key=lambda names: -round(evidence[names] / TIE))
     _, mean = ranked[0]
     likely = {KERNELS[kernel]: found[kernel, of] for kernel, of in ranked if of == mean}
-    return _Likeliest(searches[mean], likely, evidence, offered.turned)
+    if not searches[mean].trend.divides:
+        return _Likeliest(searches[mean], likely, evidence, offered.turned)
+    search = _Search(noise_sd, *samples, searches[mean].trend, taus, *prior, divided=True)
+    divided = {kernel: search.isotropic(kernel, given) for kernel in likely}
+    if not max(value for value, _ in divided.values()) > max(value for value, _ in likely.values()):
+        return _Likeliest(searches[mean], likely, evidence, offered.turned)
+    evidence |= {(kernel.name, mean): float(value) for kernel, (value, _) in divided.items() if np.isfinite(value)}
+    likely = dict(sorted(divided.items(), key=lambda each: -round(each[1][0] / TIE)))
+    return _Likeliest(search, likely, evidence, offered.turned)
 
 
 class _Search:
     """Searches for the peak of the likelihood of samples under one mean.
 
     taus : bounds of τ [s], the same twice where it is known; None for fields that stay. lengths : as in `Offered`.
+    divided : whether the mean divides the field, whose one parameter more, c, is paid for in every log p found.
     """
 
     def __init__(
@@ -231,24 +276,33 @@ class _Search:
         taus: tuple[float, float] | None,
         mapped: ValueMap | None,
         lengths: tuple[float, float] | None = None,
+        *,
+        divided: bool = False,
     ) -> None:
         times, relative_sd = None if taus is None else t, None if mapped is None else mapped(X)
-        self.likelihood = RestrictedLikelihood(noise_sd, X, y, trend, times, relative_sd)
+        self.likelihood = RestrictedLikelihood(noise_sd, X, y, trend, times, relative_sd, divided=divided)
         self.mapped = mapped
         self.trend, self.noise_sd, self.spread = trend, noise_sd, float(y.std())
         self.extent, self.lasted = float(np.ptp(X, axis=0).max()), float(np.ptp(t))
         self.lengths = (LENGTHS[0] * self.extent, LENGTHS[1] * self.extent) if lengths is None else lengths
-        self.price = 0.5 * np.log(len(y))
+        self.count, self.price = len(y), 0.5 * np.log(len(y))
         self.drift = [] if taus is None else [(np.log(taus[0]), np.log(taus[1]))]
+        predicted = self.likelihood.H[:, 1].std() if divided else 0.0
+        self.contrasts = np.log(predicted * np.array(CONTRASTS)) if divided else np.empty(0)
+        self.division = [(np.log(WIDEST[0] * predicted), np.log(WIDEST[1] * predicted))] if divided else []
+        self.toll = self.price if divided else 0.0
 
     def isotropic(self, kernel: type[Kernel], given: MapModel) -> tuple[float, Floats]:
         """Return the greatest log p found with l_x = l_y, and its θ; −∞ where there is none."""
         signal, nugget = np.log(self.spread), np.log(QUIET * self.noise_sd)
         lengths = [np.log(share * self.extent) for share in SHARES]
-        grid = [np.array([signal, length, nugget, *tau]) for length in lengths for tau in self._taus()]
+        grid = [np.array([signal, length, nugget, *more]) for length in lengths for more in self._further()]
         own, scale = given.kernel, float(np.mean(np.log(given.kernel.length_scales)))
         known = np.array([np.log(own.signal_sd), scale, np.log(max(given.nugget_sd, QUIET * self.noise_sd))])
-        warm = np.append(known, [np.log(given.tau)] if self.drift and given.tau < math.inf else self._taus()[-1])
+        last = self._further()[-1]
+        if self.drift and given.tau < math.inf:
+            last[0] = np.log(given.tau)
+        warm = np.append(known, last)
         value = partial(self._value, kernel)
         starts = [max(grid, key=lambda theta: value(_both(theta))), *([warm] if isinstance(own, kernel) else [])]
 
@@ -260,8 +314,13 @@ class _Search:
         best, short = max(found, key=lambda each: each[0])
         return best, _both(short)
 
+    def _further(self) -> list[list[float]]:
+        """Return what θ ends in on the grid: log τ where the field drifts, then log c where the mean divides it."""
+        taus = self._taus()
+        return [[*tau, c] for tau in taus for c in self.contrasts] if self.division else taus
+
     def _taus(self) -> list[list[float]]:
-        """Return what θ ends in on the grid: log τ of each share, nothing where the field stays."""
+        """Return log τ of each share, nothing where the field stays."""
         if not self.drift:
             return [[]]
         low, high = self.drift[0]
@@ -314,18 +373,18 @@ class _Search:
 
         begin = np.clip(start, *np.transpose(bounds))
         found = minimize(negative, begin, jac=True, method="L-BFGS-B", bounds=bounds)
-        return -float(found.fun), found.x
+        return -float(found.fun) - self.toll, found.x
 
     def _bounds(self, lengths: int) -> list[tuple[float, float]]:
         length = (np.log(self.lengths[0]), np.log(self.lengths[1]))
         signal, nugget = (
             (np.log(low * self.noise_sd), np.log(high * self.noise_sd)) for low, high in (SIGNALS, NUGGETS)
         )
-        return [signal, *[length] * lengths, nugget, *self.drift]
+        return [signal, *[length] * lengths, nugget, *self.drift, *self.division]
 
 
 def _both(short: Floats) -> Floats:
-    """Return θ of (log σ_f, log l, log σ₀) or of (log σ_f, log l, log σ₀, log τ)."""
+    """Return θ of (log σ_f, log l, log σ₀), or of these and what follows."""
     return np.insert(short, 2, short[1])
 
 
@@ -334,5 +393,7 @@ def _fold(gradient: Floats) -> Floats:
 
 
 def _model(kernel: type[Kernel], theta: Sequence[float] | Floats, direction: float, search: _Search) -> MapModel:
-    signal, lx, ly, nugget, *tau = (float(value) for value in np.exp(theta))
-    return MapModel(kernel(signal, (lx, ly), search.mapped, direction), nugget, search.trend, *tau)
+    signal, lx, ly, nugget, *more = (float(value) for value in np.exp(theta))
+    tau = more.pop(0) if search.drift else math.inf
+    contrast = more.pop(0) if search.division else math.inf
+    return MapModel(kernel(signal, (lx, ly), search.mapped, direction), nugget, search.trend, tau, contrast)

@@ -31,13 +31,24 @@ def map_model(said: dict[str, Any] | None, unit: str) -> list[Block]:
         return [f"{_sentence(said, unit)} It was fitted by restricted likelihood."]
     ranked = evidence.sort_values("log_likelihood", ascending=False, kind="stable")
     ranked["behind"] = ranked["log_likelihood"].max() - ranked["log_likelihood"]
-    second = ranked.iloc[1]
     told = (
-        f"{_sentence(said, unit)} It was chosen by restricted likelihood, {second['behind']:.1f} nats ahead of "
-        f"{_named(second)}. Task locations were planned under the squared exponential all the same: its derivatives "
-        "and bounds are those of a smooth field."
+        f"{_sentence(said, unit)} It was chosen by restricted likelihood, {_ahead(said, ranked)}. "
+        "Task locations were planned under the squared exponential all the same: its derivatives and bounds are those "
+        "of a smooth field."
     )
     return [told, table_of(ranked, EVIDENCE, key="evidence")]
+
+
+def _ahead(said: dict[str, Any], ranked: pd.DataFrame) -> str:
+    """Return how far what was chosen was ahead of the next, or behind the likeliest and why it was taken."""
+    own = ranked[(ranked["kernel"] == said["kernel"]) & (ranked["mean"] == said["mean"])]
+    if own.empty or own.iloc[0]["behind"] == 0.0:
+        second = ranked.iloc[1]
+        return f"{second['behind']:.1f} nats ahead of {_named(second)}"
+    behind = f"{own.iloc[0]['behind']:.1f} nats behind {_named(ranked.iloc[0])}"
+    if said["kernel"] != "matern12":
+        return f"which counts length scales of each kernel in two directions; with one it is {behind}"
+    return f"{behind}, as rough ground asks for it where it is nearly as likely"
 
 
 def _named(row: Any) -> str:
@@ -55,8 +66,12 @@ def _sentence(said: dict[str, Any], unit: str) -> str:
     else:
         scales = f"σ_f = {signal:.1f} {unit}, l = {_both([f'{scale / 1e3:.1f} km' for scale in (lx, ly)], ways)}"
     nugget = f", a nugget of {said['nugget_sd']:.2g} {unit}" if said["nugget_sd"] >= 0.01 else ""
+    contrast = said.get("contrast")
+    divided = "" if contrast is None else (
+        f" Where the predicted signal differs by {contrast:.1f} {unit}, readings tell 1/e as much of one another."
+    )  # fmt: skip
     factor = f" times {said['coefficients'][1]:.2f}" if len(said["coefficients"]) > 1 else ""
-    return f"The last map is {_named(said)}{factor}: {scales}{nugget}.{_drift(said)}"
+    return f"The last map is {_named(said)}{factor}: {scales}{nugget}.{divided}{_drift(said)}"
 
 
 def _both(told: list[str], ways: tuple[str, str]) -> str:

@@ -87,4 +87,4 @@ def _trend(name: str, mission: Mission, scenario: Scenario, ground: Terrain | No
         above = mission.altitude.above - (0.0 if mission.altitude.frame is Frame.ABOVE_GROUND else below)
         return path_loss(*source.position, max(above, source.height))
     diffraction = structs.replace(mission.field, file=None, unit=None, model="diffraction", shadowing_sd=0.0)
-    return Trend(name, signal_of(replace(mission, field=diffraction), ground))
+    return Trend(name, signal_of(replace(mission, field=diffraction), ground), divides=True)

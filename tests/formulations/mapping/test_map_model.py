@@ -153,3 +153,56 @@ def test_turning_the_plane_turns_the_map() -> None:
     assert (value, gradient[:-1]) == (pytest.approx(straight), pytest.approx(slopes, rel=1e-6))
     across = turned.value(Matern32, theta, turn + 1e-5) - turned.value(Matern32, theta, turn - 1e-5)
     assert gradient[-1] == pytest.approx(across / 2e-5, rel=1e-5)
+
+
+def ridge(points: np.ndarray) -> np.ndarray:
+    """Return a predicted signal that falls by 20 behind the line x = 10 km."""
+    return np.where(points[:, 0] > 10e3, -20.0, 0.0)
+
+
+DIVIDING = Trend("propagation", ridge, divides=True)
+
+
+def shadowed(seed: int, *, divided: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Return places and readings about the predicted signal: both sides of the ridge apart, or as if it were not."""
+    X, y = drawn(Matern32(6.0, (5000.0, 5000.0)), 90, seed)
+    K = Matern32(6.0, (5000.0, 5000.0))(X, X) + np.eye(90)
+    beyond = -80.0 + np.linalg.cholesky(K) @ np.random.default_rng(seed).normal(size=90)
+    return X, np.where((X[:, 0] > 10e3) & divided, beyond, y) + ridge(X)
+
+
+def test_the_gradient_by_the_contrast_is_that_of_finite_differences() -> None:
+    X, y = shadowed(1, divided=True)
+    likelihood = RestrictedLikelihood(1.0, X, y, DIVIDING, 10.0 * np.arange(90), divided=True)
+    theta = np.log([9.0, 2500.0, 6000.0, 0.8, 400.0, 15.0])
+    _, gradient = likelihood(Matern32, theta)
+    for k, step in enumerate(1e-5 * np.eye(6)):
+        across = likelihood.value(Matern32, theta + step) - likelihood.value(Matern32, theta - step)
+        assert gradient[k] == pytest.approx(across / 2e-5, rel=1e-5, abs=1e-5)
+
+
+def test_a_mean_divides_the_field_where_its_shadow_does_and_only_there() -> None:
+    offered = Offered((SquaredExponential, Matern32), (CONSTANT, DIVIDING))
+    X, y = shadowed(1, divided=True)
+    found = choose_model(MapModel(), offered, 1.0, X, y)
+    assert found.model.trend is DIVIDING
+    assert found.model.contrast < 40.0
+    process = GaussianProcess(found.model, 1.0, X)
+    process.extend(X[:50], y[:50])
+    process.extend(X[50:], y[50:])
+    H, B = DIVIDING.columns(X), DIVIDING.prior_precision
+    K = found.model.kernel(X, X) * np.exp(-np.abs(np.subtract.outer(ridge(X), ridge(X))) / found.model.contrast)
+    inverse = np.linalg.inv(K + (1.0 + found.model.nugget_sd**2) * np.eye(90))
+    beta = np.linalg.solve(H.T @ inverse @ H + B, H.T @ inverse @ y + B @ DIVIDING.prior_mean)
+    assert process.posterior().mean == pytest.approx(H @ beta + K @ inverse @ (y - H @ beta), rel=1e-6)
+    assert choose_model(MapModel(), offered, 1.0, *shadowed(1, divided=False)).model.contrast == math.inf
+
+
+def test_rough_ground_is_believed_rough_where_that_is_nearly_as_likely() -> None:
+    """Smooth between jumps, 3/2 is likelier by a nat, and ½ is taken; a draw of 3/2 is told from ½ by 20 nats."""
+    X, y = drawn(Matern32(4.0, (5000.0, 5000.0)), 100, 2)
+    found = choose_model(MapModel(), Offered(), 1.0, X, y + 12.0 * (np.sin(X[:, 0] / 2500.0) > 0.3))
+    assert max(found.evidence, key=lambda names: found.evidence[names]) == ("matern32", "constant")
+    assert found.model.kernel.name == "matern12"
+    found = choose_model(MapModel(), Offered(), 1.0, *drawn(Matern32(20.0, (6000.0, 6000.0)), 110, 3))
+    assert found.model.kernel.name == "matern32"

@@ -45,3 +45,26 @@ def test_length_scales_are_told_with_their_directions(more: dict[str, Any], word
 def test_drift_is_told_where_it_was_asked_for(more: dict[str, float], words: str) -> None:
     assert words in str(map_model(SAID | more, "dBm")[0])
     assert "drift" not in str(map_model(SAID, "dBm")[0])
+
+
+EVIDENCE = [
+    {"kernel": kernel, "mean": "constant", "log_likelihood": value}
+    for kernel, value in (("se", -330.0), ("matern32", -316.0), ("matern12", -320.5))
+]
+
+
+@pytest.mark.parametrize(
+    ("kernel", "words"),
+    [
+        ("matern32", "chosen by restricted likelihood, 4.5 nats ahead of Matérn 1/2 about a constant level."),
+        ("matern12", "likelihood, 4.5 nats behind Matérn 3/2 about a constant level, as rough ground asks for it"),
+        ("se", "in two directions; with one it is 14.0 nats behind Matérn 3/2 about a constant level."),
+    ],
+)
+def test_a_choice_says_how_far_it_was_ahead_or_behind(kernel: str, words: str) -> None:
+    assert words in str(map_model(SAID | {"kernel": kernel, "evidence": EVIDENCE}, "dBm")[0])
+
+
+def test_a_mean_that_divides_the_field_is_told() -> None:
+    told = str(map_model(SAID | {"contrast": 12.34}, "dBm")[0])
+    assert "Where the predicted signal differs by 12.3 dBm, readings tell 1/e as much of one another." in told

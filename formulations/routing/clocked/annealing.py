@@ -69,10 +69,18 @@ def _book_touched(clocks: Clocks, eras: Eras, tours: Tours, bookings: Bookings, 
 
 
 @njit(cache=True, nogil=True)
-def _fly_touched(clocks: Clocks, tours: Tours, bookings: Bookings, touched: Bools) -> None:
+def _flown(
+    clocks: Clocks, tours: Tours, bookings: Bookings, touched: Bools, objective: Objective, limit: float, doubt: float
+) -> tuple[float, float]:
+    """Return the energy [s] flown exactly, +inf where it is far above `limit` to first order, and the mean error."""
+    guess = energy(tours.cost, objective)
+    if guess >= limit + DOUBT * doubt:
+        return np.inf, doubt
     for k in range(touched.size):
         if touched[k]:
             fly_tour(clocks, tours, bookings, k)
+    flown = energy(tours.cost, objective)
+    return flown, doubt + LEARNING * (abs(flown - guess) - doubt)
 
 
 @njit(cache=True, nogil=True)
@@ -280,8 +288,7 @@ def anneal_by_clock(
     now, was, doubt = energy(cost, objective), after.copy(), 0.0
     lowest = fitness(fittest.cost, measure)
     for _ in range(steps):
-        draw = uniform(rng)
-        then = now
+        draw, then = uniform(rng), now
         if draw < TURNS + parameters.moves:
             turns = draw < TURNS
             then = _turn_or_move(search, turns, rng, now, temperature, objective, parameters.move)
@@ -289,10 +296,7 @@ def anneal_by_clock(
         else:
             _copy(cost, costs_before)
             _copy(size, sizes)
-            if uniform(rng) < parameters.strings:
-                count = remove_strings(costs, nearest, tours, removed, rng)
-            else:
-                count = remove_adjacent(costs, nearest, tours, removed, rng)
+            count = _ruin(costs, nearest, tours, removed, parameters.strings, rng)
             _close_gaps(clocks, tours, bookings, removed, count, was, sizes, costs_before, touched)
             _remember(times, marks, tasks, count, queue, rows, row_marks)
             shuffle(queue, count, rng)
@@ -303,11 +307,7 @@ def anneal_by_clock(
                 _recall(times, marks, tasks, count, rows, row_marks)
                 continue
             limit = now - temperature * math.log(1.0 - uniform(rng))
-            guess, flown = energy(cost, objective), np.inf
-            if guess < limit + DOUBT * doubt:
-                _fly_touched(clocks, tours, bookings, touched)
-                flown = energy(cost, objective)
-                doubt += LEARNING * (abs(flown - guess) - doubt)
+            flown, doubt = _flown(clocks, tours, bookings, touched, objective, limit, doubt)
             if flown < limit:
                 _book_touched(clocks, eras, tours, bookings, touched)
                 _copy(after, was)

@@ -181,7 +181,7 @@ def walls(args: argparse.Namespace) -> None:
     assert instance.travel is not None
     knots, error = len(instance.travel.departures), instance.provenance["clock"]["error"]
     print(f"{len(scenario.points)} nodes, {knots} knots, off by {error:.2f} s between them at most: ", end="")
-    print(f"{wall:.0f} s, bar: 60; {cpu:.0f} s of CPU; {memory:.2f} GB, bar: 2")
+    print(f"{wall:.0f} s, bar: 60; {cpu:.0f} s of CPU; {memory:.2f} GB, bar: 2", flush=True)
     print(f"sum of all costs {instance.travel.cost.sum():.9e} s, which a change for speed must leave as it is")
     staying = replace(paths, later=paths.later[: MOMENTS - 1], departures=paths.departures[: MOMENTS - 1])
     both, alone = (PathClock(scenario, [each]).at(instance.travel.departures)[0] for each in (paths, staying))

@@ -18,7 +18,7 @@ from typing import ClassVar
 
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
-from formulations.routing.search.budget import Budget
+from formulations.routing.search.budget import Budget, Teller
 from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.decomposition import merge
 from formulations.routing.search.endurance import Endurance
@@ -29,7 +29,7 @@ from formulations.routing.search.problem_data import ProblemData, problem_data
 from formulations.routing.search.randomness import seeded, uniform
 from formulations.routing.search.recreate import GUIDES
 from formulations.routing.search.states import searching as states
-from formulations.routing.search.tours import from_routes, to_routes
+from formulations.routing.search.tours import from_routes
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes
 from instances.frozen import guiding
@@ -126,14 +126,17 @@ class Memetic(RecordedSolver):
             return memetic_by_clock(recorder, self, self._with_options(), seed)
         threads = recorder.limits.threads
         populations = self._populations(recorder.instance, threads, seed, recorder.routes, recorder.objective)
-        budget = Budget(recorder, self.parameters.budget)
+        budget, level, telling = Budget(recorder, self.parameters.budget), self.parameters.budget.level, math.inf
+        if recorder.instance.by_metric is not None:
+            level, telling = max(level, recorder.instance.n_tasks // 10), self.parameters.budget.telling
+        teller = Teller(recorder, telling)
         planned = False
         with ThreadPoolExecutor(threads) as pool:
             while True:
                 for population in populations:
-                    if population.improved:
+                    if population.improved and (teller.has_time or budget.stopped_by):
                         population.improved = False
-                        recorder.incumbent(to_routes(population.best))
+                        teller.tell(population.best)
                 if budget.stopped_by:
                     break
                 now = budget.fraction
@@ -144,7 +147,7 @@ class Memetic(RecordedSolver):
                 for i, population in enumerate(populations):
                     if now >= population.end:
                         population.next_stage(now, populations[i - 1].best if len(populations) > 1 else None)
-                steps = budget.next_steps(self.parameters.budget.level)
+                steps = budget.next_steps(level)
                 if len(populations) == 1:
                     populations[0].advance(now, steps)
                 else:

@@ -93,9 +93,9 @@ def test_edges_are_integrated_as_tracks_are_and_first_in_first_out() -> None:
 @pytest.mark.parametrize(
     ("method", "coarse", "fine", "within"),
     [
-        ("dijkstra", {"samples": 200}, {"samples": 500, "radius_factor": 2.0}, 0.02),
-        ("fmt-star", {"samples": 200}, {"samples": 500, "radius_factor": 2.0}, 0.02),
-        ("refined", {"samples": 30}, {"samples": 400}, 5e-4),
+        ("dijkstra", {"samples": 60}, {"samples": 250, "radius_factor": 2.0}, 0.03),
+        ("fmt-star", {"samples": 60}, {"samples": 250, "radius_factor": 2.0}, 0.03),
+        ("refined", {"samples": 30}, {"samples": 250}, 5e-4),
     ],
 )
 def test_graphs_come_down_to_the_closed_form_of_a_turning_wind(
@@ -121,7 +121,7 @@ def test_a_wind_that_does_not_turn_gives_the_trees_of_one_that_stays() -> None:
     query = query_in(scenario_in(still), still.at(0.0))
     wind = wind_frames(still, query.region, AIRSPEED, 3000.0)
     for name in ("dijkstra", "fmt-star"):
-        method = make_method(name, {"samples": 400})
+        method = make_method(name, {"samples": 150})
         assert isinstance(method, PlansByClock)
         once, (by_clock,) = method.solve(query), method.by_clock(query, wind, np.array([700.0]))
         cost = query.measure.polylines(by_clock.points, by_clock.offsets).reshape(4, 4)

@@ -31,6 +31,8 @@ from instances.errors import InputError
 from instances.scenario import Scenario
 from instances.wind_arrivals import leg_times
 
+MOST_NEEDED = 2000
+"""Knots of departure at most, however fast a wind turns."""
 ANGLE = 0.08
 """Greatest angle ω·Δt [rad] between knots."""
 FIRST = 9
@@ -124,6 +126,11 @@ def clock_of(legs: Clock, horizon: float, most: int = MOST) -> tuple[Floats, Flo
     wind = legs.scenario.wind
     rate = getattr(wind, "rate", None)
     count = FIRST if rate is None else 1 + max(1, math.ceil(rate * horizon / ANGLE))
+    if count > MOST_NEEDED:
+        raise InputError(
+            f"the wind turns by {rate:g} rad/s, which asks for {count} knots of departure in {horizon:.0f} s; "
+            f"costs can have {MOST_NEEDED}"
+        )
     times = np.linspace(0.0, horizon, count)
     costs = legs.at(times)
     while True:

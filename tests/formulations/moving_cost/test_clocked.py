@@ -64,6 +64,12 @@ def test_a_window_reaches_the_instance_and_its_knots_reach_as_far() -> None:
     assert waiting.travel.departures[-1] >= at_once.travel.departures[-1] + 1200.0
 
 
+def test_a_wind_that_turns_too_fast_for_knots_is_refused() -> None:
+    scenario = replace(make_scenario("wind-turning", 4, 2, 0), wind=Turning((5.0, 0.0), 90.0))
+    with pytest.raises(InputError, match=r"the wind turns by 90 rad/s, which asks for \d+ knots of departure"):
+        clocked_instance(scenario)
+
+
 def test_service_is_spent_before_and_after_the_leg() -> None:
     scenario = make_scenario("wind-turning", 2, 1, 0)
     serving = replace(scenario, fleet=Fleet(service=np.array([600.0, 60.0])))

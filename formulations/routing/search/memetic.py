@@ -171,6 +171,8 @@ class Memetic(RecordedSolver):
     ) -> list[Population]:
         """Return `count` populations; `objective` [s] is that of the start."""
         parameters, costs, populations = self._with_options(), search_costs(instance), []
+        if instance.by_metric is not None:
+            parameters = replace(parameters, schedule=parameters.schedule.of_many(instance.n_depots))
         data: ProblemData | None = None
         for i in range(count):
             endurance = Endurance(instance, costs)

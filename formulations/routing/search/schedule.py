@@ -10,11 +10,16 @@ that tour and a colder end. Temperatures are in mean legs, so that they suit ins
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from formulations.routing.search.energy import TINY, Objective, excess, p_norm
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.tours import Tours
+
+USUAL_TOURS = 5
+"""Tours of the instances that the temperatures were tuned on, about."""
+MANY_BELOW, MANY_LAST, MANY_SOFTNESS = 0.01, 0.0045, (3.0, 2.0)
+"""`ScheduleParameters` of many tours: a colder end, of which the packing below the cap takes a share as before."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,16 @@ class ScheduleParameters:
     def draw_softness(self, rng: Rng) -> float:
         """Return one of `softness`."""
         return self.softness[below(rng, len(self.softness))]
+
+    def of_many(self, n_depots: int) -> ScheduleParameters:
+        """Return those of one annealing of many tours, as there is without a matrix of costs.
+
+        What a leg counts for in a norm of m tours falls as 1/m, so it begins hotter by as much. 20,000 tasks, 50 UAVs,
+        8 CPU s: longest tour 2192 s as it is, 2157 s begun at 10 mean legs, 2147 s with all of this.
+        """
+        final = replace(self.final, below=MANY_BELOW)
+        hotter = max(1.0, n_depots / USUAL_TOURS)
+        return replace(self, founder=hotter * self.founder, last=MANY_LAST, softness=MANY_SOFTNESS, final=final)
 
 
 @dataclass(frozen=True)

@@ -74,6 +74,8 @@ class MetricCosts:
     def __getitem__(self, key: Any) -> Any:
         """Return costs [s] as a matrix would; of a pair with a slice every row meets every column."""
         i, j = key if isinstance(key, tuple) else (key, slice(None))
+        if i is None or j is None:  # whoever wants more axes wants the matrix
+            self.__array__()
         nodes = np.arange(len(self))
         rows, columns = nodes[i], nodes[j]
         if np.ndim(rows) and np.ndim(columns) and (isinstance(i, slice) or isinstance(j, slice)):

@@ -61,7 +61,7 @@ def test_routes_are_checked_and_priced_alike():
 
 def test_who_wants_a_matrix_is_refused_in_a_sentence():
     instance = lazily(METRICS[0])
-    for wants in (np.asarray, lambda cost: np.minimum(cost, 3.0)):
+    for wants in (np.asarray, lambda cost: np.minimum(cost, 3.0), lambda cost: cost[None, None]):
         with pytest.raises(InputError, match="this asks for one"):
             wants(instance.cost)
     assert "memetic" in (refusal(make_solver("exact"), instance) or "")

@@ -1,5 +1,8 @@
 """Kernels without a matrix: legs, neighbourhoods and greedy routes are those of the matrix."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -68,3 +71,21 @@ def test_memetic_searches_without_a_matrix():
     assert makespan(matrix, found.routes) == pytest.approx(found.objective, rel=1e-9)
     greedy = Greedy().solve(places, limits=Limits(time=60.0))
     assert found.objective < greedy.objective
+
+
+SOLVES_20_000 = """
+import resource
+from formulations.limits import Limits
+from formulations.moving_cost.families import generate
+from formulations.routing.search.memetic import Memetic
+instance = generate("uniform", 20_000, 50, 0)
+Memetic().solve(instance, limits=Limits(time=60.0, iterations=40_000))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6)
+"""
+
+
+@pytest.mark.slow
+def test_twenty_thousand_tasks_take_less_than_a_gigabyte():
+    ran = subprocess.run([sys.executable, "-c", SOLVES_20_000], capture_output=True, text=True, check=True)
+    gigabytes = float(ran.stdout)
+    assert gigabytes < 1.0  # a matrix would be 3.2

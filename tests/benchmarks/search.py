@@ -72,6 +72,8 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
         one_site=replace(FULL.one_site, fine_share=0.0, reheating=NO_REHEATING),
     ),
     "no reheating": replace(FULL, one_site=replace(FULL.one_site, reheating=NO_REHEATING)),
+    "no pull of the mean over plateaus": replace(FULL, schedule=replace(FULL.schedule, most_weight=0.0)),
+    "no equals in the population": replace(FULL, population=replace(FULL.population, apart=1.0)),
     "no wide recreation": replace(FULL, one_site=replace(FULL.one_site, width=FULL.several_depots.width)),
 }
 ABLATIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic

@@ -19,6 +19,8 @@ from instances.kernels import njit
 
 TINY = 1e-300
 """Tours that cost nothing are scaled by this [s]."""
+TIE = 1e-7
+"""Share of the mean tour in fitness: small, it only tells ties apart."""
 
 
 class MeasureKind(IntEnum):
@@ -115,13 +117,16 @@ def fitness(lengths: Floats, measure: Measure) -> float:
 
     Of two with the same longest tour that with fewer long ones is fitter. By the excess over the longest tour of the
     incumbent many tours nearly as long are no fault, as they are in the norm: tight packings consist of them.
+    Of equals that with the smaller total is fitter: there is room in it.
     """
-    if measure.kind == MeasureKind.P_NORM:
-        return norm(lengths, measure.p)
-    total = 0.0
+    total, excess = 0.0, 0.0
     for length in lengths:
-        total += max(0.0, length - measure.cap)
-    return total if total > 0.0 else longest(lengths) - measure.cap
+        total += length
+        excess += max(0.0, length - measure.cap)
+    tie = TIE * total / lengths.size
+    if measure.kind == MeasureKind.P_NORM:
+        return norm(lengths, measure.p) + tie
+    return (excess if excess > 0.0 else longest(lengths) - measure.cap) + tie
 
 
 @njit(cache=True, nogil=True)

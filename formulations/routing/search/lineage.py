@@ -12,7 +12,7 @@ from formulations.routing.search.energy import Measure, MeasureKind, excess, fit
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below
-from formulations.routing.search.tours import Tours, duplicate
+from formulations.routing.search.tours import Tours, broken_pairs, duplicate
 
 
 class Lineage:
@@ -91,19 +91,30 @@ class Lineage:
         return self._barren / (self.strategy.settling * self.founders)
 
     def _select(self, newcomer: Tours) -> bool:
-        """Add a copy of `newcomer` unless a member equals it; keep the best members; return whether it is in."""
+        """Add a copy of `newcomer` where it is better than a member; return whether it is new and in.
+
+        An equal of members takes the place of that most like it, unless there is room for an equal that is no copy;
+        new it is not: the best of equals may change without end.
+        """
         measure, same = self.measure, self.parameters.population.same * self.incumbent
         value = fitness(newcomer.cost, measure)
         values = [fitness(member.cost, measure) for member in self.members]
-        if any(abs(value - other) <= same for other in values):
-            return False
-        if len(values) >= max(2, self.founders):
-            worst = int(np.argmax(values))
-            if value >= values[worst]:
+        equals = [i for i, other in enumerate(values) if abs(value - other) <= same]
+        full = len(values) >= max(2, self.founders)
+        worst = int(np.argmax(values)) if values else -1
+        if equals:
+            change, nearest = min((broken_pairs(newcomer, self.members[i], self.data.site), i) for i in equals)
+            copy = change <= self.parameters.population.apart * self.data.size[0]
+            if copy or (full and value + same >= values[worst]):
+                if value <= values[nearest]:
+                    self.members[nearest] = duplicate(newcomer)
                 return False
+        elif full and value >= values[worst]:
+            return False
+        if full:
             del self.members[worst]
         self.members.append(duplicate(newcomer))
-        return True
+        return not equals
 
     def _parents(self) -> tuple[Tours, Tours]:
         """Return a copy of a random member, to become a child, and another member."""

@@ -36,7 +36,9 @@ class PopulationParameters:
     instances gain more by new starts.
     child, perturbed: lengths of the stages of a child and of a perturbed member, in those of a founder: both keep most
     of their tours.
-    same: tours whose fitness differs by less than this share of the incumbent's longest count as copies.
+    same: solutions whose fitness differs by less than this share of the incumbent's longest tour are equals; a total
+    tells less (energy.py).
+    apart: share of the tasks that must have other neighbours for an equal of a member to be no copy of it.
     """
 
     size: int = 8
@@ -49,7 +51,8 @@ class PopulationParameters:
     enough: int = 25_000
     child: float = 0.5
     perturbed: float = 0.15
-    same: float = 1e-9
+    same: float = 2e-7
+    apart: float = 0.05
 
 
 @dataclass(frozen=True)

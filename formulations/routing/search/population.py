@@ -19,7 +19,7 @@ from formulations.routing.search.lineage import Lineage
 from formulations.routing.search.local_search import intensify
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
-from formulations.routing.search.problem_data import ProblemData
+from formulations.routing.search.problem_data import ProblemData, grain_of
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule
@@ -47,6 +47,7 @@ class Population(Lineage):
     ) -> None:
         super().__init__(data, parameters, rng, 1)
         self.endurance, self._steps = endurance, self.annealing
+        self.grain = 0.0 if endurance.limited else grain_of(data.costs)
         schedule = parameters.schedule
         self._newcomer = Newcomer(start if start is not None else self._constructed(), schedule.founder, self.founder)
         self._schedule = Schedule(schedule.founder, schedule.softness[0], schedule.final)
@@ -59,7 +60,9 @@ class Population(Lineage):
         tours, part = self._newcomer.tours, self._newcomer.subproblem
         data, best = (self.data, self.best) if part is None else (part.data, part.best)
         incumbent, fittest = self.incumbent, self._fittest
-        temperature, objective = self._schedule.at(self._done(now), fittest, incumbent, self.parameters.schedule)
+        temperature, objective = self._schedule.at(
+            self._done(now), fittest, incumbent, self.parameters.schedule, self.grain
+        )
         anneal(data, tours, best, fittest, self.rng, steps, temperature, objective, self.measure, self._steps)
         self.improved = self.improved or self.best.cost.max() < incumbent
         if part is None:

@@ -19,6 +19,8 @@ from instances.kernels import njit
 
 Nodes = NDArray[np.int32]
 """Node numbers: tasks 0..n−1, then depots."""
+_LARGEST_WHOLE = 2.0**53
+"""Sums of larger whole numbers are rounded."""
 
 
 class ProblemData(NamedTuple):
@@ -48,6 +50,17 @@ def problem_data(costs: Costs, n_tasks: int, parameters: NeighbourhoodParameters
     anyones = least(costs)
     site = depot_sites(anyones, n_tasks, kinds(costs, len(anyones.out) - n_tasks))
     return ProblemData(costs, granular_neighbourhood(anyones, n_tasks, parameters), site)
+
+
+def grain_of(costs: Costs) -> float:
+    """Return what all legs are whole multiples of [s], 0 where they are not whole numbers or have no matrix."""
+    if isinstance(costs, PlaceCosts):
+        return 0.0
+    cost = costs.out
+    for rows in (cost[:1], cost):
+        if not np.array_equal(rows, np.rint(rows)) or rows.max(initial=0.0) > _LARGEST_WHOLE:
+            return 0.0
+    return float(np.gcd.reduce(cost.astype(np.int64), axis=None))
 
 
 def depot_sites(costs: AlikeCosts, n_tasks: int, kind: Ints) -> Ints:
@@ -83,12 +96,17 @@ class GranularNeighbourhood(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def keep_nearest(there: Floats, back: Floats, v: int, first: int, out: Nodes) -> None:
-    """Write to `out` the nodes nearest to v, v left out; there[i] and back[i] are the costs to and from first + i."""
-    room = out.size
+    """Write to `out` the nodes nearest to v, v left out; there[i] and back[i] are the costs to and from first + i.
+
+    Of nodes equally near those that follow v in number come first, so that where many are not all tasks get the same.
+    """
+    room, size = out.size, there.size
     held = 0
     value = np.empty(room)
     farthest = np.inf
-    for i in range(there.size):
+    i = (v - first) % size
+    for _ in range(size):
+        i = i + 1 if i + 1 < size else 0
         d = min(there[i], back[i])
         if (held == room and d >= farthest) or first + i == v:
             continue

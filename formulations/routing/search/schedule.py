@@ -5,6 +5,9 @@ each annealing: a soft norm makes room in crowds of long tours, a sharp one find
 In the end what counts is the excess over a cap just below the longest tour of the incumbent, and the annealing goes on
 to temperatures below the small shares of a tour by which good packings differ. A fine annealing has a cap nearer to
 that tour and a colder end. Temperatures are in mean legs, so that they suit instances of any size and unit.
+Where costs are multiples of a grain that is no small part of a leg, whole numbers in most cases, the excess has
+plateaus: it is the mean that tells their points apart and pulls, the more the coarser the grain, and the cap is the
+next longest tour that can be had.
 """
 
 from __future__ import annotations
@@ -47,6 +50,8 @@ class ScheduleParameters:
     mean_weight: share ε of the mean tour in the energy at the temperature of a founder, and in the end.
     softness: p = max_k C_k / (softness · temperature), one of these drawn for each annealing.
     largest_p: a larger p tells lengths apart that differ by less than 0.2 %, which is left to the final phase.
+    grain_weight, most_weight: ε is (grain_weight · grain in mean legs)² at least, but most_weight at most.
+    quiet: last temperature, at least, in the energy of a grain of one tour's length in the mean.
     final: the usual final phase; without its cap, and those of fine annealings, mean gaps grow by at most 0.1 %.
     """
 
@@ -57,6 +62,9 @@ class ScheduleParameters:
     mean_weight: tuple[float, float] = (0.5, 0.02)
     softness: tuple[float, float] = (8.0, 2.0)
     largest_p: int = 499
+    grain_weight: float = 10.0
+    most_weight: float = 5.0
+    quiet: float = 0.2
     final: FinalPhase = FinalPhase(below=0.015, margin=1e-3, last=1e-4)
 
     def draw_softness(self, rng: Rng) -> float:
@@ -83,19 +91,24 @@ class Schedule:
     final: FinalPhase
 
     def at(
-        self, done: float, tours: Tours, incumbent: float, parameters: ScheduleParameters
+        self, done: float, tours: Tours, incumbent: float, parameters: ScheduleParameters, grain: float = 0.0
     ) -> tuple[float, Objective]:
         """Return (temperature [s], objective) at `done` in 0..1 of an annealing; legs are those of `tours`.
 
-        incumbent [s]: the longest of the best tours known.
+        incumbent [s]: the longest of the best tours known; grain [s]: what all costs are whole multiples of, or 0.
         """
         leg = max(float(tours.cost.sum()) / tours.after.size, TINY)  # an empty tour has a leg of 0
         legs = float(tours.cost.max()) / leg
-        last = max(min(parameters.last, self.final.last * legs), TINY)
-        now = self.first * (last / self.first) ** done
         even, peaked = parameters.mean_weight
+        coarseness = parameters.grain_weight * grain / leg
+        least = min(parameters.most_weight, coarseness * coarseness)
+        even, peaked = max(even, least), max(peaked, least)
+        quiet = min(parameters.quiet * peaked * grain / (leg * tours.cost.size), 0.5 * self.first)
+        last = max(min(parameters.last, self.final.last * legs), quiet, TINY)
+        now = self.first * (last / self.first) ** done
         weight = peaked * (even / peaked) ** (math.log(now / last) / math.log(parameters.founder / last))
         if now < self.final.below:
-            return leg * now, Objective(excess((1.0 - self.final.margin) * incumbent), weight)
+            cap = min((1.0 - self.final.margin) * incumbent, incumbent - grain)
+            return leg * now, Objective(excess(cap), weight)
         p = int(min(parameters.largest_p, max(2.0, legs / (self.softness * now))))
         return leg * now, Objective(p_norm(p), weight)

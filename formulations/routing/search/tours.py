@@ -12,7 +12,7 @@ import numpy as np
 from formulations.routing.search.costs import Costs, leg, leg_into, n_nodes
 from formulations.routing.search.problem_data import Nodes
 from instances import Routes
-from instances.arrays import Floats
+from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
 
@@ -141,6 +141,17 @@ def reprice(costs: Costs, tours: Tours) -> None:
         if tours.tour[u] >= 0:
             join(costs, tours, tours.tour[u], u, tours.after[u])
     sum_costs(tours)
+
+
+def broken_pairs(tours: Tours, other: Tours, site: Ints) -> int:
+    """Return how many tasks are flown before another node in `tours` than they are before or behind in `other`.
+
+    Depots at one site, as `site` (m,) says, are one node: the distance of Prins, Comput. Oper. Res. 36 (2009).
+    """
+    n = tours.after.size - site.size
+    node = np.concatenate([np.arange(n), n + site])
+    after, others, behind = (node[ring[:n]] for ring in (tours.after, other.after, other.before))
+    return int(np.count_nonzero((after != others) & (after != behind)))
 
 
 @njit(cache=True, nogil=True)

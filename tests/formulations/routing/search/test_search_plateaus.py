@@ -1,0 +1,104 @@
+"""Whole-number costs with many ties: what tells solutions of equal longest tours apart, and what pulls."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from formulations.routing.search import tours as rings
+from formulations.routing.search.costs import both_ways
+from formulations.routing.search.endurance import Endurance
+from formulations.routing.search.energy import excess, fitness, p_norm
+from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.population import Population
+from formulations.routing.search.problem_data import NeighbourhoodParameters, grain_of, problem_data
+from formulations.routing.search.randomness import seeded
+from formulations.routing.search.schedule import Schedule, ScheduleParameters
+from instances import Instance
+
+N, M = 12, 2
+FLAT = Instance("flat", 3.0 - 3.0 * np.eye(N + M), N, M)
+SCHEDULE = ScheduleParameters()
+COLD = Schedule(SCHEDULE.founder, 8.0, SCHEDULE.final)
+
+
+@pytest.mark.parametrize(
+    ("costs", "grain"),
+    [([4.0, 6.0], 2.0), ([3.0, 5.0], 1.0), ([0.0, 0.0], 0.0), ([1.0, 2.5], 0.0), ([1.0, 1e20], 0.0)],
+)
+def test_the_grain_is_the_greatest_common_divisor_of_whole_numbers(costs, grain):
+    assert grain_of(both_ways(np.array([costs, costs[::-1]]))) == grain
+
+
+def level(cost):
+    """Return two tours of eight legs in all that cost as much each."""
+    tours = rings.empty_tours(6, 2)
+    tours.cost[:] = cost
+    return tours
+
+
+def test_a_coarse_grain_lowers_the_cap_to_the_next_tour_and_lets_the_mean_pull():
+    _, fine = COLD.at(1.0, level(40.0), 40.0, SCHEDULE)
+    temperature, coarse = COLD.at(1.0, level(40.0), 40.0, SCHEDULE, grain=1.0)
+    assert fine.measure == excess(40.0 * (1.0 - SCHEDULE.final.margin))
+    assert coarse.measure == excess(39.0)
+    assert coarse.mean_weight == pytest.approx((SCHEDULE.grain_weight * 1.0 / 10.0) ** 2)
+    assert temperature == pytest.approx(SCHEDULE.quiet * coarse.mean_weight * 1.0 / 2)
+    assert COLD.at(0.0, level(40.0), 40.0, SCHEDULE, grain=1.0)[0] == COLD.at(0.0, level(40.0), 40.0, SCHEDULE)[0]
+
+
+@pytest.mark.parametrize("cost", [0.0, 1.0, 1e6])
+@pytest.mark.parametrize("done", [0.0, 0.5, 1.0])
+def test_no_grain_and_no_length_of_tours_break_the_schedule(cost, done):
+    for grain in (0.0, 1.0, 1e6):
+        temperature, objective = COLD.at(done, level(cost), cost, SCHEDULE, grain)
+        assert 0.0 <= temperature < np.inf
+        assert SCHEDULE.mean_weight[1] * 0.99 <= objective.mean_weight <= SCHEDULE.most_weight
+
+
+@pytest.mark.parametrize("measure", [p_norm(128), excess(10.0), excess(9.0)])
+def test_of_equals_the_one_with_the_smaller_total_is_fitter(measure):
+    assert fitness(np.array([10.0, 5.0, 4.0]), measure) < fitness(np.array([10.0, 5.0, 5.0]), measure)
+
+
+def test_where_all_are_equally_near_tasks_have_different_neighbours():
+    near = problem_data(both_ways(FLAT.cost), N, NeighbourhoodParameters(tasks=3)).near.tasks
+    assert near.tolist() == [[(v + 1) % N, (v + 2) % N, (v + 3) % N] for v in range(N)]
+
+
+@given(st.permutations(range(N)), st.integers(0, N))
+@settings(deadline=None, max_examples=20)
+def test_tours_turned_or_flown_by_another_uav_of_the_site_are_the_same(order, cut):
+    costs, first, second = both_ways(FLAT.cost), tuple(order[:cut]), tuple(order[cut:])
+    tours = rings.from_routes(costs, (first, second))
+    together, apart = np.zeros(M, np.int64), np.arange(M)
+    same = rings.from_routes(costs, (second[::-1], first))
+    assert rings.broken_pairs(tours, same, together) == 0
+    assert rings.broken_pairs(tours, same, apart) == len({*first[-1:]}) + len({*second[-1:]})
+
+
+def test_a_population_keeps_equals_that_differ_and_of_copies_the_one_with_the_smaller_total():
+    cost = FLAT.cost.copy()
+    cost[0, 1] = 2.0
+    data = problem_data(both_ways(cost), N, NeighbourhoodParameters())
+    members = replace(SearchParameters().population, apart=0.3)
+    parameters = replace(SearchParameters(), population=members)
+    population = Population(data, Endurance(FLAT, data.costs), parameters, seeded(1), None)
+    population.founders, population.members = 3, []
+
+    def select(*routes):
+        return population._select(rings.from_routes(data.costs, routes))
+
+    long, short = (2, 3, 4, 5, 6, 7, 8), (0, 9, 1, 10, 11)
+    assert select(long, short)
+    assert not select(long[::-1], short)
+    assert not select(long, (9, 0, 1, 10, 11))
+    assert [rings.to_routes(member) for member in population.members] == [(long, (9, 0, 1, 10, 11))]
+    assert not select(long, short)
+    assert population.members[0].cost.sum() == 3.0 * (N + M) - 1.0
+    assert not select((5, 0, 7, 2, 10, 3, 8), (4, 9, 6, 1, 11))
+    assert len(population.members) == 2
+    assert select((2, 0, 1, 3, 4, 5, 6), (7, 8, 9, 10, 11))
+    assert len(population.members) == 3

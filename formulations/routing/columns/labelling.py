@@ -158,10 +158,12 @@ def _expand(
             if has(seen, j) or not spent <= cap:
                 continue
             earned = store.gain[label] + price[j]
+            left = bins_left(cap - spent, bins)
+            if sigma * spent - earned + best[j, left, 0] >= threshold:  # with nothing remembered: most end here
+                continue
             for q in range(rho.shape[1]):
                 if rho[j, q] > 0 and has(seen, partners[j, q, 0]) != has(seen, partners[j, q, 1]):
                     earned -= rho[j, q]
-            left = bins_left(cap - spent, bins)
             least = sigma * spent - earned + best[j, left, memory_of(near, members, seen, j)]
             if least >= threshold:
                 continue

@@ -81,7 +81,7 @@ class BranchAndPrice(RecordedSolver):
     starts: int = 1
     bins: int = 500
     labels: int = 16_000_000
-    tours: int = 3_000_000
+    tours: int = 6_000_000
 
     proves: ClassVar[bool] = True
     axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance", "time", "states"})
@@ -179,7 +179,9 @@ class BranchAndPrice(RecordedSolver):
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         most = worst_makespan(instance) if instance.restricted else np.inf
-        return Tree(legs, _columns(recorder), work, bound, most)
+        # states may differ where their least legs do not, and certificates know no UAVs that are alike
+        kinds = None if log is not None or "states" in instance.axes else legs.kinds()
+        return Tree(legs, _columns(recorder), work, bound, most, kinds)
 
     def improve(self, recorder: Recorder, seed: int, runs: int) -> None:
         """Look for routes: search `runs` times, from different seeds, for a third of the time left.

@@ -18,7 +18,7 @@ import numpy as np
 from formulations.routing.columns.completion import Bins, bins_left, completion
 from formulations.routing.columns.label_search import Subproblem
 from formulations.routing.columns.legs import Legs, UavLegs
-from formulations.routing.columns.pricing import DualBound, Pricer
+from formulations.routing.columns.pricing import DualBound, Pricer, Twin
 from instances.arrays import Floats
 from instances.kernels import njit
 
@@ -26,9 +26,15 @@ from instances.kernels import njit
 def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
     """Return the legs left, of `uavs` only those needed by routes of cost ≤ the pricer's cap."""
     legs, allowed = pricer.legs.copy(), at.allowed(pricer.cap)
+    done: dict[Twin, int] = {}
     for k in uavs:
         if pricer.out_of_time():
             break
+        twin = done.setdefault(pricer.twin(k, at.duals, float(allowed[k])), k)
+        if twin != k:
+            for left in (legs.out, legs.between, legs.home):
+                left[k] = left[twin]
+            continue
         problem = pricer.subproblem(k, at.duals)
         bins = Bins.of(problem.legs, problem.cap, problem.bins.most, problem.bins.courses, backwards=True)
         behind = completion(bins, problem.memory, problem.watch, problem.price, problem.sigma)

@@ -16,7 +16,7 @@ from enum import Enum, auto
 import numpy as np
 
 from formulations.routing.columns.label_search import Clock
-from formulations.routing.columns.master import Master
+from formulations.routing.columns.master import Master, Optimum
 from formulations.routing.columns.pricing import DualBound, Duals, Priced, Prices
 from instances.arrays import Floats
 
@@ -49,14 +49,21 @@ class Relaxation:
 
 
 def generate(
-    master: Master, pricers: Sequence[Prices], cap: float, out_of_time: Clock, centre: DualBound | None = None
+    master: Master,
+    pricers: Sequence[Prices],
+    cap: float,
+    out_of_time: Clock,
+    centre: DualBound | None = None,
+    reserve: Prices | None = None,
 ) -> Relaxation:
     """Solve the relaxation over tours of cost ≤ `cap`, by `pricers` from the quickest to the strongest.
 
     centre : the best bound of a relaxation with no fewer tours and no more cuts; it still holds, and new duals are
         sought near it. With it to fall back to, generation is stuck as soon as the strongest pricer loses labels.
+    reserve : prices some tours of some UAVs quickly; what it finds needs no other pricer, that it finds none is no
+        bound.
     """
-    value, at_master, weight = master.solve()
+    value, at_master, weight = _settled(master, reserve, cap, out_of_time)
     best, trust = DualBound(-np.inf, at_master, np.zeros(pricers[0].n_uavs)), 1.0
     if centre is not None:
         best, trust = centre, _SMOOTHING
@@ -77,18 +84,29 @@ def generate(
         if centre is not None and strongest and not complete:
             return Relaxation(Ended.STUCK, best, weight, rounds)
         if master.add([c for p in priced for c in p.columns]):
-            value, at_master, weight = master.solve()
+            value, at_master, weight = _settled(master, reserve, cap, out_of_time)
             if value - best.value <= _CLOSE * (cap - best.value) and not master.penalised:
                 return Relaxation(Ended.SOLVED, best, weight, rounds)
             trust = _SMOOTHING if value - best.value > _EXACT * cap else 1.0
         elif trust < 1.0:
             trust = 1.0
         elif master.widen(2 * cap):
-            _, at_master, weight = master.solve()
+            _, at_master, weight = _settled(master, reserve, cap, out_of_time)
         elif not complete and not strongest:
             level += 1
         else:
             return Relaxation(Ended.SOLVED if complete else Ended.STUCK, best, weight, rounds)
+
+
+def _settled(master: Master, reserve: Prices | None, cap: float, out_of_time: Clock) -> Optimum:
+    """Solve the master over its columns and all of the reserve."""
+    optimum = master.solve()
+    while reserve is not None and not out_of_time():
+        priced = _price_all(reserve, optimum.duals, cap, out_of_time)
+        if priced is None or not master.add([c for p in priced for c in p.columns]):
+            break
+        optimum = master.solve()
+    return optimum
 
 
 def _price_all(pricer: Prices, duals: Duals, cap: float, out_of_time: Clock) -> list[Priced] | None:

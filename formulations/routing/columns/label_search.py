@@ -29,6 +29,7 @@ def never() -> bool:
 
 
 _CHUNK = 50_000
+_EARLY = 50  # part of the room: of fewer labels nothing is projected
 _LESS = 2.0  # how much less than there will be is projected, for tours of ten tasks and more
 
 
@@ -162,7 +163,7 @@ def search(
             stopped, free = store.expand(problem, threshold, low, min(low + _CHUNK, end), free, room)
         store.clear(end, free)
         layers.append(free - end)
-        if stopped or (labels is not None and end + _LESS * _projected(layers) > room):
+        if stopped or (labels is not None and free > room // _EARLY and end + _LESS * _projected(layers) > room):
             complete = False
             break
         begin, end = end, free

@@ -17,7 +17,7 @@ import numpy as np
 from formulations.routing.clocks import clocks_of
 from formulations.routing.columns.courses import Courses, by_clock
 from instances import Instance
-from instances.arrays import Bools, Floats
+from instances.arrays import Bools, Floats, Ints
 from instances.routes import ENDURANCE_ROUNDING
 from instances.walks import shortest_walks
 
@@ -104,6 +104,17 @@ class Legs:
             out[out + back > limit] = np.inf
             home[there + home > limit] = np.inf
         return left
+
+    def kinds(self) -> Ints:
+        """Return for every UAV the first that nothing in these legs tells it apart from, (m,)."""
+        kinds = np.arange(self.n_uavs)
+        for k in kinds:
+            for first in range(k):
+                pairs = ((a[k], a[first]) for a in (self.longest, self.out, self.home, self.between))
+                if not self.courses and all(np.array_equal(one, other) for one, other in pairs):
+                    kinds[k] = first
+                    break
+        return kinds
 
     def without(self, task: int, uavs: list[int]) -> Legs:
         """Forbid `task` to `uavs`."""

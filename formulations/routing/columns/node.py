@@ -18,9 +18,9 @@ from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, DualBound, Effort, Efforts, Pricer
 from formulations.routing.columns.proof_log import ProofLog
-from instances.arrays import Bools, Floats
+from instances.arrays import Bools, Floats, Ints
 
-_FIRST_ROOM = 1_000_000  # labels of the first attempt to list the tours
+_FIRST_ROOM = 4_000_000  # labels of the first attempt to list the tours
 
 
 @dataclass
@@ -57,12 +57,16 @@ class Node:
     room : labels to list the tours with next time.
     listing_failed : gap [s] at which the tours did not fit a list.
     fixed_at : gap [s] at which legs were fixed away last, here or above.
+    kinds : UAVs of one number are alike: any permutation of them turns routes allowed here into such routes.
+    reserve : some tours of UAVs that are not listed, to look for columns in first.
     """
 
     legs: Legs
     bound: float
     columns: list[Column]
     pool: Pool
+    kinds: Ints
+    reserve: Pool
     cuts: tuple[Cut, ...] = ()
     centre: DualBound | None = None
     room: int = _FIRST_ROOM
@@ -70,6 +74,12 @@ class Node:
     fixed_at: float = np.inf
     number: int = 0
     proof: DualBound | None = None
+
+    @classmethod
+    def root(cls, legs: Legs, bound: float, columns: list[Column], kinds: Ints) -> Node:
+        """Return a node of which nothing is known but its legs, a bound and some columns."""
+        pool = Pool.empty(legs.n_uavs, legs.n_tasks)
+        return cls(legs, bound, columns, pool, kinds, pool)
 
     def may_visit(self) -> Bools:
         """Say which UAV may still take which task, shape (m, n)."""
@@ -80,11 +90,22 @@ class Node:
         if best.value > self.bound:
             self.bound, self.proof = best.value, best
 
+    def alike(self, k: int) -> list[int]:
+        """Return the UAVs like UAV k, itself among them."""
+        return np.flatnonzero(self.kinds == self.kinds[k]).tolist()
+
+    def giving(self, task: int, k: int, number: int) -> Node:
+        """Return the node with `task` given to UAV k, which is then like no other."""
+        child = self.child(task, [other for other in range(self.legs.n_uavs) if other != k], number)
+        child.kinds = np.where(np.arange(self.kinds.size) == k, self.kinds.max() + 1, self.kinds)
+        return child
+
     def child(self, task: int, uavs: list[int], number: int) -> Node:
         """Return the node with `task` forbidden to `uavs`."""
         columns = [c for c in self.columns if c.uav not in uavs or task not in c.tasks]
-        legs, pool = self.legs.without(task, uavs), self.pool.without(task, uavs)
-        return replace(self, legs=legs, columns=columns, pool=pool, number=number)
+        pool, reserve = (tours.without(task, uavs) for tours in (self.pool, self.reserve))
+        legs = self.legs.without(task, uavs)
+        return replace(self, legs=legs, columns=columns, pool=pool, reserve=reserve, number=number)
 
     def lighten(self, cap: float) -> None:
         """Drop the cuts that nothing pays for, and the columns that are in no routes of cost ≤ `cap`."""

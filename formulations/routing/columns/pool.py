@@ -8,17 +8,21 @@ the cheapest matters. The list of a UAV is given up, not cut, when it does not f
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import TaskCuts
-from formulations.routing.columns.label_search import Orders, path, search
-from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer
+from formulations.routing.columns.label_search import Found, Labels, Orders, path, search
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer, Twin
 from formulations.routing.columns.word_sets import has
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
+
+_SHARES = (0.6, 0.45, 0.3, 0.15)  # of the gap, of which tours are kept in reserve: the first that fits
+_RESERVE_LABELS, _RESERVE = 1_500_000, 300_000
 
 _DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
 """A word of 64 bits whose 64 windows of six all differ: a product with it tells which bit of a word is its lowest."""
@@ -57,6 +61,11 @@ class Pool:
             np.concatenate([self.label, label]),
             {**self.orders, k: orders},
         )
+
+    def copying(self, source: int, k: int, others: Pool) -> Pool:
+        """Return the pool with the tours that UAV `source` has in `others` as those of UAV k."""
+        block = others.block(source)
+        return self.listing(k, others.visited[block], others.cost[block], others.label[block], others.orders[source])
 
     @property
     def size(self) -> int:
@@ -203,12 +212,50 @@ def list_tours(pool: Pool, pricer: Pricer, at: DualBound, labels: int, room: int
     """
     allowed = at.allowed(pricer.cap)
     n_legs = np.isfinite(pricer.legs.between).sum(axis=(1, 2))
+    done: dict[Twin, int] = {}
     for k in sorted(np.flatnonzero(~pool.listed).tolist(), key=lambda k: int(n_legs[k])):
-        problem, threshold = pricer.subproblem(k, at.duals), float(allowed[k])
-        store = pricer.store.of_uav(k)
+        threshold = float(allowed[k])
+        twin = done.setdefault(pricer.twin(k, at.duals, threshold), k)
+        if twin != k:
+            block = pool.block(twin)
+            if pool.size + block.stop - block.start > room:
+                return pool, 0
+            pool = pool.copying(twin, k, pool)
+            continue
+        problem, store = pricer.subproblem(k, at.duals), pricer.store.of_uav(k)
         found = search(problem, store, threshold, pricer.out_of_time, labels=labels, tours=room - pool.size)
         if not found.complete:
             return pool, found.labels
-        orders, ends = store.orders(found)
-        pool = pool.listing(k, found.visited, found.costs, ends, Orders(orders.last.copy(), orders.parent.copy()))
+        pool = _listing(pool, k, store, found)
     return pool, 0
+
+
+def reserve_tours(known: Pool, pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Pool:
+    """Return the tours of `uavs` nearest to routes of the relaxation: as large a share of the gap as fits.
+
+    They are columns that pricing need not search for; that there are no others is left to the label search. Of a UAV
+    with too many even of the smallest share those `known` are kept.
+    """
+    pool, done = Pool.empty(pricer.n_uavs, pricer.legs.n_tasks), dict[Twin, int]()
+    for k in uavs:
+        twin = done.setdefault(pricer.twin(k, at.duals, float(at.least[k])), k)
+        if twin != k and pool.listed[twin]:
+            pool = pool.copying(twin, k, pool)
+            continue
+        problem, store = pricer.subproblem(k, at.duals), pricer.store.of_uav(k)
+        for share in _SHARES:
+            threshold = float(at.least[k]) + share * (pricer.cap - at.value)
+            found = search(problem, store, threshold, pricer.out_of_time, labels=_RESERVE_LABELS, tours=_RESERVE)
+            if found.complete:
+                pool = _listing(pool, k, store, found)
+                break
+        else:
+            if known.listed[k]:
+                pool = pool.copying(k, k, known)
+    return pool
+
+
+def _listing(pool: Pool, k: int, store: Labels, found: Found) -> Pool:
+    """Return the pool with the tours found of UAV k."""
+    orders, ends = store.orders(found)
+    return pool.listing(k, found.visited, found.costs, ends, Orders(orders.last.copy(), orders.parent.copy()))

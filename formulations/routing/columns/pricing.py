@@ -25,7 +25,7 @@ from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task, inc
 from formulations.routing.columns.label_search import Clock, Labels, Subproblem, never, path, search
 from formulations.routing.columns.labelling import least_of_all
 from formulations.routing.columns.legs import Legs
-from instances.arrays import Floats
+from instances.arrays import Floats, Ints
 
 _MOST_ENDS = 50_000
 _BOTTLENECK = 0.9
@@ -130,6 +130,10 @@ class Priced:
     complete: bool
 
 
+Twin = tuple[int, float, float]
+"""A kind of UAV, its σ and a threshold: UAVs that have these in common have the same tours to find."""
+
+
 class Prices(Protocol):
     """Anything that can price: the label search over legs, or a scan of a pool."""
 
@@ -154,6 +158,7 @@ class Pricer:
         self.n_uavs, self.caps = legs.n_uavs, legs.caps(cap)
         self._bins: dict[int, Bins] = {}
         self._watch: tuple[Duals | None, Watch | None] = (None, None)
+        self._priced: tuple[Duals | None, dict[Twin, Priced]] = (None, {})
 
     @cached_property
     def memory(self) -> Memory:
@@ -166,6 +171,16 @@ class Pricer:
             courses = self.legs.courses[k] if self.legs.courses else None
             self._bins[k] = Bins.of(self.legs.of_uav(k), float(self.caps[k]), self.effort.bins, courses)
         return self._bins[k]
+
+    @cached_property
+    def kinds(self) -> Ints:
+        """For every UAV the first with the same legs and the same labels."""
+        shared = all(self.store.of_uav(k) is self.store for k in range(self.n_uavs))
+        return self.legs.kinds() if shared else np.arange(self.n_uavs)
+
+    def twin(self, k: int, duals: Duals, threshold: float) -> Twin:
+        """Return what UAVs have in common that have the same tours below `threshold`, each at its own duals."""
+        return int(self.kinds[k]), float(duals.sigma[k]), threshold
 
     def watch(self, duals: Duals) -> Watch:
         """Return the cuts watched at these duals."""
@@ -184,6 +199,15 @@ class Pricer:
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
+        if self._priced[0] is not duals:
+            self._priced = (duals, {})
+        known, twin = self._priced[1], self.twin(k, duals, threshold)
+        if twin in known:
+            return replace(known[twin], columns=[replace(column, uav=k) for column in known[twin].columns])
+        known[twin] = self._price(k, duals, threshold)
+        return known[twin]
+
+    def _price(self, k: int, duals: Duals, threshold: float) -> Priced:
         problem = self.subproblem(k, duals)
         least = least_of_all(problem)
         if least >= threshold:

@@ -17,7 +17,7 @@ from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
-from formulations.routing.columns.pool import PoolPricer, list_tours
+from formulations.routing.columns.pool import PoolPricer, list_tours, reserve_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Prices
 from instances import Routes
 from instances.arrays import Floats
@@ -28,6 +28,7 @@ _CUTS_A_ROUND = 50
 _STALLED = 0.05  # of the gap: cuts that close less of it
 _ROUNDS_STALLED = 2
 _DEAR = 0.15  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
+_LONG = 15  # tasks a UAV above which labels that pay for cuts cost more than branches
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
 _USED = 1e-6  # weight of a tour
@@ -82,7 +83,9 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     stalled, dived = 0, node.centre is not None
     while True:
         gap = cap - node.bound
-        relaxation = generate(master, _pricers(node, master, cap, work), cap, work.out_of_time, node.centre)
+        pricers = _pricers(node, master, cap, work)
+        reserve = PoolPricer(node.reserve) if node.reserve.size and not node.pool.complete else None
+        relaxation = generate(master, pricers, cap, work.out_of_time, node.centre, reserve)
         best, raised = relaxation.best, relaxation.best.value - node.bound
         stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.raise_bound(best)
@@ -107,7 +110,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         work.log.put_aside(node.number, best, node.pool.listed & ~listed)
         cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
         wide = cap - best.value > _WORTH_LISTING * cap  # then a branch does more than cuts, and sooner
-        dear = not node.pool.complete and raised < _DEAR * gap
+        dear = not node.pool.complete and (raised < _DEAR * gap or master.n > _LONG * master.m)
         if not cuts or wide or dear or stalled >= _ROUNDS_STALLED:
             return _branch(node, cap, work)
         master.cut_off(cuts)
@@ -150,6 +153,7 @@ def _reduce(node: Node, at: DualBound, cap: float, work: Workspace) -> None:
     else:
         work.counts["labels in vain"] += in_vain
         node.room, node.listing_failed = _MORE_ROOM * node.room, gap
+        node.reserve = reserve_tours(node.reserve, pricer, np.flatnonzero(~node.pool.listed), at)
 
 
 def bottleneck_tour(master: Master, duals: Duals, weight: Floats) -> Column | None:

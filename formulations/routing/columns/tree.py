@@ -1,6 +1,8 @@
 """The tree: best bound first, of equal ones the newest first, branching on which UAV takes which task.
 
-A child either gives task i to UAV k (forbids it to the others) or forbids it to UAV k: together they miss no routes.
+A child either gives task i to UAV k (forbids it to the others) or forbids it to UAV k and to all that are like it: of
+UAVs that nothing has told apart yet, routes that give the task to another are those that give it to k, renamed. So the
+children together miss no routes, but for their names. A UAV is like others until a task is given to it.
 The tree's bound is the least bound of its open nodes, cut off at the cap. Bounds are often equal, because one UAV far
 out sets them all: going down where it was last then ends in routes, going through them level by level does not.
 """
@@ -12,12 +14,14 @@ import math
 from collections.abc import Sequence
 from enum import StrEnum
 
+import numpy as np
+
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Node, Workspace
-from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column
 from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
 from formulations.routing.recorder import Recorder
+from instances.arrays import Ints
 
 _EQUAL = 1e-4
 """Bounds count as equal within this share."""
@@ -37,20 +41,28 @@ class StoppedBy(StrEnum):
 class Tree:
     """Best-first branch and price.
 
+    kinds (m,) : UAVs of one number are alike (`Legs.kinds`); None: no two are.
     bound [s] : what is known before; most [s] : a cost that the best routes, if there are any, do not pass: the cap
         while none are known.
     """
 
     def __init__(
-        self, legs: Legs, columns: Sequence[Column], work: Workspace, bound: float = 0.0, most: float = math.inf
+        self,
+        legs: Legs,
+        columns: Sequence[Column],
+        work: Workspace,
+        bound: float = 0.0,
+        most: float = math.inf,
+        kinds: Ints | None = None,
     ) -> None:
         self.work, self.m, self.most = work, legs.n_uavs, most
         self._open: list[tuple[float, int, Node]] = []
         """A heap by (class of equal bounds, newest first)."""
         self._count = 0
+        kinds = np.arange(self.m) if kinds is None else kinds
         self._stuck = math.inf
         """The least bound of the nodes left aside."""
-        self.push(Node(legs, bound, list(columns), Pool.empty(self.m, legs.n_tasks)))
+        self.push(Node.root(legs, bound, list(columns), kinds))
 
     def push(self, node: Node) -> None:
         """Add an open node."""
@@ -100,8 +112,9 @@ class Tree:
                 case Pruned():
                     self.work.log.close(node.number, node.proof)
                 case Branch(uav=k, task=i):
-                    for uavs in ([k], [other for other in range(self.m) if other != k]):
-                        self.push(node.child(i, uavs, self.work.log.split(node.number, i, uavs)))
+                    forbidden, others = node.alike(k), [other for other in range(self.m) if other != k]
+                    self.push(node.child(i, forbidden, self.work.log.split(node.number, i, forbidden)))
+                    self.push(node.giving(i, k, self.work.log.split(node.number, i, others)))
                 case Stuck():
                     self._stuck = min(self._stuck, node.bound)
                     self.work.log.close(node.number, node.proof)

@@ -17,7 +17,6 @@ from formulations.routing.columns.labelling import least_of_all, make_store
 from formulations.routing.columns.legs import Legs, UavLegs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
-from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer
 from formulations.routing.columns.searching import part
 from formulations.routing.columns.tree import Tree
@@ -82,6 +81,36 @@ def test_agrees_with_subset_dp_whatever_the_start(seed: int) -> None:
     order = np.concatenate([rng.permutation(n), n + rng.permutation(m)])
     permuted = Instance("permuted", instance.cost[np.ix_(order, order)], n, m)
     agrees(permuted, BranchAndPrice(starts=0), everything_to_one, oracle.objective)
+
+
+def with_shared_depots(n: int, at: list[int], seed: int) -> Instance:
+    """Two kinds of costs; UAV k starts where UAV at[k] does."""
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(0, 100, (n + len(at), 2))
+    points[n:] = points[n + np.array(at)]
+    cost = np.hypot(*(points[None] - points[:, None]).transpose(2, 0, 1))
+    cost[:n, :n] += rng.uniform(0, 40, (n, n)) * (seed % 2)
+    np.fill_diagonal(cost, 0.0)
+    return Instance(f"shared-{n}-{seed}", cost, n, len(at))
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("at", [[0, 0, 0], [0, 1, 0, 1]])
+def test_uavs_that_are_alike_miss_no_routes(seed: int, at: list[int]) -> None:
+    n = 10
+    instance = with_shared_depots(n, at, seed)
+    oracle = SubsetDp().solve(instance, limits=LIMITS)
+    assert Legs.of(instance).kinds().tolist() == at
+    assert oracle.objective is not None
+    everything_to_one = (tuple(range(n)), *[()] * (len(at) - 1))
+    agrees(instance, BranchAndPrice(starts=0, tours=200), everything_to_one, oracle.objective)
+
+
+def test_a_uav_is_like_others_until_a_task_is_given_to_it() -> None:
+    legs = Legs.of(with_shared_depots(5, [0, 0, 0, 3], 0))
+    given = Node.root(legs, 0.0, [], legs.kinds()).giving(2, 1, 1)
+    assert [given.alike(k) for k in range(4)] == [[0, 2], [1], [0, 2], [3]]
+    assert given.may_visit()[:, 2].tolist() == [False, True, False, False]
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -333,7 +362,7 @@ def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() ->
                      np.ones(5))  # fmt: skip
     tree = Tree(legs, [], work, 100.001)
     for bound in (200.0, 100.0, 100.002, 0.0):
-        tree.push(Node(legs, bound, [], Pool.empty(2, 5)))
+        tree.push(Node.root(legs, bound, [], np.arange(2)))
     assert tree.bound(1e9) == 0.0
     assert [tree.pop().bound for _ in range(5)] == [0.0, 100.002, 100.0, 100.001, 200.0]
 
@@ -341,8 +370,8 @@ def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() ->
 def test_a_node_goes_on_with_its_prices_inside_the_box() -> None:
     """A task far dearer than a fair share: with the box of the root, the master of a child would rather pay for it."""
     cost = np.abs(np.subtract.outer(x := np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 0.0]), x))
-    node = Node(Legs.of(Instance("one far out", cost, 6, 1)), 0.0, [Column(0, (5, 0, 4, 3, 2, 1), 200.0)],
-                Pool.empty(1, 6))  # fmt: skip
+    legs = Legs.of(Instance("one far out", cost, 6, 1))
+    node = Node.root(legs, 0.0, [Column(0, (5, 0, 4, 3, 2, 1), 200.0)], np.arange(1))
     price = np.array([200.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     node.centre = DualBound(200.0, Duals(price, np.ones(1), np.zeros(1), np.zeros(0)), np.zeros(1))
     master = node.restricted_master(201.0)

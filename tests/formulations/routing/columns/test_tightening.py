@@ -9,7 +9,6 @@ from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
-from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Effort, Pricer, efforts
 from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
 from formulations.routing.subset_dp import SubsetDp
@@ -29,7 +28,7 @@ def optimum(instance):
 
 
 def fresh(instance):
-    return Node(Legs.of(instance), 0.0, [], Pool.empty(instance.n_depots, N))
+    return Node.root(Legs.of(instance), 0.0, [], np.arange(instance.n_depots))
 
 
 def workspace(out_of_time=lambda: False, labels=100_000):

@@ -12,7 +12,8 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 2. A tree, branching on who takes which task.                                    `columns/tree.py`, `branching.py`
 3. At a node the relaxation by column generation; legs fixed away by reduced cost; a UAV's tours listed when they fit;
    subset-row cuts.        `columns/tightening.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
-4. Where the gap stays wide: destructive bisection of the cap.                               `columns/destructive.py`
+4. Where the gap stays wide: trees under lower caps. One that ends without routes makes its cap a bound (Klein &
+   Scholl, Eur. J. Oper. Res. 112, 1999: destructive improvement).
 
 Where nodes have several states, labels keep the least cost of each state of their last task; what bounds them knows
 legs at their least over states (`columns/state_labelling.py`).
@@ -37,7 +38,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from formulations.routing.columns.cuts import separate
-from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.label_search import Clock, Labels
 from formulations.routing.columns.labelling import make_store
@@ -65,7 +65,8 @@ MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
 _MOST_LEGS_BY_CLOCK = 50_000
 """The same where costs change with time: their legs are kept for every bin, which fills about 1 GB."""
-_WIDE = 0.05  # gap left after a third of the time above which bisection gets the next third
+_PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end
+_WIDE = 0.02  # gap left after a third of the time above which trials of caps get the next third
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,7 @@ class BranchAndPrice(RecordedSolver):
             recorder.raise_bound(simple_bound(plain, upper))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
             return StoppedBy.PROOF.value, {}
-        limits, patience = recorder.limits, _Patience(recorder)
+        limits, patience = recorder.limits, Patience(recorder)
         tree = self.tree(recorder, seed, patience.over, bound=recorder.bound)
         work = tree.work
         nodes = np.inf if limits.iterations is None else limits.iterations
@@ -160,9 +161,7 @@ class BranchAndPrice(RecordedSolver):
             if limits.iterations is None and recorder.bound < (1 - _WIDE) * recorder.objective:
                 # the tree has far to go from a gap as wide as this
                 patience.share(1 / 2)
-                lower, upper = recorder.bound, min(recorder.objective, most)
-                for bound in destructive_bounds(least, lower, upper, patience.over, from_top=False):
-                    recorder.raise_bound(bound)
+                self.destroy(recorder, patience, tree)
             patience.share(1)
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])
         recorder.raise_bound(tree.bound(min(recorder.objective * (1 - TOLERANCE), most)) * (1 - 1e-12))
@@ -182,6 +181,21 @@ class BranchAndPrice(RecordedSolver):
         # states may differ where their least legs do not, and certificates know no UAVs that are alike
         kinds = None if log is not None or "states" in instance.axes else legs.kinds()
         return Tree(legs, _columns(recorder), work, bound, most, kinds)
+
+    def destroy(self, recorder: Recorder, patience: Patience, whole: Tree) -> None:
+        """Raise the bound by trees under caps below the incumbent: where one ends without routes, its cap is a bound.
+
+        A tree whose cap is half-way to the incumbent is far smaller than half the tree. The next cap is half-way
+        between the highest proved and the lowest not proved in its share of the time. Each begins with the columns of
+        the `whole` tree.
+        """
+        high, end, legs = min(recorder.objective, whole.most), patience.until, Legs.of(stateless(recorder.instance))
+        while high - recorder.bound > _PRECISION * high and recorder.remaining - end > _PRECISION * recorder.remaining:
+            cap = (recorder.bound + high) / 2
+            patience.share(1 / 2, end)
+            tree = Tree(legs, whole.columns, whole.work, recorder.bound, cap, whole.kinds)
+            tree.grow(recorder, TOLERANCE, np.inf)
+            high = min(high if recorder.bound >= cap * (1 - TOLERANCE) else cap, recorder.objective)
 
     def improve(self, recorder: Recorder, seed: int, runs: int) -> None:
         """Look for routes: search `runs` times, from different seeds, for a third of the time left.
@@ -214,19 +228,20 @@ def _prepare_states() -> None:
     Pricer(Legs.of(stateless(tiny)), 9.0, Effort(2, 10, 5), StateLabels.of(tiny, 1000)).price(0, duals, 0.0)
 
 
-class _Patience:
+class Patience:
     """How long to go on with what is being done."""
 
     def __init__(self, recorder: Recorder) -> None:
-        self._recorder, self._until = recorder, 0.0
+        self._recorder, self.until = recorder, 0.0
 
-    def share(self, part: float) -> None:
-        """Allow a share of the time that remains."""
-        self._until = (1 - part) * self._recorder.remaining
+    def share(self, part: float, end: float = 0.0) -> None:
+        """Allow a share of the time that remains before `end` [s] are left."""
+        remaining = self._recorder.remaining
+        self.until = remaining - part * max(0.0, remaining - end)
 
     def over(self) -> bool:
         """Say whether the time allowed is over."""
-        return self._recorder.remaining <= self._until
+        return self._recorder.remaining <= self.until
 
 
 def _columns(recorder: Recorder) -> list[Column]:

@@ -59,10 +59,10 @@ class Tree:
         self._open: list[tuple[float, int, Node]] = []
         """A heap by (class of equal bounds, newest first)."""
         self._count = 0
-        kinds = np.arange(self.m) if kinds is None else kinds
+        self.kinds = np.arange(self.m) if kinds is None else kinds
         self._stuck = math.inf
         """The least bound of the nodes left aside."""
-        self.push(Node.root(legs, bound, list(columns), kinds))
+        self.push(Node.root(legs, bound, list(columns), self.kinds))
 
     def push(self, node: Node) -> None:
         """Add an open node."""
@@ -73,6 +73,11 @@ class Tree:
     def pop(self) -> Node:
         """Take the node to work on next: of the least bounds the newest."""
         return heapq.heappop(self._open)[-1]
+
+    @property
+    def columns(self) -> list[Column]:
+        """The columns of the open node that has most of them."""
+        return max((node.columns for _, _, node in self._open), key=len, default=[])
 
     def bound(self, cap: float) -> float:
         """Return a lower bound on all routes, no higher than `cap` [s]."""

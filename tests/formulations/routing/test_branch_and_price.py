@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
-from formulations.routing.branch_and_price import BranchAndPrice
+from formulations.routing.branch_and_price import BranchAndPrice, Patience
 from formulations.routing.columns.branching import choose
 from formulations.routing.columns.completion import Bins, Memory, completion
 from formulations.routing.columns.cuts import Watch
@@ -17,10 +17,11 @@ from formulations.routing.columns.labelling import least_of_all, make_store
 from formulations.routing.columns.legs import Legs, UavLegs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
-from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer, efforts
 from formulations.routing.columns.searching import part
 from formulations.routing.columns.tree import Tree
-from formulations.routing.solver import Status
+from formulations.routing.recorder import Recorder
+from formulations.routing.solver import Status, ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes, check_routes, tour_costs
 
@@ -111,6 +112,19 @@ def test_a_uav_is_like_others_until_a_task_is_given_to_it() -> None:
     given = Node.root(legs, 0.0, [], legs.kinds()).giving(2, 1, 1)
     assert [given.alike(k) for k in range(4)] == [[0, 2], [1], [0, 2], [3]]
     assert given.may_visit()[:, 2].tolist() == [False, True, False, False]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_trials_of_lower_caps_raise_the_bound_to_the_optimum_and_no_further(seed: int) -> None:
+    instance = random_instance(8, 2, seed)
+    oracle, solver = SubsetDp().solve(instance, limits=LIMITS).objective, BranchAndPrice(starts=0)
+    assert oracle is not None
+    recorder = Recorder(instance, LIMITS, ignore, (tuple(range(8)), ()))
+    legs, patience = Legs.of(instance), Patience(recorder)
+    work = Workspace(patience.over, make_store(8, 10_000), 1000, *efforts(8, 50), np.ones(8))
+    patience.share(1 / 2)
+    solver.destroy(recorder, patience, Tree(legs, [], work))
+    assert 0.99 * oracle <= recorder.bound <= oracle * (1 + 1e-9)
 
 
 @pytest.mark.parametrize("seed", range(12))

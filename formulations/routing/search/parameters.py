@@ -13,6 +13,7 @@ import numpy as np
 
 from formulations.routing.search.annealing import AnnealingParameters
 from formulations.routing.search.budget import BudgetParameters
+from formulations.routing.search.chained_search import ChainParameters
 from formulations.routing.search.decomposition import DecompositionParameters
 from formulations.routing.search.local_search import LocalSearchParameters
 from formulations.routing.search.perturbation import PerturbationParameters
@@ -66,6 +67,7 @@ class SearchParameters:
     perturbation: PerturbationParameters = field(default_factory=PerturbationParameters)
     schedule: ScheduleParameters = field(default_factory=ScheduleParameters)
     population: PopulationParameters = field(default_factory=PopulationParameters)
+    chain: ChainParameters = field(default_factory=ChainParameters)
     budget: BudgetParameters = field(default_factory=BudgetParameters)
     several_depots: Strategy = SEVERAL_DEPOTS
     one_site: Strategy = ONE_SITE

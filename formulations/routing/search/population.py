@@ -4,6 +4,7 @@ A stage anneals one newcomer. The first stages make founders from scratch; later
 alone (decomposition.py), perturb a member (perturbation.py), cross two (crossover.py) or reheat one (strategy.py).
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine (schedule.py).
+Where few UAVs fly long tours there is one founder, and a chained local search goes on from it (chained_search.py).
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from formulations.routing.search.annealing import anneal
+from formulations.routing.search.chained_search import ChainedSearch, suits
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around_longest, merge, subproblem
 from formulations.routing.search.endurance import Endurance
@@ -54,9 +56,21 @@ class Population(Lineage):
         self._fittest = duplicate(self._newcomer.tours)
         self.best = duplicate(self._newcomer.tours)
         self.improved = True
+        self._long = suits(data.costs, data.size[0], parameters.chain)
+        self._chained: ChainedSearch | None = None
+
+    def plan(self, step: float) -> None:
+        """Say which part of the limit a step takes; where tours are long the only founder is short."""
+        super().plan(step)
+        if self._long:
+            self.end = self._begin + self.parameters.chain.begin
 
     def advance(self, now: float, steps: int) -> None:
-        """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`."""
+        """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`, or kick so often."""
+        if self._chained is not None:
+            if self._chained.advance(self._done(now), steps):
+                self.best, self.improved = self._chained.best(), True
+            return
         tours, part = self._newcomer.tours, self._newcomer.subproblem
         data, best = (self.data, self.best) if part is None else (part.data, part.best)
         incumbent, fittest = self.incumbent, self._fittest
@@ -70,6 +84,11 @@ class Population(Lineage):
 
     def next_stage(self, now: float, migrant: Tours | None = None) -> None:
         """Take the newcomer (and a migrant from another population) in and begin the next stage."""
+        if self._long:
+            self.stages += 1
+            self._chained = ChainedSearch(self.data, self.best, self.parameters.chain, self.rng)
+            self._begin, self.end = now, 1.0
+            return
         grown = self._grown()
         if self.parameters.population.kicks > 0:
             intensify(self.data.costs, grown, self.rng, self.parameters.population.kicks, self.parameters.local_search)

@@ -1,0 +1,363 @@
+"""Chained local search for few UAVs and long tours: kicks and Lin-Kernighan repairs across tours, annealed.
+
+Ruin and recreate and searches of single tours leave long tours 0.5 to 1 % above the best known, nearly all of it in
+which task is on which tour. Here one search sees both. A kick is a double bridge of short segments of the giant tour;
+a descent repairs it around the nodes it touched, by the sequential 2-opt and 3-opt moves whose partial gains are
+positive (Lin & Kernighan 1973), each node taking the best of its own; a move within a tour is worth what it saves, a
+move between tours what it takes off the energy. What a kick and its repair come to is accepted by annealing, or undone
+(large-step Markov chain, Martin, Otto & Felten 1991; chained Lin-Kernighan, Applegate, Cook & Rohe 2003).
+For UAVs that are alike and fly from one site, at costs that are symmetric.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from formulations.routing.search.costs import AlikeCosts, Costs, leg
+from formulations.routing.search.energy import TINY
+from formulations.routing.search.giant_tour import (
+    SWAPPED,
+    TURNED_B,
+    TURNED_C,
+    GiantTour,
+    Pressure,
+    add_up,
+    energy_after,
+    energy_of,
+    giant_tour,
+    rejoin,
+    take_back,
+    tour_at,
+    tours_of,
+)
+from formulations.routing.search.problem_data import Nodes, ProblemData
+from formulations.routing.search.randomness import Rng, below, uniform
+from formulations.routing.search.tours import Tours
+from instances.arrays import Bools, Floats, Ints
+from instances.kernels import njit
+
+
+class ChainParameters(NamedTuple):
+    """When and how it searches.
+
+    fewest: mean number of tasks of a tour, at least: shorter ones are the population's.
+    begin: share of the limit after which it takes over from the founder, which it nearly forgets.
+    near, second: nodes that the first and the second new leg of a move may lead to.
+    span: tasks of a segment of a kick, at most: short ones leave little to repair.
+    first, last: temperatures in mean legs; they fall geometrically. Which tour goes where is settled while it is hot:
+    pcb1173_3, 8 s, gaps of single runs: 0.10, 0.58, 1.07 % from 2.5 on; 1.3, 1.8 % from 0.8 on.
+    scale: s of the energy, in temperatures.
+    gain: share of the temperature below which a gain counts as rounding.
+    log: moves of a descent, at most.
+    """
+
+    fewest: int = 150
+    begin: float = 0.05
+    near: int = 8
+    second: int = 6
+    span: int = 5
+    first: float = 2.5
+    last: float = 0.03
+    scale: float = 4.0
+    gain: float = 1e-7
+    log: int = 4000
+
+
+class Neighbours(NamedTuple):
+    """nodes, cost (N, q): the nearest nodes of each node and costs of legs there [s]; −1 and ∞ where there are fewer.
+
+    The depots, all at one place, count as one.
+    """
+
+    nodes: Nodes
+    cost: Floats
+
+
+class Chain(NamedTuple):
+    """What a chained search works with.
+
+    move (4,): p, q, r and kind of the best move; log (moves, 4): moves made since the kick; queue (N,), queued (N,),
+    ring (2,): nodes to look at, whether among them, and the queue's first place and length (don't-look bits).
+    """
+
+    costs: AlikeCosts
+    near: Neighbours
+    tour: GiantTour
+    move: Ints
+    log: Ints
+    queue: Nodes
+    queued: Bools
+    ring: Ints
+
+
+class Ends(NamedTuple):
+    """Legs that a move removes, each by its first position and whether t1, t3, t5 is at its right end."""
+
+    e1: int
+    s1: int
+    e2: int
+    s3: int
+
+
+def neighbours(data: ProblemData, wanted: int) -> Neighbours:
+    """Return the `wanted` nearest nodes of every node, those of `data` and the depots."""
+    n, m = data.size
+    wanted = min(wanted, data.near.tasks.shape[1])
+    nodes, cost = np.full((n + m, wanted + m), -1, np.int32), np.full((n + m, wanted + m), np.inf)
+    out = _matrix(data.costs)
+    tasks = data.near.tasks[:, :wanted]
+    to_tasks = np.take_along_axis(out[:n, :n], tasks.astype(np.int64), axis=1)
+    to_depot = out[:n, n]
+    nodes[:n, :wanted], cost[:n, :wanted] = tasks, to_tasks
+    for v in np.flatnonzero(to_depot < to_tasks[:, -1]):
+        at = int(np.searchsorted(to_tasks[v], to_depot[v]))
+        nodes[v] = [*tasks[v, :at], *range(n, n + m), *tasks[v, at:]]
+        cost[v] = out[v, nodes[v]]
+    from_depot = np.argsort(to_depot, kind="stable")[:wanted]
+    nodes[n:, :wanted], cost[n:, :wanted] = from_depot, to_depot[from_depot]
+    return Neighbours(nodes, cost)
+
+
+def _matrix(costs: Costs) -> Floats:
+    """Return the cost matrix of UAVs that are alike."""
+    assert isinstance(costs, AlikeCosts)
+    return costs.out
+
+
+@njit(cache=True, nogil=True)
+def _partner(end: int, t1: int, t3: int, t5: int) -> int:
+    """Return the end that a new leg joins to `end`: t2 to t3, t4 to t5, t6 to t1; the other end of a leg is end ^ 1."""
+    if end == t1:
+        return t5 ^ 1
+    if end == t1 ^ 1:
+        return t3
+    if end == t3:
+        return t1 ^ 1
+    if end == t3 ^ 1:
+        return t5
+    return t3 ^ 1 if end == t5 else t1
+
+
+@njit(cache=True, nogil=True)
+def _kind(ends: Ends, e3: int, s5: int) -> tuple[int, int, int, int]:
+    """Return (p, q, r, kind) of the move that removes three legs; ends are numbered 0 to 5 along the ring."""
+    e1, e2 = ends.e1, ends.e2
+    p, r = min(e1, e2, e3), max(e1, e2, e3)
+    q = e1 + e2 + e3 - p - r
+    t1 = 2 * ((e1 > e2) + (e1 > e3)) + ends.s1
+    t3 = 2 * ((e2 > e1) + (e2 > e3)) + ends.s3
+    t5 = 2 * ((e3 > e1) + (e3 > e2)) + s5
+    first = _partner(0, t1, t3, t5)
+    if first == 2:
+        return p, q, r, TURNED_B + TURNED_C
+    if first == 4:
+        return p, q, r, SWAPPED + TURNED_C
+    return p, q, r, SWAPPED if _partner(4, t1, t3, t5) == 1 else SWAPPED + TURNED_B
+
+
+@njit(cache=True, nogil=True)
+def _consider(chain: Chain, p: int, q: int, r: int, kind: int, gain: float, top: float, pressure: Pressure) -> float:
+    """Write the move to `chain.move` if it is worth more than `top`; return what the best is worth [s].
+
+    gain: what it saves in all [s].
+    """
+    tour = chain.tour
+    k = tour_at(tour.starts, p)
+    if tour.starts[k + 1] <= r:
+        before = energy_of(tour, k, tour_at(tour.starts, r), pressure)
+        gain = before - energy_after(chain.costs, tour, p, q, r, kind, pressure)
+    if gain <= top:
+        return top
+    move = chain.move
+    move[0], move[1], move[2], move[3] = p, q, r, kind
+    return gain
+
+
+@njit(cache=True, nogil=True)
+def _third_legs(
+    chain: Chain, ends: Ends, closed: bool, so_far: float, top: float, second: int, pressure: Pressure
+) -> float:
+    """Look at 3-opt moves that remove the two legs of `ends`; return what the best is worth [s].
+
+    closed: whether t2..t3 would be a ring of its own, which the third leg removed must open; so_far: gain without it.
+    """
+    near, near_cost = chain.near
+    order, position, sums = chain.tour.order, chain.tour.position, chain.tour.sums
+    t1, t2 = order[ends.e1 + ends.s1], order[ends.e1 + 1 - ends.s1]
+    t3, t4 = order[ends.e2 + ends.s3], order[ends.e2 + 1 - ends.s3]
+    low, high = position[t2], position[t3] if closed else position[t4]
+    if ends.s1:
+        low, high = high, low
+    for j in range(second):
+        t5 = near[t4, j]
+        if t5 < 0 or so_far - near_cost[t4, j] <= 0.0:
+            break
+        i = position[t5]
+        inside = (low <= i <= high) if low <= high else (i >= low or i <= high)
+        if t5 == t3 or (closed and not inside):
+            continue
+        for s5 in range(2):
+            if closed:
+                if t5 == (t3 if s5 == ends.s1 else t2):
+                    continue
+            elif (s5 == ends.s1) != inside:
+                continue
+            e3 = i - s5 if i >= s5 else order.size - 2
+            if e3 == ends.e1 or e3 == ends.e2:
+                continue
+            gain = so_far - near_cost[t4, j] + sums[e3 + 1] - sums[e3]
+            gain -= leg(chain.costs, 0, order[e3 + 1 - s5], t1)
+            p, q, r, kind = _kind(ends, e3, s5)
+            top = _consider(chain, p, q, r, kind, gain, top, pressure)
+    return top
+
+
+@njit(cache=True, nogil=True)
+def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, pressure: Pressure) -> float:
+    """Write the best move that removes a leg of t1 and is worth more than `least` [s] to `chain.move`.
+
+    Return what it is worth, `least` where there is none.
+    """
+    near, near_cost = chain.near
+    order, position, sums = chain.tour.order, chain.tour.position, chain.tour.sums
+    top, last = least, order.size - 2
+    for s1 in range(2):
+        i = position[t1]
+        e1 = i - s1 if i >= s1 else last
+        t2 = order[e1 + 1 - s1]
+        for j in range(parameters.near):
+            t3 = near[t2, j]
+            first = sums[e1 + 1] - sums[e1] - near_cost[t2, j]
+            if t3 < 0 or first <= 0.0:
+                break
+            if t3 == t1:
+                continue
+            for s3 in range(2):
+                i = position[t3]
+                e2 = i - s3 if i >= s3 else last
+                t4 = order[e2 + 1 - s3]
+                if t4 == t2:
+                    continue
+                gain = first + sums[e2 + 1] - sums[e2]
+                if s3 != s1:
+                    saved = gain - leg(chain.costs, 0, t4, t1)
+                    p, r = min(e1, e2), max(e1, e2)
+                    top = _consider(chain, p, r, r, TURNED_B, saved, top, pressure)
+                top = _third_legs(chain, Ends(e1, s1, e2, s3), s3 == s1, gain, top, parameters.second, pressure)
+    return top
+
+
+@njit(cache=True, nogil=True)
+def _make(chain: Chain, made: int) -> int:
+    """Make the move in `chain.move`, queue the nodes where it cuts and log it; return how many are logged then."""
+    move, ring, order, queue = chain.move, chain.ring, chain.tour.order, chain.queue
+    for j in range(6):
+        v = order[move[j // 2] + j % 2]
+        if not chain.queued[v]:
+            chain.queued[v] = True
+            queue[(ring[0] + ring[1]) % queue.size] = v
+            ring[1] += 1
+    for j in range(4):
+        chain.log[made, j] = move[j]
+    rejoin(chain.costs, chain.tour, move[0], move[1], move[2], move[3])
+    return made + 1
+
+
+@njit(cache=True, nogil=True)
+def _kick(chain: Chain, span: int, rng: Rng) -> int:
+    """Put three consecutive short segments in reverse order, none of them reversed; return how many moves that took."""
+    move = chain.move
+    span = min(span, (chain.queue.size - 1) // 3)
+    a, b, c = 1 + below(rng, span), 1 + below(rng, span), 1 + below(rng, span)
+    p = below(rng, chain.queue.size - a - b - c)
+    move[0], move[1], move[2], move[3] = p, p + a, p + a + b + c, SWAPPED
+    made = _make(chain, 0)
+    move[1], move[2] = p + b, p + b + c
+    return _make(chain, made)
+
+
+@njit(cache=True, nogil=True)
+def _descend(chain: Chain, made: int, least: float, parameters: ChainParameters, pressure: Pressure) -> int:
+    """Make the best moves of queued nodes until there are none or the log is full; return how many are logged then."""
+    ring, queue = chain.ring, chain.queue
+    while ring[1] > 0:
+        v = queue[ring[0]]
+        ring[0] = (ring[0] + 1) % queue.size
+        ring[1] -= 1
+        chain.queued[v] = False
+        while made < chain.log.shape[0] and best_move(chain, v, least, parameters, pressure) > least:
+            made = _make(chain, made)
+    return made
+
+
+@njit(cache=True, nogil=True)
+def chain_kicks(
+    chain: Chain, best: Nodes, longest: float, rng: Rng, kicks: int, temperature: float, parameters: ChainParameters
+) -> float:
+    """Kick and repair `kicks` times at a temperature [s].
+
+    best (N+1,): follows the order whose longest tour is shortest, at first `longest` [s]; return how long that is then.
+    """
+    tour = chain.tour
+    add_up(chain.costs, tour)
+    sums, starts, m = tour.sums, tour.starts, tour.starts.size - 1
+    pressure = Pressure(sums[-1] / m, parameters.scale * temperature)
+    now, least = energy_of(tour, 0, m - 1, pressure), parameters.gain * temperature
+    for _ in range(kicks):
+        made = _kick(chain, parameters.span, rng)
+        made = _descend(chain, made, least, parameters, pressure)
+        then = energy_of(tour, 0, m - 1, pressure)
+        if then > now - temperature * math.log(1.0 - uniform(rng)):
+            for i in range(made - 1, -1, -1):
+                take_back(chain.costs, tour, chain.log[i, 0], chain.log[i, 1], chain.log[i, 2], chain.log[i, 3])
+            continue
+        now, most = then, 0.0
+        for k in range(m):
+            most = max(most, sums[starts[k + 1]] - sums[starts[k]])
+        if most < (1.0 - 1e-12) * longest:
+            longest = most
+            for i in range(best.size):
+                best[i] = tour.order[i]
+    return longest
+
+
+class ChainedSearch:
+    """A chained local search under way, from tours of its own."""
+
+    def __init__(self, data: ProblemData, tours: Tours, parameters: ChainParameters, rng: Rng) -> None:
+        costs = data.costs
+        assert isinstance(costs, AlikeCosts)
+        tour, nodes = giant_tour(costs, tours), tours.after.size
+        room = np.zeros(nodes, np.int32), np.zeros(nodes, np.bool_), np.zeros(2, np.int64)
+        log = np.zeros((parameters.log, 4), np.int64)
+        near = neighbours(data, parameters.near)
+        self._chain = Chain(costs, near, tour, np.zeros(4, np.int64), log, *room)
+        width = near.nodes.shape[1]
+        self._parameters = parameters._replace(near=min(parameters.near, width), second=min(parameters.second, width))
+        self._rng = rng
+        self._best = tour.order.copy()
+        self._leg = float(tours.cost.sum()) / nodes
+        self.longest = float(tours.cost.max())
+
+    def advance(self, done: float, kicks: int) -> bool:
+        """Kick at the temperature that belongs to `done` in 0..1; return whether the longest tour became shorter."""
+        first, last = self._parameters.first, self._parameters.last
+        temperature, before = max(TINY, self._leg * first * (last / first) ** done), self.longest
+        self.longest = chain_kicks(self._chain, self._best, before, self._rng, kicks, temperature, self._parameters)
+        return self.longest < before
+
+    def best(self) -> Tours:
+        """Return the tours whose longest was shortest so far."""
+        return tours_of(self._chain.costs, self._best, self._chain.tour.starts.size - 1)
+
+
+def suits(costs: Costs, n_tasks: int, parameters: ChainParameters) -> bool:
+    """Return whether UAVs are alike and at one site, costs symmetric, and tours long enough."""
+    if not isinstance(costs, AlikeCosts) or costs.out is not costs.into:
+        return False
+    from_depots = costs.out[n_tasks:, :n_tasks]
+    m = from_depots.shape[0]
+    return bool(m > 1 and n_tasks >= parameters.fewest * m and np.all(from_depots == from_depots[0]))

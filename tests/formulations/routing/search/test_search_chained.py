@@ -1,0 +1,165 @@
+"""The chained search across tours: moves against naive twins, and the result against the optimum."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from formulations.limits import Limits
+from formulations.routing.search import chained_search as chained
+from formulations.routing.search import giant_tour as giant
+from formulations.routing.search.costs import both_ways, search_costs
+from formulations.routing.search.memetic import Memetic
+from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.problem_data import problem_data
+from formulations.routing.search.randomness import seeded
+from formulations.routing.search.tours import from_routes, to_routes
+from formulations.routing.subset_dp import SubsetDp
+from instances import Instance, check_routes, makespan
+
+N, M = 17, 3
+ALWAYS = chained.ChainParameters(fewest=1)
+FULL = SearchParameters()
+PRESSURE = giant.Pressure(100.0, 40.0)
+seeds = st.integers(0, 10**6)
+
+
+class Chained(Memetic):
+    """memetic that takes every instance with one depot for one of long tours."""
+
+    parameters = replace(FULL, chain=ALWAYS)
+
+
+def one_site(seed, n=N, m=M):
+    """Random points, the m UAVs at one of them, and random routes."""
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(0.0, 100.0, (n + m, 2))
+    points[n:] = points[n]
+    cost = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
+    cuts = np.sort(rng.integers(0, n + 1, m - 1))
+    routes = tuple(tuple(part.tolist()) for part in np.split(rng.permutation(n), cuts))
+    return Instance("one-site", cost, n, m), routes
+
+
+def ring_of(seed):
+    instance, routes = one_site(seed)
+    costs = search_costs(instance)
+    return costs, giant.giant_tour(costs, from_routes(costs, routes))
+
+
+def energy(costs, ring):
+    """The energy of all tours, walked along."""
+    cost = giant.tours_of(costs, ring.order, M).cost
+    return float((PRESSURE.scale * np.exp((cost - PRESSURE.mean) / PRESSURE.scale)).sum())
+
+
+def assert_booked(costs, ring):
+    """Places, prefix sums and starts are those of the order, which visits every node once."""
+    order = ring.order
+    assert order[0] == order[-1] == N
+    assert sorted(order[:-1]) == list(range(N + M))
+    assert all(order[ring.position[v]] == v for v in range(N + M))
+    assert ring.sums[1:] == pytest.approx(np.cumsum(costs.out[order[:-1], order[1:]]))
+    assert list(ring.starts) == [*np.flatnonzero(order[:-1] >= N), N + M]
+
+
+def test_a_ring_is_its_tours():
+    instance, routes = one_site(5)
+    costs = search_costs(instance)
+    ring = giant.giant_tour(costs, from_routes(costs, routes))
+    assert_booked(costs, ring)
+    assert to_routes(giant.tours_of(costs, ring.order, M)) == routes
+
+
+@given(seed=seeds, kind=st.integers(2, 6), two=st.booleans())
+@settings(max_examples=80, deadline=None)
+def test_a_move_costs_what_it_says_and_is_taken_back(seed, kind, two):
+    costs, ring = ring_of(seed)
+    p, q, r = (int(x) for x in np.sort(np.random.default_rng(seed).choice(N + M, 3, replace=False)))
+    q, kind = (r, giant.TURNED_B) if two or kind == giant.TURNED_B else (q, kind)
+    a, b, c, d = np.split(ring.order.copy(), [p + 1, q + 1, r + 1])
+    b, c = b[::-1] if kind & giant.TURNED_B else b, c[::-1] if kind & giant.TURNED_C else c
+    expected = np.concatenate([a, c, b, d] if kind & giant.SWAPPED else [a, b, c, d])
+    before, order = energy(costs, ring), ring.order.copy()
+    k, last = giant.tour_at(ring.starts, p), giant.tour_at(ring.starts, r)
+    change = giant.energy_after(costs, ring, p, q, r, kind, PRESSURE) - giant.energy_of(ring, k, last, PRESSURE)
+    giant.rejoin(costs, ring, p, q, r, kind)
+    assert list(ring.order) == list(expected)
+    assert_booked(costs, ring)
+    assert energy(costs, ring) - before == pytest.approx(change, rel=1e-6, abs=1e-6)
+    giant.take_back(costs, ring, p, q, r, kind)
+    assert list(ring.order) == list(order)
+    assert_booked(costs, ring)
+
+
+@given(seed=seeds)
+@settings(max_examples=40, deadline=None)
+def test_the_best_move_of_a_node_is_worth_what_it_says(seed):
+    instance, routes = one_site(seed)
+    data = problem_data(search_costs(instance), N, FULL.neighbourhood)
+    search = chained.ChainedSearch(data, from_routes(data.costs, routes), ALWAYS, seeded(seed))
+    chain, same = search._chain, 0
+    ring = chain.tour
+    for v in range(N + M):
+        before, total, tours = energy(data.costs, ring), float(ring.sums[-1]), ring.starts.copy()
+        worth = chained.best_move(chain, v, 1e-9, ALWAYS, PRESSURE)
+        if worth <= 1e-9:
+            continue
+        p, q, r, kind = (int(x) for x in chain.move)
+        inside = tours[giant.tour_at(tours, p) + 1] > r
+        giant.rejoin(data.costs, ring, p, q, r, kind)
+        assert_booked(data.costs, ring)
+        assert worth == pytest.approx(total - ring.sums[-1] if inside else before - energy(data.costs, ring), rel=1e-6)
+        assert energy(data.costs, ring) < before
+        same += 1
+    assert same > 0
+
+
+def test_a_search_never_gets_worse_and_keeps_all_tasks():
+    instance, routes = one_site(11, 60, 3)
+    data = problem_data(search_costs(instance), 60, FULL.neighbourhood)
+    search = chained.ChainedSearch(data, from_routes(data.costs, routes), ALWAYS, seeded(1))
+    lengths = [makespan(instance, routes)]
+    for done in np.linspace(0.0, 1.0, 20):
+        better = search.advance(float(done), 50)
+        found = to_routes(search.best())
+        assert check_routes(instance, found) == []
+        assert search.longest == pytest.approx(makespan(instance, found))
+        assert better == (search.longest < lengths[-1])
+        lengths.append(search.longest)
+    assert lengths[-1] < 0.6 * lengths[0]
+
+
+def test_the_optimum_of_small_instances():
+    for seed in range(3):
+        instance, _ = one_site(seed, 10, 2)
+        best = SubsetDp().solve(instance, limits=Limits(time=60.0))
+        found = Chained().solve(instance, limits=Limits(time=60.0, iterations=3000), seed=1)
+        assert found.objective == pytest.approx(best.objective)
+
+
+def test_a_run_repeats_for_a_seed_and_starts_from_what_is_given():
+    instance, _ = one_site(3, 40, 2)
+    first, again = (Chained().solve(instance, limits=Limits(time=60.0, iterations=2000), seed=4) for _ in range(2))
+    assert first.routes == again.routes
+    start = first.routes
+    after = Chained().solve(instance, limits=Limits(time=60.0, iterations=50), seed=5, start=start)
+    assert after.objective <= first.objective
+
+
+def test_it_suits_long_tours_from_one_site_only():
+    instance, _ = one_site(2, 30, 2)
+    costs = search_costs(instance)
+
+    def suited(costs, fewest):
+        return chained.suits(costs, instance.n_tasks, ALWAYS._replace(fewest=fewest))
+
+    assert suited(costs, 15)
+    assert not suited(costs, 16)
+    windy = instance.cost * np.random.default_rng(0).uniform(1.0, 1.2, instance.cost.shape)
+    assert not suited(both_ways(windy), 15)
+    apart = np.array(instance.cost)
+    apart[-1, :-1] = apart[:-1, -1] = 50.0
+    assert not suited(both_ways(apart), 15)

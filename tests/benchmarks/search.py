@@ -22,13 +22,13 @@ import argparse
 import resource
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
 from types import SimpleNamespace
 
 import numpy as np
 from public_sets import add_option, public
+from search_ablations import OPTIONS, PARAMETERS
 
 import formulations.routing.recorder
 import formulations.routing.search.budget
@@ -37,7 +37,6 @@ from formulations.moving_cost.families import generate
 from formulations.routing.registry import make_solver
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.parameters import SearchParameters
-from formulations.routing.search.strategy import Reheating
 from formulations.routing.solver import Solver
 from instances import Instance, Routes, check_routes, makespan, objective
 from instances.files import write_routes
@@ -57,41 +56,6 @@ PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`
     (50, 4): (1709.777, 1608.736, 1541.500),
     (60, 2): (3056.716, 3045.643, 3006.693, 3003.286, 2802.143, 2831.332, 3119.675, 3103.277, 2948.174, 2855.437),
     (60, 4): (1708.692, 1650.808, 1627.962, 1629.712),
-}
-FULL = SearchParameters()
-NO_CAP, NO_REHEATING = replace(FULL.schedule.final, below=0.0), Reheating(share=0.0)
-PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters of memetic
-    "no cap in the end (p-norm throughout)": replace(
-        FULL,
-        schedule=replace(FULL.schedule, final=NO_CAP),
-        several_depots=replace(FULL.several_depots, fine=replace(FULL.several_depots.fine, below=0.0)),
-        one_site=replace(FULL.one_site, fine=replace(FULL.one_site.fine, below=0.0)),
-    ),
-    "no fine annealings": replace(
-        FULL,
-        several_depots=replace(FULL.several_depots, fine_share=0.0),
-        one_site=replace(FULL.one_site, fine_share=0.0, reheating=NO_REHEATING),
-    ),
-    "no reheating": replace(FULL, one_site=replace(FULL.one_site, reheating=NO_REHEATING)),
-    "no pull of the mean over plateaus": replace(FULL, schedule=replace(FULL.schedule, most_weight=0.0)),
-    "no equals in the population": replace(FULL, population=replace(FULL.population, apart=1.0)),
-    "no chained search across long tours": replace(FULL, chain=FULL.chain._replace(fewest=10**9)),
-    "no wide recreation": replace(FULL, one_site=replace(FULL.one_site, width=FULL.several_depots.width)),
-}
-ABLATIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic
-    "all": {},
-    "no moves of long segments": {"cuts": 0.0},
-    "no string removal": {"strings": 0.0},
-    "no adjacent removal": {"strings": 1.0},
-    "insertion by total cost only (p = 1)": {"powers": 1},
-    "p of 1 and 2 only": {"powers": 2},
-    "no guide by the longest tour left (p = ∞)": {"powers": 5},
-    "no decomposition": {"focuses": 0.0},
-    "no perturbation of the whole": {"reliefs": 0.0},
-    "no crossover": {"reliefs": 1.0},
-    "no search of single tours' orders": {"kicks": 0.0},
-    "one long annealing, no population": {"depth": 1e9},
-    "removals of at most 6": {"removals": 6},
 }
 TUNED_ON = (
     *(
@@ -364,7 +328,7 @@ def ablation(args: argparse.Namespace) -> None:
     cases = public(args.benchmarks, *sources, only=args.only or ("md10", "md25", "md40", "lin318_5", "rat99_5"))
     seconds = args.seconds or 10.0
     print(f"\n== ablation: {seconds:g} CPU s, {args.seeds} seeds, mean gap [%] on {len(cases)} instances ==")
-    searches = {label: by_solver("memetic", **options) for label, options in ABLATIONS.items()}
+    searches = {label: by_solver("memetic", **options) for label, options in OPTIONS.items()}
     searches |= {label: by_memetic(changed) for label, changed in PARAMETERS.items()}
     for label, search in searches.items():
         means = [fmean(gaps_of(search, case, best, seconds, args.seeds)) for case, best in cases]

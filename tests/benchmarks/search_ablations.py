@@ -1,0 +1,44 @@
+"""What `search.py ablation` leaves out of `memetic`, one ingredient at a time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.strategy import Reheating
+
+FULL = SearchParameters()
+NO_CAP, NO_REHEATING = replace(FULL.schedule.final, below=0.0), Reheating(share=0.0)
+PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters of memetic
+    "no cap in the end (p-norm throughout)": replace(
+        FULL,
+        schedule=replace(FULL.schedule, final=NO_CAP),
+        several_depots=replace(FULL.several_depots, fine=replace(FULL.several_depots.fine, below=0.0)),
+        one_site=replace(FULL.one_site, fine=replace(FULL.one_site.fine, below=0.0)),
+    ),
+    "no fine annealings": replace(
+        FULL,
+        several_depots=replace(FULL.several_depots, fine_share=0.0),
+        one_site=replace(FULL.one_site, fine_share=0.0, reheating=NO_REHEATING),
+    ),
+    "no reheating": replace(FULL, one_site=replace(FULL.one_site, reheating=NO_REHEATING)),
+    "no pull of the mean over plateaus": replace(FULL, schedule=replace(FULL.schedule, most_weight=0.0)),
+    "no equals in the population": replace(FULL, population=replace(FULL.population, apart=1.0)),
+    "no chained search across long tours": replace(FULL, chain=FULL.chain._replace(fewest=10**9)),
+    "no wide recreation": replace(FULL, one_site=replace(FULL.one_site, width=FULL.several_depots.width)),
+}
+OPTIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic
+    "all": {},
+    "no moves of long segments": {"cuts": 0.0},
+    "no string removal": {"strings": 0.0},
+    "no adjacent removal": {"strings": 1.0},
+    "insertion by total cost only (p = 1)": {"powers": 1},
+    "p of 1 and 2 only": {"powers": 2},
+    "no guide by the longest tour left (p = ∞)": {"powers": 5},
+    "no decomposition": {"focuses": 0.0},
+    "no perturbation of the whole": {"reliefs": 0.0},
+    "no crossover": {"reliefs": 1.0},
+    "no search of single tours' orders": {"kicks": 0.0},
+    "one long annealing, no population": {"depth": 1e9},
+    "removals of at most 6": {"removals": 6},
+}

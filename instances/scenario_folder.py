@@ -20,7 +20,7 @@ from instances.environment.terrain import Terrain
 from instances.environment.value_map import ValueMap
 from instances.environment.wind_forecast import Forecast
 from instances.environment.wind_grid import Grid
-from instances.errors import InputError, naming
+from instances.errors import InputError, naming, shown
 from instances.formats.netcdf import Variable, read_grids, write_grids
 from instances.geodesy import TangentPlane
 from instances.scenario import Scenario, scenario_of, write_scenario
@@ -90,7 +90,10 @@ def kept_scenario(folder: Path) -> Scenario:
         return scenario
     made = _kept_wind(folder / "wind.nc")
     if isinstance(made, Forecast) and isinstance(wind, dict):
-        others = (_kept_wind(folder / name) for name in wind.get("members", []))
+        names = wind.get("members", [])
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise InputError(f"{path}: wind.members must be names of files, got {shown(names)}")
+        others = (_kept_wind(folder / name) for name in names)
         made = replace(made, members=tuple(other for other in others if isinstance(other, Forecast)))
     return replace(scenario, wind=made)
 

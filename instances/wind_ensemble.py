@@ -20,9 +20,11 @@ import numpy as np
 from instances.arrays import Floats
 from instances.environment.wind import WindField
 from instances.environment.wind_forecast import Forecast
+from instances.instance import Instance
 from instances.paths import Paths
 from instances.paths_clocked import tour_by_clock
-from instances.routes import Routes
+from instances.routes import Routes, take_offs
+from instances.scenario import Scenario
 from instances.wind_flights import polyline_times
 
 WORST = 0.2
@@ -35,6 +37,11 @@ class Spread:
 
     planned: float
     members: tuple[float, ...]
+
+    @property
+    def least(self) -> float:
+        """Least over members [s]."""
+        return min(self.members)
 
     @property
     def mean(self) -> float:
@@ -55,7 +62,7 @@ class Spread:
     def words(self) -> str:
         """The spread in words."""
         return (
-            f"over {len(self.members)} members of the ensemble the longest tour takes {min(self.members):.6g} to "
+            f"over {len(self.members)} members of the ensemble the longest tour takes {self.least:.6g} to "
             f"{self.worst:.6g} s, {self.mean:.6g} s on average, {self.cvar:.6g} s over the worst {WORST:.0%}; "
             f"{self.planned:.6g} s in the forecast planned with"
         )
@@ -65,6 +72,30 @@ class Spread:
         return {"planned": self.planned, "members": list(self.members), "mean": self.mean, "worst": self.worst} | {
             "cvar": self.cvar
         }
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Paths between the nodes of an instance, the forecast they were planned in, and the airspeed [m/s]."""
+
+    paths: Paths
+    wind: Forecast
+    speed: float
+
+    @classmethod
+    def of(cls, paths: Paths | None, scenario: Scenario | None) -> Ensemble | None:
+        """Return the ensemble of a scenario and the paths planned in it; None where it has none, or UAVs differ."""
+        wind = scenario.wind if scenario is not None and scenario.fleet.alike else None
+        if paths is None or scenario is None or not isinstance(wind, Forecast) or not wind.members:
+            return None
+        return cls(paths, wind, scenario.speed)
+
+    def flown(self, instance: Instance, routes: Routes) -> Spread:
+        """Return what the longest tour of `routes` takes over the members; InputError where one is too strong."""
+        begins = take_offs(instance, routes)
+        over = spread(self.paths, routes, instance.n_tasks, self.wind, self.speed, begins)
+        assert over is not None
+        return over
 
 
 def cvar(values: Floats, share: float) -> float:

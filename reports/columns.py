@@ -9,6 +9,7 @@ import pandas as pd
 
 from instances.errors import one_line
 from reports import numbers
+from reports.record import ENSEMBLE
 from reports.record import described as stored
 
 SHORT = "{:.3g}".format
@@ -102,7 +103,7 @@ def texts(columns: Sequence[Column], table: pd.DataFrame) -> list[list[str]]:
 
 
 _STORED = stored("status", "value", "bound", "elapsed", "time_limit", "stopped_by", "utilisation", "endurance_margin",
-                 "promised", "turned")  # fmt: skip
+                 "promised", "turned", *ENSEMBLE)  # fmt: skip
 
 FAILED = Column("failed", "Failed", "", numbers.count, "runs that were killed or ended in error")
 COUNT = Column("runs", "Runs", "", numbers.count, "stored runs of the method")
@@ -181,13 +182,17 @@ RUNS = [
     Column("endurance_margin", "Endurance left", "", numbers.gap, _STORED["endurance_margin"].meaning),
     Column("promised", "At take-off's costs", "s", numbers.cost, _STORED["promised"].meaning),
     Column("turned", "Better ways round", "s", numbers.cost, _STORED["turned"].meaning),
+    *(
+        Column(f"ensemble_{name}", f"{heading} over members", "s", numbers.cost, _STORED[f"ensemble_{name}"].meaning)
+        for name, heading in (("least", "Least"), ("mean", "Mean"), ("cvar", "CVaR"), ("worst", "Worst"))
+    ),
 ]
 """Of `metrics.with_gaps`, a row a run, as listed on the study's page."""
 
 
 def listed_runs(runs: pd.DataFrame) -> list[Column]:
-    """Return the columns of a list of `runs`: endurance only where any has it limited, clocks where costs change."""
-    rare = {"endurance_margin", "promised", "turned"}
+    """Return the columns of a list of `runs`: of endurance, clocks and ensembles only where any run has figures."""
+    rare = {"endurance_margin", "promised", "turned", *ENSEMBLE}
     return [column for column in RUNS if column.key not in rare or runs[column.key].notna().any()]
 
 

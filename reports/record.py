@@ -83,6 +83,10 @@ OWN: dict[str, tuple[Column, ...]] = {
 }
 """What is stored beside RUN, by problem."""
 
+SPREAD = {"least": "least C_max", "mean": "mean C_max", "cvar": "mean of the worst fifth of C_max",
+          "worst": "greatest C_max"}  # fmt: skip
+"""What is said of the makespans over the members of an ensemble (`instances.wind_ensemble.Spread`)."""
+ENSEMBLE = tuple(f"ensemble_{name}" for name in SPREAD)
 DERIVED = (
     Column("instance", "text", "", "name of the instance (with digits of the digest where two share a name)"),
     Column("digest", "text", "", "digest of the instance"),
@@ -102,6 +106,10 @@ DERIVED = (
     Column("recomputed", "number", "s", "C_max of the stored routes, right or wrong"),
     Column("promised", "number", "s", "C_max of the routes if costs stayed those of take-off, where they change"),
     Column("turned", "number", "s", "C_max with each tour flown the way round that is home first, where costs change"),
+    *(
+        Column(f"ensemble_{name}", "number", "s", f"{words} of the routes over the members of an ensemble")
+        for name, words in SPREAD.items()
+    ),
     Column("fault", "text", "", "what is wrong with the stored routes"),
     Column("stale", "flag", "", "whether other code of ours than today's made it"),
     Column("path", "text", "", "the file"),
@@ -121,8 +129,12 @@ ITEM_FILES = {
     "survey": ("survey.json",),
 }
 """Problem → the file beside its runs that keeps what was solved, by its possible names."""
-PART_FILES = {"moving-cost": ("scenario-region.json", "scenario-no-fly.json"), "survey": ("scenario-region.json",)}
+_SCENARIO = ("scenario-region.json", "scenario-no-fly.json")
+PART_FILES = {"routing": _SCENARIO, "moving-cost": _SCENARIO, "survey": ("scenario-region.json",)}
 """Problem → files beside its runs that are part of what was solved, and no runs though they end alike."""
+
+ENSEMBLE_FILE = "instance.paths.json.gz"
+"""Says, beside an instance, that an ensemble of forecasts is kept there as well (`instances.kept_ensemble`)."""
 
 
 def described(*names: str, problem: str = "routing") -> dict[str, Column]:

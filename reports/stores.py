@@ -27,15 +27,15 @@ from reports.foreign import claim_without_routes, is_mere_claim
 from reports.kinds import is_number
 from reports.order import naturally
 from reports.proofs import holds
-from reports.record import ITEM_FILES, PART_FILES, RUN, Run, described, read_json, read_run
+from reports.record import ENSEMBLE, ENSEMBLE_FILE, ITEM_FILES, PART_FILES, RUN, Run, described, read_json, read_run
 from reports.tolerances import RELATIVE_ROUNDING
 
 FRAME = (
     "instance", "digest", "family", "n_tasks", "n_depots", "asymmetry", "restricted", "spacing", "best_known", "solver",
     "method", "label", "options", "proves", "seed", "time_limit", "threads", "iterations", "status", "objective",
     "bound", "gap", "value", "proved", "elapsed", "stopped_by", "message", "tolerance", "claimed_objective",
-    "recomputed", "promised", "turned", "fault", "prepare_elapsed", "wall_elapsed", "cpu_seconds", "peak_memory",
-    "environment",
+    "recomputed", "promised", "turned", *ENSEMBLE, "fault", "prepare_elapsed", "wall_elapsed", "cpu_seconds",
+    "peak_memory", "environment",
     "code", "revision", "stale", "foreign", "created", "routes", "tour_costs", "utilisation", "endurance_margin",
     "trace", "statistics", "path",
 )  # fmt: skip
@@ -172,6 +172,10 @@ def _folder_runs(
         if run.own["routes"] is not None and known is None:
             remarks.append(f"{path}: its instance is not stored beside it, so its cost could not be re-computed.")
         rows.append(_row(path, run, known))
+    if rows and instance is not None and ENSEMBLE_FILE in names:
+        from reports.ensembles import add_spreads  # here: few stores have any, and it compiles
+
+        add_spreads(rows, folder, instance[0], damaged)
     return rows
 
 
@@ -215,7 +219,7 @@ def _number(value: Any) -> float:
 
 def _recomputed(run: Run, instance: Instance | None) -> dict[str, Any]:
     """Return value, recomputed, fault and tour costs of a run, and how much of its fleet it uses."""
-    unknown = ("value", "recomputed", "promised", "turned", "utilisation", "endurance_margin")
+    unknown = ("value", "recomputed", "promised", "turned", *ENSEMBLE, "utilisation", "endurance_margin")
     nothing = dict.fromkeys(unknown, math.nan) | {"fault": "", "tour_costs": np.empty(0)}
     routes, objective = run.own["routes"], _number(run.objective)
     if routes is None:

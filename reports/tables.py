@@ -13,6 +13,7 @@ from instances import InputError
 from instances.disk import write_aside
 from reports.columns import INSTANCES, SUMMARY, shown, texts
 from reports.metrics import instance_table, summary, with_gaps
+from reports.record import ENSEMBLE
 from reports.tex import tex
 
 RUN_COLUMNS = [
@@ -26,8 +27,13 @@ RUN_COLUMNS = [
 
 
 def run_table(runs: pd.DataFrame) -> pd.DataFrame:
-    """Return a row a run: RUN_COLUMNS; the same runs give the same rows but for the columns from `elapsed` on."""
-    return with_gaps(runs)[RUN_COLUMNS]
+    """Return a row a run: RUN_COLUMNS; the same runs give the same rows but for the columns from `elapsed` on.
+
+    Before these stand ENSEMBLE where an instance has an ensemble of forecasts.
+    """
+    at = RUN_COLUMNS.index("elapsed")
+    more = ENSEMBLE if runs[[*ENSEMBLE]].notna().any(axis=None) else ()
+    return with_gaps(runs)[[*RUN_COLUMNS[:at], *more, *RUN_COLUMNS[at:]]]
 
 
 def write_parquet(runs: pd.DataFrame, path: Path | str) -> None:

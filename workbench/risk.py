@@ -17,9 +17,7 @@ from formulations.moving_cost.ensemble import member_costs
 from formulations.routing.clocked.risk import routes_of_less_risk
 from formulations.routing.solver import Status
 from instances import Instance, Routes, check_routes, makespan
-from instances.environment.wind_forecast import Forecast
-from instances.paths import Paths
-from instances.wind_ensemble import WORST, Spread, spread
+from instances.wind_ensemble import WORST, Ensemble, Spread
 from reports.record import Run
 from workbench.jobs.job import Job
 from workbench.jobs.runner import run
@@ -35,21 +33,6 @@ REACH = 1.1
 
 Flown = tuple[Run, Spread]
 """A run with routes, and what its longest tour takes over the members."""
-
-
-@dataclass(frozen=True)
-class Ensemble:
-    """Paths between the nodes of an instance, the forecast they were planned in, and the airspeed [m/s]."""
-
-    paths: Paths
-    wind: Forecast
-    speed: float
-
-    def flown(self, instance: Instance, routes: Routes) -> Spread:
-        """Return what the longest tour of `routes` takes over the members."""
-        over = spread(self.paths, routes, instance.n_tasks, self.wind, self.speed)
-        assert over is not None
-        return over
 
 
 @dataclass(frozen=True)

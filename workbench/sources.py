@@ -28,6 +28,12 @@ class FileSource:
         """The ending, where no built-in format reads it, else ""."""
         return "" if self.path.name.lower().endswith(tuple(FORMATS.built_in)) else self.path.suffix
 
+    @property
+    def has_paths(self) -> bool:
+        """Whether the paths behind its costs lie beside it."""
+        stem = self.path.name.removesuffix(".gz").removesuffix(".json").removesuffix(".atsp")
+        return self.path.with_name(stem + PATHS).is_file()
+
     def load(self) -> Instance:
         """Read the file."""
         return read_instance(self.path)

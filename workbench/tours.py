@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from pathlib import Path
-
-import numpy as np
+from typing import Any
 
 from formulations.moving_cost.fleet import classes_of
 from instances import Instance, Routes, take_offs
-from instances.errors import InputError
+from instances.disk import read_toml
+from instances.errors import LONGEST_SENTENCE, InputError, one_line
 from instances.fleet import Return
+from instances.kept_ensemble import has_nodes_of, keep_ensemble, kept_ensemble
 from instances.paths import Paths, paths_file, paths_of, read_paths_table
 from instances.scenario import Scenario, read_scenario
 from instances.tour_figures import TourFigures, tour_figures
-from instances.wind_ensemble import Spread, spread
+from instances.wind_ensemble import Ensemble, Spread
 
 
 def planned_beside(instance_file: Path, instance: Instance) -> tuple[Paths | None, Scenario | None]:
@@ -27,14 +29,18 @@ def planned_beside(instance_file: Path, instance: Instance) -> tuple[Paths | Non
     if not kept.exists():
         return None, None
     table = read_paths_table(kept)
-    paths, named = paths_of(table, instance, kept), table.get("scenario")
+    paths = paths_of(table, instance, kept)
     try:
-        scenario = read_scenario(kept.parent / str(named)) if named else None
+        return paths, _scenario_of(table, kept, instance)
     except InputError:
         return paths, None
-    if scenario is None or instance.coordinates is None or scenario.points.shape != instance.coordinates.shape:
-        return paths, None
-    return paths, scenario if np.allclose(scenario.points, instance.coordinates, atol=0.01) else None
+
+
+def _scenario_of(table: dict[str, Any], kept: Path, instance: Instance) -> Scenario | None:
+    """Return the scenario that paths in `kept` name, None where it has other nodes; InputError where it is unread."""
+    named = table.get("scenario")
+    scenario = read_scenario(kept.parent / str(named)) if named else None
+    return scenario if scenario is not None and has_nodes_of(scenario, instance) else None
 
 
 def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> list[TourFigures]:
@@ -57,11 +63,42 @@ def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> lis
 
 def spread_beside(instance_file: Path, instance: Instance, routes: Routes) -> Spread | None:
     """Return what the longest tour takes over an ensemble; None where the scenario has none, or UAVs differ."""
-    paths, scenario = planned_beside(instance_file, instance)
-    if paths is None or scenario is None or not scenario.fleet.alike:
-        return None
-    begins = take_offs(instance, routes)
-    return spread(paths, routes, instance.n_tasks, scenario.wind, scenario.speed, begins)
+    ensemble = Ensemble.of(*planned_beside(instance_file, instance))
+    return None if ensemble is None else ensemble.flown(instance, routes)
+
+
+def keep_ensemble_beside(instance_file: Path, instance: Instance, folder: Path) -> None:
+    """Keep the ensemble beside an instance file, which has paths, in `folder`, where none is yet.
+
+    What of it cannot be used is logged: the instance is solved without.
+    """
+    kept = paths_file(instance_file)
+    try:
+        table = read_paths_table(kept)
+        if not _names_members(table, kept) or _is_kept(folder, instance):
+            return
+        paths, scenario = paths_of(table, instance, kept), _scenario_of(table, kept, instance)
+    except InputError as error:
+        words = f"{error}; so reports will not say what routes take over the members of an ensemble"
+        logging.getLogger(__name__).warning(one_line(words, LONGEST_SENTENCE))
+        return
+    if scenario is not None and Ensemble.of(paths, scenario) is not None:
+        keep_ensemble(paths, scenario, instance, folder)
+
+
+def _names_members(table: dict[str, Any], kept: Path) -> bool:
+    """Say whether the scenario that paths in `kept` name, if it is there, has an ensemble."""
+    file = kept.parent / str(table.get("scenario"))
+    wind = read_toml(file).get("wind") if file.is_file() else None
+    return isinstance(wind, dict) and bool(wind.get("members"))
+
+
+def _is_kept(folder: Path, instance: Instance) -> bool:
+    """Say whether `folder` keeps an ensemble that can be read."""
+    try:
+        return kept_ensemble(folder, instance) is not None
+    except InputError:
+        return False
 
 
 def said_of(tour: TourFigures) -> str:

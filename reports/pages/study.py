@@ -23,7 +23,7 @@ from reports.pages.made import code_notes, limits_and_machines
 from reports.pages.page import Page, write_page
 from reports.pages.payload import payload
 from reports.pages.significance import significance
-from reports.pages.study_sections import against, alarms, by_clock, groups, methods
+from reports.pages.study_sections import against, alarms, by_clock, groups, methods, over_members
 from reports.stores import Stores, read_stores
 
 TITLE = "Solvers of the min-max multi-depot multiple TSP, compared"
@@ -102,6 +102,7 @@ def _blocks(runs: pd.DataFrame, lists: tuple[Block, Block], report: Report, embe
         Section("Quality and time", [Beside(study_figures(runs))], "figures"),
         significance(runs),
         *by_clock(runs),
+        *over_members(runs),
         groups(runs),
         Section("Instances", [Note(opens), of_instances, *column_help(INSTANCES), *example], "instances"),
         Section("Runs", [Note(_held(embedded, len(runs))), of_runs, *column_help(listed_runs(runs))], "runs"),

@@ -17,6 +17,7 @@ from reports.metrics.gaps import relative_gap
 from reports.metrics.means import PENALTY, SHIFT
 from reports.metrics.scores import GROUPINGS, banded, scores
 from reports.pages.blocks import Block, Cell, Lines, Note, Section, Table, cell, table_of
+from reports.record import ENSEMBLE
 
 MOST_CONTRADICTIONS = 200
 MOST_WARNINGS = 50
@@ -160,6 +161,42 @@ def by_clock(runs: pd.DataFrame) -> list[Section]:
         "the stored routes; a tour that is turned round costs no search."
     )
     return [Section("Planning by the clock", [Note(note), table_of(table, CLOCKED, key="clocked")], "clocked")]
+
+
+OVER_MEMBERS = [
+    Column("method", "Method"),
+    Column("runs", "Runs", "", numbers.count, "with routes, on instances that have an ensemble"),
+    Column("ensemble_least", "Least", "", numbers.gap, "of the members, against the longest tour in the forecast "
+           "planned with"),
+    Column("ensemble_mean", "Mean", "", numbers.gap, "the same of the mean over members"),
+    Column("ensemble_cvar", "CVaR", "", numbers.gap, "the same of the mean over the worst fifth of members"),
+    Column("ensemble_worst", "Worst", "", numbers.gap, "the same of the member in which they take longest"),
+    Column("loss", "Loss at worst", "", numbers.gap, "greatest makespan over members, against the least of these of "
+           "any run on the instance", least),
+]  # fmt: skip
+"""What the table of routes over ensembles holds: means over runs, a row a method."""
+
+
+def over_members(runs: pd.DataFrame) -> list[Section]:
+    """Return what routes take over the members of ensembles of forecasts; nothing where no instance has one."""
+    held = runs[runs["ensemble_worst"].notna() & runs["value"].notna()]
+    if held.empty:
+        return []
+    shares = {name: relative_gap(held[name].to_numpy(float), held["value"].to_numpy(float)) for name in ENSEMBLE} | {
+        "method": held["method"].to_numpy(),
+        "loss": relative_gap(
+            held["ensemble_worst"].to_numpy(float),
+            held.groupby("digest")["ensemble_worst"].transform("min").to_numpy(float),
+        ),
+    }
+    means = pd.DataFrame(shares).groupby("method", sort=False)
+    table = means.mean().assign(runs=means.size()).reset_index()
+    note = (
+        f"On {numbers.counted(held['digest'].nunique(), 'instance')} the wind is an ensemble of forecasts. Routes were "
+        "planned in one; here each stored set of routes was flown, along the same paths, in every member. Members "
+        "count alike, and what is no member is not told of; seconds are in the list of runs."
+    )
+    return [Section("Over the members of an ensemble", [Note(note), table_of(table, OVER_MEMBERS)], "ensemble")]
 
 
 def groups(runs: pd.DataFrame) -> Section:

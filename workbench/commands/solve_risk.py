@@ -9,12 +9,12 @@ from pathlib import Path
 import click
 
 from instances import Instance
-from instances.environment.wind_forecast import Forecast
 from instances.errors import InputError
 from instances.files import write_routes
+from instances.wind_ensemble import Ensemble
 from workbench.commands.solve_told import as_object, as_text
 from workbench.jobs.job import Job
-from workbench.risk import Ensemble, least_risk
+from workbench.risk import least_risk
 from workbench.terminal import say, say_lines
 from workbench.tours import planned_beside
 
@@ -40,8 +40,7 @@ def run_by_risk(instance: Instance, job: Job, risk: str, *, as_json: bool, out: 
 
 def _ensemble(instance: Instance, beside: Path) -> Ensemble:
     """Return the paths beside an instance, their wind that has members, and the speed; InputError without."""
-    paths, scenario = planned_beside(beside, instance)
-    wind = scenario.wind if scenario is not None and scenario.fleet.alike else None
-    if paths is None or scenario is None or not isinstance(wind, Forecast) or not wind.members:
+    ensemble = Ensemble.of(*planned_beside(beside, instance))
+    if ensemble is None:
         raise InputError(f"{beside}: --risk needs an ensemble: a scenario beside it whose [wind] has members")
-    return Ensemble(paths, wind, scenario.speed)
+    return ensemble

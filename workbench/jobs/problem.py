@@ -154,6 +154,10 @@ class Problem(Protocol[Item]):
         """Keep `item` in its folder of a store, with what every run on it will need."""
         ...
 
+    def keep_beside(self, source: Source[Item], folder: Path) -> None:
+        """Keep, beside an item in its folder, what lies beside its source and reports are to know."""
+        return
+
     def read(self, folder: Path) -> Item:
         """Return the item kept in `folder`; InputError where it is missing, damaged or another."""
         ...

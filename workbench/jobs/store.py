@@ -191,11 +191,12 @@ class Store:
             if folder_of(item) != folder:
                 raise InputError(f"{self.root / folder}: its {problem.item} cannot be made again: its source changed")
             self.put_item(problem, item)
+        problem.keep_beside(source, self.root / folder)
         self._kept[folder] = self._item_files(folder)
 
     def _renewed(self, folder: str) -> Any:
         """Return the item of `folder`, having made it again where it cannot be read."""
-        problem, _ = self._sources[folder]
+        problem, source = self._sources[folder]
         try:
             item = problem.read(self.root / folder)
         except InputError:
@@ -203,6 +204,7 @@ class Store:
                 _move_aside(self.root / folder / name)
             self._keep_item(folder)
             item = problem.read(self.root / folder)
+        problem.keep_beside(source, self.root / folder)
         self._kept[folder] = self._item_files(folder)
         return item
 

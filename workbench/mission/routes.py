@@ -34,7 +34,7 @@ from instances.paths import Paths
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
 from instances.tour_figures import tour_figures
-from instances.wind_ensemble import spread
+from instances.wind_ensemble import Ensemble, spread
 from reports.record import Run
 from reports.tolerances import RELATIVE_ROUNDING
 from workbench.jobs.job import Job
@@ -136,7 +136,7 @@ def _of_least_risk(
     mission: Mission, instance: Instance, scenario: Scenario, paths: Paths, tell: Callable[[str], None]
 ) -> LeastRisk:
     """Return the routes of least risk over the ensemble; InputError where there are none, or no ensemble."""
-    from workbench.risk import Ensemble, least_risk  # here: most missions need none of it
+    from workbench.risk import least_risk  # here: most missions need none of it
 
     assert isinstance(scenario.wind, Forecast)  # see `check_mission`
     risk = str(mission.routes.risk)

@@ -76,6 +76,17 @@ class Routing(Problem[Instance]):
             plain, compressed = ITEM_FILES[self.name]
             write_instance(item, folder / (compressed if item.n_nodes > LARGE else plain))
 
+    def keep_beside(self, source: Source[Instance], folder: Path) -> None:
+        """Keep the ensemble of forecasts beside an instance file, where there is one."""
+        if isinstance(source, FileSource) and source.has_paths:
+            from workbench.tours import keep_ensemble_beside  # here: every run imports this file
+
+            try:
+                instance = self.read(folder)
+            except InputError:
+                return  # the damaged copy is made again, and this asked again, when a run needs it
+            keep_ensemble_beside(source.path, instance, folder)
+
     def read(self, folder: Path) -> Instance:
         """Return the instance kept in `folder`."""
         path = _kept(folder)

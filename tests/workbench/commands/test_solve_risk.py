@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from instances import tour_costs
-from instances.wind_ensemble import Spread
+from instances import tour_costs, wind_ensemble
+from instances.wind_ensemble import Ensemble, Spread
 from reports.record import Run
 from workbench import risk as by_risk
 from workbench.commands import solve_risk
@@ -41,10 +41,10 @@ def searched(monkeypatch, instance, tmp_path, capsys):
     def call(risk, candidates):
         monkeypatch.setattr(by_risk, "SEEDS", 4)
         monkeypatch.setattr(by_risk, "run", solved)
-        monkeypatch.setattr(solve_risk, "_ensemble", lambda given, beside: by_risk.Ensemble(None, None, 20.0))
+        monkeypatch.setattr(solve_risk, "_ensemble", lambda given, beside: Ensemble(None, None, 20.0))
         monkeypatch.setattr(by_risk, "member_costs", lambda *given: (None, None))
         monkeypatch.setattr(by_risk, "routes_of_less_risk", lambda *given, **how: candidates)
-        monkeypatch.setattr(by_risk, "spread", judged)
+        monkeypatch.setattr(wind_ensemble, "spread", judged)
         job, out = Job("", "greedy", {}, 7, 10.0, 1), tmp_path / "r.sol"
         assert solve_risk.run_by_risk(instance, job, risk, as_json=True, out=out, beside=tmp_path / "a.json")
         assert out.exists()

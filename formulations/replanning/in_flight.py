@@ -18,10 +18,14 @@ from formulations.mapping.flight import Flight
 from formulations.mapping.survey import Drifting, Field, field_at
 from formulations.replanning.aloft import Aloft, World
 from formulations.replanning.onward import joined
-from formulations.replanning.replan import LESS, Plan, Planner, Replan, Replanner
+from formulations.replanning.refuted import REFUTED, ahead
+from formulations.replanning.replan import LESS, Plan, Planner, Replan, Replanner, fit
 from formulations.replanning.spending import track_cost
 from instances.arrays import Floats
 from instances.errors import InputError
+
+GROWN = 1.2
+"""Times as many readings as at the last look are looked at for whether they refute what is believed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +59,11 @@ class Measured:
         self.read, self.period, self.rounds = read, period, 0
         self.positions, self.values, self.times = np.empty((0, 2)), np.empty(0), np.empty(0)
 
+    @property
+    def samples(self) -> tuple[Floats, Floats, Floats]:
+        """Positions, values and times."""
+        return self.positions, self.values, self.times
+
     def until(self, time: float, flights: Sequence[Flight]) -> None:
         """Measure along `flights` up to `time` [s]."""
         while (self.rounds + 1) * self.period <= time + 1e-9:
@@ -75,21 +84,28 @@ def fly_replanned(
 ) -> tuple[list[Flight], list[Replan]]:
     """Fly the fleet `aloft` from take-off to its last landing; return the flights as flown, and every re-plan.
 
-    read : what sensors say. every : rounds of measurements between two re-plans, 0 for none but at events. Raises
-    InputError where an event leaves no safe way home.
+    read : what sensors say. every : rounds of measurements between two re-plans, 0 for none but at events; the first is
+    made as soon as readings refute what was believed before them (refuted.py). Raises InputError where an event leaves
+    no safe way home.
     """
     measured = Measured(read, planner.period)
     coming, regular, made, model = sorted(events, key=lambda event: event.time), 1, list[Replan](), planner.model
     while aloft.active:
         event = coming[0] if coming else None
         tick = every * regular * planner.period if every else np.inf
-        at = min(tick, event.time if event else np.inf)
-        if not at < max(aloft.flights[k].duration for k in aloft.active):
+        end = max(aloft.flights[k].duration for k in aloft.active)
+        at, refuted = min(tick, event.time if event else np.inf), np.inf
+        if every and model is planner.model:
+            refuted = _refuted(planner, aloft, world, measured, min(at, end))
+            at = min(at, refuted)
+        if not at < end:
             break
         measured.until(at, aloft.flights)
         aloft.time = at
-        samples = measured.positions, measured.values, measured.times
-        if event is not None and event.time <= tick:
+        samples = measured.samples
+        if refuted < np.inf:
+            made.append(_regular(Replanner(planner, aloft, world, samples, model), "readings refute what was believed"))
+        elif event is not None and event.time <= tick:
             coming.pop(0)
             old = world
             world = _happened(event, aloft, world)
@@ -99,6 +115,20 @@ def fly_replanned(
             made.append(_regular(Replanner(planner, aloft, world, samples, model), f"{every} rounds of measurements"))
         model = made[-1].model
     return aloft.flights, made
+
+
+def _refuted(planner: Planner, aloft: Aloft, world: World, measured: Measured, before: float) -> float:
+    """Measure until readings refute the model that is planned by; return when [s], inf if not before `before` [s]."""
+    looked = 0
+    while (at := (measured.rounds + 1) * planner.period) < before - 1e-9:
+        measured.until(at, aloft.flights)
+        if len(measured.values) < GROWN * looked:
+            continue
+        looked = len(measured.values)
+        fitted = fit(planner, world, planner.model, measured.samples)
+        if ahead(fitted, planner.model, planner.noise_sd, *measured.samples) > REFUTED:
+            return at
+    return np.inf
 
 
 def _happened(event: Event, aloft: Aloft, world: World) -> World:

@@ -129,10 +129,7 @@ class Replanner:
         self.began = process_time()
         self.planner, self.aloft, self.world = planner, aloft, world
         self.known, self.values, self.times = samples
-        x0, y0, x1, y1 = world.sites.bounds
-        low, high = (share * max(x1 - x0, y1 - y0) for share in LENGTHS)
-        offered = replace(planner.offered, lengths=(low, high))
-        self.model = choose_model(model, offered, planner.noise_sd, *samples).model
+        self.model = fit(planner, world, model, samples)
         self.uavs = aloft.active
         self.here = np.array([aloft.flown(k).poses(aloft.flown(k).length)[0, :2] for k in self.uavs]).reshape(-1, 2)
         self.spent = np.array([aloft.spent(k, world.measure) for k in self.uavs])
@@ -279,6 +276,16 @@ class Replanner:
             left.append(self.limits[i] - self.spent[i] - track_cost(rests[k], world.measure))
         over = [np.concatenate([line[0][:1], *(leg[1:] for leg in line)]) for line in lines]
         return Plan(flights, rests, own, over, min(left), self.promised(flights))
+
+
+def fit(planner: Planner, world: World, model: MapModel, samples: tuple[Floats, Floats, Floats]) -> MapModel:
+    """Return the planning model of greatest restricted likelihood of `samples`, `model` itself where they are too few.
+
+    samples : positions (N, 2) [m], values (N,) and times (N,) [s].
+    """
+    x0, y0, x1, y1 = world.sites.bounds
+    low, high = (share * max(x1 - x0, y1 - y0) for share in LENGTHS)
+    return choose_model(model, replace(planner.offered, lengths=(low, high)), planner.noise_sd, *samples).model
 
 
 def _legs_of(path: Floats) -> list[Floats]:

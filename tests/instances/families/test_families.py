@@ -69,7 +69,7 @@ def test_what_the_shapes_are():
         ({"name": "corridor", "walls": 100}, "100 walls of thickness 400 m fill the size"),
         ({"name": "square-wind", "wind": "shear"}, r"family square-wind has no parameter 'wind' \(it has none\)"),
         ({"n_tasks": 0}, "n_tasks must be a whole number of at least 1, got 0"),
-        ({"n_tasks": 10**6}, "1000000 tasks and 2 depots are more than the 20000 nodes"),
+        ({"n_tasks": 10**6}, "1000000 tasks and 2 depots are more than the 100000 nodes"),
         ({"n_depots": 1.0}, "n_depots must be a whole number of at least 1, got 1.0"),
         ({"seed": -1}, "seed must be a whole number of at least 0, got -1"),
     ],

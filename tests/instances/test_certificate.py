@@ -80,7 +80,7 @@ def test_what_is_no_certificate_of_it_is_unusable(proved, tmp_path):
             read_certificate(tmp_path / "a.json")
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(seed=st.integers(0, 10_000), allowance=st.floats(-200.0, 20.0), rho=st.floats(0.0, 40.0))
 def test_all_tours_within_the_threshold_are_listed_and_no_others(seed, allowance, rho):
     instance, cap = drawn(5, 1, seed), 260.0
@@ -111,7 +111,7 @@ def _numbered(order: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(sorted(order).index(i) for i in order)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(seed=st.integers(0, 1000))
 def test_fleets_and_endurance_are_certified_too(seed):
     instance = drawn(6, 2, seed, endurance=[400.0, 330.0])

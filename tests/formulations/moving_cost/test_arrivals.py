@@ -95,7 +95,7 @@ def test_edges_are_integrated_as_tracks_are_and_first_in_first_out() -> None:
     [
         ("dijkstra", {"samples": 60}, {"samples": 250, "radius_factor": 2.0}, 0.03),
         ("fmt-star", {"samples": 60}, {"samples": 250, "radius_factor": 2.0}, 0.03),
-        ("refined", {"samples": 30}, {"samples": 250}, 5e-4),
+        pytest.param("refined", {"samples": 30}, {"samples": 250}, 5e-4, marks=pytest.mark.slow),
     ],
 )
 def test_graphs_come_down_to_the_closed_form_of_a_turning_wind(

@@ -35,6 +35,7 @@ def test_the_ratio_is_that_of_the_densities_of_what_no_level_changes():
     assert ahead(TRUE, other, 1.0, X, y, t) == -ahead(other, TRUE, 1.0, X, y, t)
 
 
+@pytest.mark.slow
 def test_a_true_belief_is_seldom_refuted_and_one_of_three_times_the_length_scale_often():
     wide = MapModel(SquaredExponential(10.0, (9000.0, 9000.0)))
     refuted = []

@@ -20,7 +20,7 @@ def random_instance(n: int, m: int, seed: int, **about: object) -> Instance:
     return Instance(f"random-{n}-{m}-{seed}", cost, n, m, **about)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(n=st.integers(1, 8), m=st.integers(1, 3), seed=st.integers(0, 10**6))
 def test_it_lies_between_the_cheapest_arcs_and_the_optimum(n: int, m: int, seed: int) -> None:
     instance = random_instance(n, m, seed)

@@ -210,6 +210,8 @@ def groups(runs: pd.DataFrame) -> Section:
     note = Note(
         "Mean gap to the best found, and in brackets the share of runs proved. The best of a row is shaded among the "
         "methods that ran on all its instances."
+        if tables
+        else "All instances are of one family, one size and alike in asymmetry: there are no groups to compare."
     )
     return Section("Where each method is good", [note, *tables], "groups", "By group")
 

@@ -21,7 +21,7 @@ import numpy as np
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from formulations.routing.search.place_costs import PlaceCosts, frozen, place_costs, place_leg
+from formulations.routing.search.place_costs import PlaceCosts, place_costs, place_leg, read_only
 from instances import Instance, Travel
 from instances.arrays import Floats, Ints
 
@@ -125,14 +125,14 @@ def both_ways(cost: Floats) -> AlikeCosts:
     few = cost[:_FEW]
     if np.array_equal(few, cost[:, :_FEW].T) and np.array_equal(cost, cost.T):
         return AlikeCosts(cost, cost)
-    return AlikeCosts(cost, frozen(cost.T))
+    return AlikeCosts(cost, read_only(cost.T))
 
 
 def fleet_costs(cost: Floats, classes: Ints, scale: Floats) -> FleetCosts:
     """Return the costs of UAVs that differ, of matrices `cost` (G, n+m, n+m) [s], finite."""
     symmetric = np.array_equal(cost, cost.transpose(0, 2, 1))
-    out = frozen(cost)
-    return FleetCosts(out, out if symmetric else frozen(cost.transpose(0, 2, 1)), frozen(classes), scale)
+    out = read_only(cost)
+    return FleetCosts(out, out if symmetric else read_only(cost.transpose(0, 2, 1)), read_only(classes), scale)
 
 
 def search_costs(instance: Instance) -> Costs:
@@ -179,7 +179,7 @@ def warm_up_by_clock(like: Instance, n_tasks: int, n_depots: int) -> Instance:
 def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer]) -> Costs:
     """Return the costs between some nodes, the tasks first, then the depots of `uavs`; a fleet's scale is copied."""
     if isinstance(costs, PlaceCosts):
-        return costs._replace(x=frozen(costs.x[nodes]), y=frozen(costs.y[nodes]))
+        return costs._replace(x=read_only(costs.x[nodes]), y=read_only(costs.y[nodes]))
     if isinstance(costs, FleetCosts):
         used, classes = np.unique(costs.classes[uavs], return_inverse=True)
         return fleet_costs(costs.out[np.ix_(used, nodes, nodes)], classes, costs.scale[uavs])

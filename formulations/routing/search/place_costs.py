@@ -63,8 +63,8 @@ def place_costs(costs: MetricCosts) -> PlaceCosts:
         kind = Kind.EUCLIDEAN
     rounding = ROUNDINGS.index(getattr(said, "rounding", "none"))
     wind = _linear(costs.wind, unit) if kind is Kind.WIND else np.empty(0)
-    x, y = (frozen(axis / unit) for axis in costs.coordinates.T)
-    return PlaceCosts(x, y, int(kind), rounding, frozen(wind))
+    x, y = (read_only(axis / unit) for axis in costs.coordinates.T)
+    return PlaceCosts(x, y, int(kind), rounding, read_only(wind))
 
 
 def _linear(wind: Any, v0: float) -> Floats:
@@ -154,7 +154,7 @@ def place_sites(costs: PlaceCosts, n_tasks: int) -> Ints:
     return np.asarray(first[which.ravel()], dtype=np.int64)
 
 
-def frozen(array: Any) -> Any:
+def read_only(array: Any) -> Any:
     """Return the array contiguous and read only, the type the kernels are compiled for; copied where it is neither."""
     if array.flags.writeable or not array.flags.c_contiguous:
         array = np.array(array, order="C")

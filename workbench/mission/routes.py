@@ -13,10 +13,10 @@ ensemble.json (with `[routes] risk` also what routes chosen without it would tak
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -33,7 +33,7 @@ from instances.files import read_routes, write_routes
 from instances.paths import Paths
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario
-from instances.tour_figures import tour_figures
+from instances.tour_figures import TourFigures, tour_figures
 from instances.wind_ensemble import Ensemble, spread
 from reports.record import Run
 from reports.tolerances import RELATIVE_ROUNDING
@@ -46,12 +46,21 @@ from workbench.mission.turns import TurnCosts
 from workbench.problems.routing import ROUTING
 
 if TYPE_CHECKING:
+    from workbench.mission.selection import Chosen
     from workbench.risk import LeastRisk
 
 SELECTION_FILE = "selection.json"
 ENSEMBLE_FILE = "ensemble.json"
 TRIES = 5
 """Times that tours are routed, at most, until their turns fit within endurance, too."""
+
+
+class Routed(NamedTuple):
+    """Routes within endurance: their run; the tasks chosen, where not all fit; of an ensemble, those of least risk."""
+
+    run: Run
+    selection: Chosen | None
+    least: LeastRisk | None
 
 
 def settings(mission: Mission) -> dict[str, Any]:
@@ -77,6 +86,34 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     instance, paths = kept_costs(folders["costs"])
     scenario = kept_scenario(folders["environment"])
     tell(f"{mission.routes.solver} for {mission.routes.time_limit:g} s")
+    routed = _routed(mission, scenario, instance, paths, tell)
+    found, chosen = routed.run, routed.selection
+    assert found.objective is not None
+    visited = sorted(task for route in found.own["routes"] for task in route)
+    part = instance if chosen is None else only(instance, visited)
+    certified = certificate(found, short_bounds(part, found.objective, mission.routes.bound_time_limit))
+    if chosen is not None:
+        write_aside(out / SELECTION_FILE, chosen.text)
+    write_routes(found.own["routes"], instance, out / "routes.sol", all_tasks=chosen is None)
+    write_aside(out / "run.json", found.to_json())
+    write_aside(out / "bound.json", json.dumps(certified))
+    routes = kept_routes(out, instance)
+    rows = tour_figures(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
+    over = spread(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
+    if over is not None:
+        without = {}
+        if routed.least is not None:
+            without = {"risk": mission.routes.risk, "without": routed.least.alone[1].to_json()}
+        write_aside(out / ENSEMBLE_FILE, json.dumps(over.to_json() | without))
+    write_aside(out / "tours.csv", pd.DataFrame([asdict(row) for row in rows]).to_csv(index=False))
+    notes = [*([chosen.said] if chosen else []), *([over.words] if over else [])]
+    return "; ".join([_said(found, certified, rows, scenario), *notes])
+
+
+def _routed(
+    mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, tell: Callable[[str], None]
+) -> Routed:
+    """Return routes whose turns, too, fit within endurance; InputError where there are none."""
     laps = mission.flight.laps if isinstance(mission.flight.laps, int) else 1
     limits = limits_of(mission, instance) / laps
     if laps > 1 and instance.endurance is not None:
@@ -84,13 +121,13 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     turns = TurnCosts(mission, scenario, instance, paths, limits)
     least: LeastRisk | None = None
     if mission.routes.risk is None:
-        whole, left_out = attempt(mission, instance, mission.routes.time_limit, mission.routes.seed), ""
+        whole = attempt(mission, instance, mission.routes.time_limit, mission.routes.seed)
     else:
         limited = instance if np.isinf(limits).all() else replace(instance, endurance=limits)
         least = _of_least_risk(mission, limited, scenario, paths, tell)
-        whole, left_out = least.best[0], ""
+        whole = least.best[0]
     for _ in range(TRIES):
-        found = whole
+        found, selection = whole, None
         if not flies_all(replace(instance, endurance=limits), whole):
             if "time" in instance.axes:
                 raise InputError(
@@ -100,26 +137,13 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
             from workbench.mission.selection import route_what_fits  # here: most missions need none of it
 
             found, selection = route_what_fits(mission, instance, limits, tell)
-            write_aside(out / SELECTION_FILE, selection.text)
-            left_out = f"; {selection.said}"
         if not turns.counted or (limits == (limits := turns.left_for_legs(found.own["routes"], limits))).all():
             break
-    assert found.objective is not None
-    visited = sorted(task for route in found.own["routes"] for task in route)
-    part = only(instance, visited) if left_out else instance
-    bounds = short_bounds(part, found.objective, mission.routes.bound_time_limit)
-    write_routes(found.own["routes"], instance, out / "routes.sol", all_tasks=not left_out)
-    write_aside(out / "run.json", found.to_json())
-    certified = certificate(found, bounds)
-    write_aside(out / "bound.json", json.dumps(certified))
-    routes = kept_routes(out, instance)
-    rows = tour_figures(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
-    over = spread(paths, routes, instance.n_tasks, scenario.wind, scenario.speed)
-    if over is not None:
-        without = None if least is None else {"risk": mission.routes.risk, "without": least.alone[1].to_json()}
-        write_aside(out / ENSEMBLE_FILE, json.dumps(over.to_json() | (without or {})))
-        left_out += f"; {over.words}"
-    write_aside(out / "tours.csv", pd.DataFrame([asdict(row) for row in rows]).to_csv(index=False))
+    return Routed(found, selection, least)
+
+
+def _said(found: Run, certified: dict[str, Any], rows: Sequence[TourFigures], scenario: Scenario) -> str:
+    """Return what the screen says of the routes: their tours, how good they are, and what they take of time."""
     tours = ", ".join(f"{c:.1f}" for c in found.own["tour_costs"])
     longest = {name: max(getattr(row, name) for row in rows) for name in ("flight_time", "energy", "calm")}
     energy = f"an energy cost of {longest['energy']:.1f} s at that ground speed, "
@@ -128,7 +152,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
         f"{found.status} by {found.label}, longest tour {found.objective:.2f} s (tours {tours} s, {scenario.cost}), at "
         f"most {certified['gap']:.1%} above any possible (bound {certified['bound']:.2f} s by {certified['by']}); at "
         f"most {longest['flight_time']:.1f} s of flight at airspeed {scenario.speed:g} m/s, "
-        f"{'' if by_clock else energy}{longest['calm']:.1f} s in calm air{left_out}"
+        f"{'' if by_clock else energy}{longest['calm']:.1f} s in calm air"
     )
 
 

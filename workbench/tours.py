@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from formulations.moving_cost.fleet import classes_of
 from instances import Instance, Routes, take_offs
@@ -19,21 +19,52 @@ from instances.tour_figures import TourFigures, tour_figures
 from instances.wind_ensemble import Ensemble, Spread
 
 
-def planned_beside(instance_file: Path, instance: Instance) -> tuple[Paths | None, Scenario | None]:
+class Beside(NamedTuple):
+    """What was planned for an instance: the paths behind its costs and their scenario, each None where not known."""
+
+    paths: Paths | None
+    scenario: Scenario | None
+
+    def tours(self, instance: Instance, routes: Routes) -> list[TourFigures]:
+        """Return time, energy and calm-air cost of the tours, each at its UAV's speed, service left out.
+
+        None where paths or scenario are not known, or where tours do not end where they began.
+        """
+        paths, scenario = self
+        if paths is None or scenario is None:
+            return []
+        speeds, classes = classes_of(scenario)
+        if scenario.fleet.returns is not Return.OWN or len(paths.others) != len(speeds) - 1:
+            return []
+        of_speed = [
+            tour_figures(paths.of_class(g), routes, instance.n_tasks, scenario.wind, speed, take_offs(instance, routes))
+            for g, speed in enumerate(speeds)
+        ]
+        return [of_speed[g][uav] for uav, g in enumerate(classes)]
+
+    def spread(self, instance: Instance, routes: Routes) -> Spread | None:
+        """Return what the longest tour takes over an ensemble; None where the scenario has none, or UAVs differ."""
+        ensemble = Ensemble.of(*self)
+        return None if ensemble is None else ensemble.flown(instance, routes)
+
+
+def planned_beside(instance_file: Path, instance: Instance) -> Beside:
     """Return the paths beside an instance file and the scenario they were planned in.
 
-    None for paths that are not there, and for a scenario that is not found or has other nodes by now. InputError where
-    the paths are not those of `instance`.
+    None for paths that are not there, and for a scenario that is not found or has other nodes by now; of a scenario
+    that cannot be read a warning is logged. InputError where the paths are not those of `instance`.
     """
     kept = paths_file(instance_file)
     if not kept.exists():
-        return None, None
+        return Beside(None, None)
     table = read_paths_table(kept)
     paths = paths_of(table, instance, kept)
     try:
-        return paths, _scenario_of(table, kept, instance)
-    except InputError:
-        return paths, None
+        return Beside(paths, _scenario_of(table, kept, instance))
+    except InputError as error:
+        if (kept.parent / str(table.get("scenario"))).is_file():
+            _warn(f"{error}; so what the routes take in its wind is not told")
+        return Beside(paths, None)
 
 
 def _scenario_of(table: dict[str, Any], kept: Path, instance: Instance) -> Scenario | None:
@@ -43,28 +74,9 @@ def _scenario_of(table: dict[str, Any], kept: Path, instance: Instance) -> Scena
     return scenario if scenario is not None and has_nodes_of(scenario, instance) else None
 
 
-def tours_beside(instance_file: Path, instance: Instance, routes: Routes) -> list[TourFigures]:
-    """Return time, energy and calm-air cost of the tours, each at its UAV's speed, service left out.
-
-    None without paths, where their scenario is not found, or where tours do not end where they began.
-    """
-    paths, scenario = planned_beside(instance_file, instance)
-    if paths is None or scenario is None:
-        return []
-    speeds, classes = classes_of(scenario)
-    if scenario.fleet.returns is not Return.OWN or len(paths.others) != len(speeds) - 1:
-        return []
-    of_speed = [
-        tour_figures(paths.of_class(g), routes, instance.n_tasks, scenario.wind, speed, take_offs(instance, routes))
-        for g, speed in enumerate(speeds)
-    ]
-    return [of_speed[g][uav] for uav, g in enumerate(classes)]
-
-
-def spread_beside(instance_file: Path, instance: Instance, routes: Routes) -> Spread | None:
-    """Return what the longest tour takes over an ensemble; None where the scenario has none, or UAVs differ."""
-    ensemble = Ensemble.of(*planned_beside(instance_file, instance))
-    return None if ensemble is None else ensemble.flown(instance, routes)
+def _warn(words: str) -> None:
+    """Log a warning in one line."""
+    logging.getLogger(__name__).warning(one_line(words, LONGEST_SENTENCE))
 
 
 def keep_ensemble_beside(instance_file: Path, instance: Instance, folder: Path) -> None:
@@ -79,8 +91,7 @@ def keep_ensemble_beside(instance_file: Path, instance: Instance, folder: Path) 
             return
         paths, scenario = paths_of(table, instance, kept), _scenario_of(table, kept, instance)
     except InputError as error:
-        words = f"{error}; so reports will not say what routes take over the members of an ensemble"
-        logging.getLogger(__name__).warning(one_line(words, LONGEST_SENTENCE))
+        _warn(f"{error}; so reports will not say what routes take over the members of an ensemble")
         return
     if scenario is not None and Ensemble.of(paths, scenario) is not None:
         keep_ensemble(paths, scenario, instance, folder)

@@ -31,7 +31,7 @@ from workbench.jobs.store import Store
 from workbench.planning import write_plan
 from workbench.problems.routing import ROUTING
 from workbench.sources import FileSource
-from workbench.tours import spread_beside
+from workbench.tours import planned_beside
 
 NODES = np.array([[1e3, 1e3], [7e3, 1e3], [4e3, 6e3]])
 REGION = Region(Polygon([(0, 0), (8000, 0), (8000, 7000), (3000, 8000)]))
@@ -81,12 +81,18 @@ def kept(file: Path, store) -> Path:
     return store.root / folder_of(instance)
 
 
+def flown(file, routes):
+    """Return the spread that `workbench solve` tells of."""
+    instance = read_instance(file)
+    return planned_beside(file, instance).spread(instance, routes)
+
+
 def test_figures_are_those_of_solve_and_outlast_the_files(make_store, calm, tmp_path):
     store, file = make_store(), shutil.copytree(calm.parent, tmp_path / "given") / calm.name
     folder = kept(file, store)
     (folder / "wind-1.nc").unlink()
     kept(file, store)  # what was lost is kept anew
-    told = {routes: spread_beside(file, read_instance(file), routes) for routes in (((0, 1),), ((1, 0),))}
+    told = {routes: flown(file, routes) for routes in (((0, 1),), ((1, 0),))}
     shutil.rmtree(file.parent)
     stores = read_stores(store.root)
     runs = stores.runs.set_index("method")
@@ -94,7 +100,7 @@ def test_figures_are_those_of_solve_and_outlast_the_files(make_store, calm, tmp_
     for method, routes in (("ga", ((0, 1),)), ("memetic", ((1, 0),))):
         said = [getattr(told[routes], name) for name in SPREAD]
         assert runs.loc[method, [*ENSEMBLE]].tolist() == pytest.approx(said, rel=1e-9)
-        again = spread_beside(folder / "instance.json", read_instance(folder / "instance.json"), routes)
+        again = flown(folder / "instance.json", routes)
         assert again.members == pytest.approx(told[routes].members, rel=1e-9), "solve knows the stored one as well"
     assert runs.loc["greedy", [*ENSEMBLE]].isna().all()
     worst = [told[routes].worst for routes in told]

@@ -15,7 +15,7 @@ from instances.fleet import Fleet, Return
 from instances.scenario import Scenario, write_scenario
 from reports.figures.routes import draw_routes
 from workbench.planning import plan, write_plan
-from workbench.tours import planned_beside, tours_beside
+from workbench.tours import planned_beside
 
 SCENARIO = Scenario(
     "s",
@@ -38,7 +38,7 @@ def kept(scenario: Scenario, folder: Path) -> Path:
 
 def test_each_tour_is_told_at_its_own_speed(tmp_path: Path) -> None:
     instance, _ = plan(SCENARIO, "closed-form")
-    first, second = tours_beside(kept(SCENARIO, tmp_path), instance, ((0,), (1,)))
+    first, second = planned_beside(kept(SCENARIO, tmp_path), instance).tours(instance, ((0,), (1,)))
     assert (first.length, second.length) == (pytest.approx(10_000), pytest.approx(10_000))
     assert (first.flight_time, second.flight_time) == (pytest.approx(500), pytest.approx(400))
 
@@ -46,7 +46,7 @@ def test_each_tour_is_told_at_its_own_speed(tmp_path: Path) -> None:
 def test_tours_that_end_elsewhere_are_not_told(tmp_path: Path) -> None:
     scenario = replace(SCENARIO, fleet=Fleet(returns=Return.NONE))
     instance, _ = plan(scenario, "closed-form")
-    assert tours_beside(kept(scenario, tmp_path), instance, ((0,), (1,))) == []
+    assert planned_beside(kept(scenario, tmp_path), instance).tours(instance, ((0,), (1,))) == []
 
 
 ZONE = Polygon([(3000, 2000), (6000, 2000), (6000, 3000), (3000, 3000)])
@@ -66,7 +66,7 @@ def test_routes_are_drawn_along_planned_paths_over_the_zones_and_wind_of_their_s
     assert "wind, up to" in plot.get_title(loc="left")
 
 
-def test_a_scenario_that_has_changed_is_not_drawn(tmp_path: Path) -> None:
+def test_a_scenario_that_has_changed_is_not_drawn(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     instance, _ = plan(SCENARIO, "closed-form")
     file = kept(SCENARIO, tmp_path)
     assert planned_beside(file, instance)[1] is not None
@@ -74,6 +74,12 @@ def test_a_scenario_that_has_changed_is_not_drawn(tmp_path: Path) -> None:
     paths, scenario = planned_beside(file, instance)
     assert paths is not None
     assert scenario is None
+    assert caplog.messages == []
+    (tmp_path / "s.toml").write_text("airspeed = -3\n")
+    assert planned_beside(file, instance)[1] is None
+    (warning,) = caplog.messages
+    assert "s.toml" in warning
+    assert "not told" in warning
     (tmp_path / "s.toml").unlink()
     assert planned_beside(file, instance)[1] is None
     assert planned_beside(tmp_path / "other.json", instance) == (None, None)

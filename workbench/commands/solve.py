@@ -136,9 +136,9 @@ def _solve(
     from workbench.commands.solve_told import as_object, as_text
     from workbench.jobs.runner import run
     from workbench.problems.routing import ROUTING
-    from workbench.tours import planned_beside, said_of, spread_beside, tours_beside
+    from workbench.tours import planned_beside, said_of
 
-    paths, scenario = planned_beside(beside, instance) if plot else (None, None)
+    planned = planned_beside(beside, instance)
     result = run(ROUTING, job, instance, start=begin, observe=_tell)
     routes = result.own["routes"]
     if out and routes is not None:
@@ -147,12 +147,12 @@ def _solve(
         from reports.figures.routes import draw_routes  # here: matplotlib takes its time
         from reports.figures.svg import save_figure
 
-        save_figure(draw_routes(instance, routes, paths, scenario), plot)
-    spread = spread_beside(beside, instance, routes) if routes is not None else None
+        save_figure(draw_routes(instance, routes, *planned), plot)
+    spread = planned.spread(instance, routes) if routes is not None else None
     if as_json:
         click.echo(json.dumps(as_object(result, instance) | ({"ensemble": spread.to_json()} if spread else {})))
     else:
-        flown = tours_beside(beside, instance, routes) if routes is not None else []
+        flown = planned.tours(instance, routes) if routes is not None else []
         lines = [as_text(result, instance), *(said_of(tour) for tour in flown if tour.tasks)]
         say_lines("\n".join([*lines, *([spread.words] if spread else [])]))
     return routes is not None and result.status in ("OPTIMAL", "FEASIBLE")

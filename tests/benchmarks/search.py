@@ -5,15 +5,16 @@
 
 Sections: multi (multi-depot, 30 s, beside PyVRP with a tightening cap), classics (16 small single-depot, 10 s), single
 (single-depot to 600 tasks, 45 s), long (3 to 5 UAVs, 1000 to 5000 tasks, 60 s), wind (asymmetric multi-depot, 30 s),
-proved (n ≤ 60 with proved optima, 2 s), large (n = 2000 and 5000, 60 s against --long seconds), limits (how far past a
-short limit, n = 5000), peers (memetic beside
-PyVRP, OR-Tools routing, ruin-recreate, ga and greedy), ablation (what each ingredient is worth). Gaps are to the best
-value known elsewhere, in per cent, recomputed. --keep FOLDER keeps the routes that beat it.
+proved (n ≤ 60 with proved optima, 2 s), large (n = 2000 and 5000, 60 s against --long seconds), size (20,000 tasks,
+120 s against --long seconds), threads (two with half the steps each against one), limits (how far past a short limit,
+n = 5000), peers (memetic beside PyVRP, OR-Tools routing, ruin-recreate, ga and greedy), ablation (what each ingredient
+is worth). Gaps are to the best value known elsewhere, in per cent, recomputed. --keep FOLDER keeps the routes that
+beat it.
 
-One thread each. A limit is CPU seconds of this process: the recorder's clock is replaced by it, so that a shared
-machine does not change the figures (OR-Tools keeps to the wall clock). PyVRP is no dependency; its rows are left out
-where it is absent. Parameters were tuned on TUNED_ON and, of those in PROVED, on
-30/3 seed 1, 30/4 seed 2, 50/2 seed 5, 50/3 seed 0, 50/4 seeds 0 and 1, 60/2 seeds 6 and 7, 60/4 seed 3.
+One thread each but in `threads`. A limit is CPU seconds of this process: the recorder's clock is replaced by it, so
+that a shared machine does not change the figures (OR-Tools keeps to the wall clock). PyVRP is no dependency; its rows
+are left out where it is absent. Parameters were tuned on TUNED_ON and, of those in PROVED, on 30/3 seed 1, 30/4 seed
+2, 50/2 seed 5, 50/3 seed 0, 50/4 seeds 0 and 1, 60/2 seeds 6 and 7, 60/4 seed 3.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from types import SimpleNamespace
 import numpy as np
 from public_sets import add_option, public
 from search_ablations import OPTIONS, PARAMETERS
+from search_scaling import size, threads
 
 import formulations.routing.recorder
 import formulations.routing.search.budget
@@ -342,17 +344,21 @@ def on_cpu_time() -> None:
         module.time = cpu  # type: ignore[attr-defined]
 
 
-SECTIONS = {f.__name__: f for f in (multi, classics, single, long, wind, proved, large, limits, peers, ablation)}
+SECTIONS = {
+    f.__name__: f for f in (multi, classics, single, long, wind, proved, large, size, threads, limits, peers, ablation)
+}
 
 
 def main() -> None:
     """Run the sections asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("sections", nargs="*", choices=[*SECTIONS, []], help="all but large and long, if none is named")
+    parser.add_argument(
+        "sections", nargs="*", choices=[*SECTIONS, []], help="all but large, size and long, if none is named"
+    )
     parser.add_argument("--quick", action="store_true", help="one seed, a tenth of the time")
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--seconds", type=float, default=None, help="CPU seconds of a run, instead of the section's")
-    parser.add_argument("--long", type=float, default=600.0, help="CPU seconds of the long run of `large`")
+    parser.add_argument("--long", type=float, default=600.0, help="CPU seconds of the long run of `large`, `size`")
     parser.add_argument("--instances", default="", help="only these, separated by commas (not in proved and limits)")
     parser.add_argument("--alone", action="store_true", help="multi: without PyVRP")
     parser.add_argument("--keep", type=Path, default=None, help="write routes better than the best known here")
@@ -364,7 +370,7 @@ def main() -> None:
     if args.quick:
         args.seeds, args.seconds, args.long = 1, args.seconds or 3.0, 30.0
     on_cpu_time()
-    for name in args.sections or [s for s in SECTIONS if s not in {"large", "long"}]:
+    for name in args.sections or [s for s in SECTIONS if s not in {"large", "size", "long"}]:
         SECTIONS[name](args)
 
 

@@ -15,7 +15,7 @@ from formulations.routing.clocked.problem import ClockedProblem
 from formulations.routing.clocked.recreate import recreate
 from formulations.routing.search.crossover import inherit_some
 from formulations.routing.search.energy import p_norm
-from formulations.routing.search.lineage import Lineage
+from formulations.routing.search.lineage import Family, Lineage
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.randomness import Rng, below, uniform
@@ -31,7 +31,7 @@ class ClockedPopulation(Lineage):
     def __init__(
         self, problem: ClockedProblem, parameters: SearchParameters, rng: Rng, start: Tours, now: float
     ) -> None:
-        super().__init__(problem.data, parameters, rng, 2)
+        super().__init__(problem.data, parameters, rng, Family(founders=2))
         self.problem, self.best = problem, duplicate(start)
         self._start(now, start, parameters.schedule.child, 1.0)
 
@@ -43,19 +43,19 @@ class ClockedPopulation(Lineage):
         anneal_by_clock(
             self._search, self.best, self._fittest, self.rng, steps, temperature, objective, self.measure, how
         )
-        self.problem.follow(self.best, *self.members, self._fittest)
+        self.problem.follow(self.best, *self.family.members, self._fittest)
 
     def next_stage(self, now: float) -> None:
         """Take the newcomer in and begin the next stage."""
         self._take_in(self._fittest)
         schedule = self.parameters.schedule
-        if self._founding:
-            self._start(now, self._constructed(), schedule.founder, self.founder)
+        if self._founding():
+            self._start(now, self._constructed(), schedule.founder, self.family.founder)
         elif uniform(self.rng) < 0.5:
-            self._start(now, self._child(), schedule.child, self.parameters.population.child * self.founder)
+            self._start(now, self._child(), schedule.child, self.parameters.population.child * self.family.founder)
         else:
-            member = duplicate(self.members[below(self.rng, len(self.members))])
-            self._start(now, member, schedule.perturbed, self.parameters.population.child * self.founder)
+            member = duplicate(self.family.members[below(self.rng, len(self.family.members))])
+            self._start(now, member, schedule.perturbed, self.parameters.population.child * self.family.founder)
 
     def _start(self, now: float, tours: Tours, first: float, length: float) -> None:
         """Begin to anneal `tours` from a `first` temperature on, in mean legs."""

@@ -75,7 +75,7 @@ def memetic_by_clock(recorder: Recorder, static: RecordedSolver, parameters: Sea
             lowest = population.incumbent
             recorder.incumbent(to_routes(population.best))
     recorder.incumbent(to_routes(population.best))
-    return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=population.stages)
+    return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=population.family.stages)
 
 
 def _static_plan(recorder: Recorder, static: RecordedSolver, seed: int) -> Routes:

@@ -16,6 +16,7 @@ class BudgetParameters:
     seconds: between two looks at the clock: a tenth of what a limit may be overrun by (0.2 s, tests/benchmarks).
     steps: between two looks where the iteration limit sets the schedule.
     level: steps at one temperature, at most: the shortest annealing of a population, of 10 000, has forty levels.
+    levels: between two meetings of threads, at most, where there are several.
     telling: share of the time that telling of better routes may take before the end where there is no matrix of costs:
     of 20,000 tasks each takes 8 ms.
     probe: share of the limit after which the speed is known well enough to plan a population.
@@ -24,6 +25,7 @@ class BudgetParameters:
     seconds: float = 0.02
     steps: int = 1000
     level: int = 250
+    levels: int = 16
     telling: float = 0.02
     probe: float = 0.01
 

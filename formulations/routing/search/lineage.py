@@ -2,9 +2,12 @@
 
 A newcomer that is no copy of a member replaces the worst member where it is better. What brings forth nothing new for a
 while keeps its best member and restarts with fresh founders, annealed twice as long.
+Lineages in several threads are of one family: each has a stage of its own under way, the members are those of all.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,22 +18,40 @@ from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.tours import Tours, broken_pairs, duplicate
 
 
-class Lineage:
-    """Members, the best tours so far, and the stage under way.
+@dataclass
+class Family:
+    """What the lineages of all threads have in common.
 
-    Times are fractions of the limit; `founder` is the length of a founder's stage, `founders` how many there are.
+    members: the solutions kept; founder: the length of a founder's stage, as a fraction of the limit; founders: how
+    many there are; stages: newcomers taken in, of them since_restart since the last restart and barren since the last
+    that was new.
     """
+
+    threads: int = 1
+    members: list[Tours] = field(default_factory=list)
+    founder: float = 1.0
+    founders: int = 1
+    stages: int = 0
+    since_restart: int = 0
+    barren: int = 0
+
+    @property
+    def longest(self) -> float:
+        """The longest stage of a founder, as a fraction of the limit: three fit into what all threads have."""
+        return min(self.threads, 2) / 3.0
+
+
+class Lineage:
+    """The best tours so far, and the stage under way in one thread; times are fractions of the limit."""
 
     best: Tours
 
-    def __init__(self, data: ProblemData, parameters: SearchParameters, rng: Rng, founders: int) -> None:
+    def __init__(self, data: ProblemData, parameters: SearchParameters, rng: Rng, family: Family) -> None:
         self.data, self.parameters, self.rng = data, parameters, rng
         self.strategy = parameters.strategy(data)
         recreate = parameters.annealing.recreate._replace(width=self.strategy.width)
         self.annealing = parameters.annealing._replace(recreate=recreate)
-        self.members: list[Tours] = []
-        self.founder, self.founders, self.stages = 1.0, founders, 0
-        self._since_restart, self._barren = 0, 0
+        self.family = family
         self._step_length = 0.0
         self._begin, self.end = 0.0, 1.0
 
@@ -39,13 +60,14 @@ class Lineage:
 
         That begins with the newcomer under way, unless the limit allows fewer than three founders.
         """
+        family = self.family
         self._step_length = step
         parameters = self.parameters.population
         least = max(parameters.least, min(parameters.enough, parameters.per_task * self.data.size[0]))
         founder = step * max(least, parameters.depth * self.data.crowding)
-        if founder <= 1.0 / 3.0:
-            self.founder = founder
-            self.founders = min(parameters.size, max(2, int(0.5 / founder)))
+        if founder <= family.longest:
+            family.founder = founder
+            family.founders = min(parameters.size, max(2, int(0.5 * family.threads / founder)))
             self.end = self._begin + founder
 
     @property
@@ -68,27 +90,25 @@ class Lineage:
         left = max(1.0 - now, 0.0)
         return now + left / max(1, round(left / length))
 
-    def _take_in(self, newcomer: Tours, migrant: Tours | None = None) -> None:
-        """End a stage: take its newcomer in, and a migrant; restart where nothing new came for long."""
-        self.stages += 1
-        self._since_restart += 1
-        self._barren = 0 if self._select(newcomer) else self._barren + 1
-        if migrant is not None:
-            self._select(migrant)
-        if self._since_restart >= self.founders and self._barren > self.strategy.patience * self.founders:
-            self.members = [duplicate(self.best)]
-            self._since_restart, self._barren = 1, 0
-            self.founder = min(2.0 * self.founder, 1.0 / 3.0)
+    def _take_in(self, newcomer: Tours) -> None:
+        """End a stage: take its newcomer in; restart where nothing new came for long."""
+        family = self.family
+        family.stages += 1
+        family.since_restart += 1
+        family.barren = 0 if self._select(newcomer) else family.barren + 1
+        if family.since_restart >= family.founders and family.barren > self.strategy.patience * family.founders:
+            family.members = [duplicate(self.best)]
+            family.since_restart, family.barren = 1, 0
+            family.founder = min(2.0 * family.founder, family.longest)
 
-    @property
-    def _founding(self) -> bool:
-        """Whether the next newcomer is a founder."""
-        return self._since_restart < self.founders or len(self.members) < 2
+    def _founding(self, others: int = 0) -> bool:
+        """Return whether the next newcomer is a founder; `others` are under way in other threads."""
+        return self.family.since_restart + others < self.family.founders or len(self.family.members) < 2
 
     @property
     def _staleness(self) -> float:
         """How long nothing was new, for the strategy."""
-        return self._barren / (self.strategy.settling * self.founders)
+        return self.family.barren / (self.strategy.settling * self.family.founders)
 
     def _select(self, newcomer: Tours) -> bool:
         """Add a copy of `newcomer` where it is better than a member; return whether it is new and in.
@@ -98,26 +118,28 @@ class Lineage:
         """
         measure, same = self.measure, self.parameters.population.same * self.incumbent
         value = fitness(newcomer.cost, measure)
-        values = [fitness(member.cost, measure) for member in self.members]
+        members = self.family.members
+        values = [fitness(member.cost, measure) for member in members]
         equals = [i for i, other in enumerate(values) if abs(value - other) <= same]
-        full = len(values) >= max(2, self.founders)
+        full = len(values) >= max(2, self.family.founders)
         worst = int(np.argmax(values)) if values else -1
         if equals:
-            change, nearest = min((broken_pairs(newcomer, self.members[i], self.data.site), i) for i in equals)
+            change, nearest = min((broken_pairs(newcomer, members[i], self.data.site), i) for i in equals)
             copy = change <= self.parameters.population.apart * self.data.size[0]
             if copy or (full and value + same >= values[worst]):
                 if value <= values[nearest]:
-                    self.members[nearest] = duplicate(newcomer)
+                    members[nearest] = duplicate(newcomer)
                 return False
         elif full and value >= values[worst]:
             return False
         if full:
-            del self.members[worst]
-        self.members.append(duplicate(newcomer))
+            del members[worst]
+        members.append(duplicate(newcomer))
         return not equals
 
     def _parents(self) -> tuple[Tours, Tours]:
         """Return a copy of a random member, to become a child, and another member."""
-        i = below(self.rng, len(self.members))
-        j = (i + 1 + below(self.rng, len(self.members) - 1)) % len(self.members)
-        return duplicate(self.members[i]), self.members[j]
+        members = self.family.members
+        i = below(self.rng, len(members))
+        j = (i + 1 + below(self.rng, len(members) - 1)) % len(members)
+        return duplicate(members[i]), members[j]

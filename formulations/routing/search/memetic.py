@@ -11,6 +11,7 @@ The package's docstring says what is where.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import repeat
@@ -23,10 +24,11 @@ from formulations.routing.search.chained_search import ChainedSearch, suits
 from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.decomposition import merge
 from formulations.routing.search.endurance import Endurance
+from formulations.routing.search.lineage import Family
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
-from formulations.routing.search.population import Population
-from formulations.routing.search.problem_data import ProblemData, problem_data
+from formulations.routing.search.population import Population, next_stages, share_best
+from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded, uniform
 from formulations.routing.search.recreate import GUIDES
 from formulations.routing.search.states import searching as states
@@ -104,8 +106,8 @@ class Memetic(RecordedSolver):
         Memetic(depth=0.01).solve(small, limits=Limits(time=3600.0, iterations=200))
         population = self._populations(small, 1, 0)[0]
         uniform(population.rng)
-        population.next_stage(0.0)
-        population.members = [population.best, population.best]
+        next_stages([population], 1.0)
+        population.family.members = [population.best, population.best]
         population.child()
         population.perturbed()
         part, parameters = population.decomposed(), population.parameters
@@ -117,7 +119,7 @@ class Memetic(RecordedSolver):
             ChainedSearch(population.data, population.best, chain, population.rng).advance(0.0, 1)
 
     def search(self, recorder: Recorder, seed: int) -> Result:
-        """Search until a limit; one annealing step is one iteration, counted in each of the `threads` populations."""
+        """Search until a limit; one annealing step is one iteration, counted in one of the `threads` threads."""
         if "states" in recorder.instance.axes and self.decoupled:
             return states.search_decoupled(recorder, seed, self._routes)
         if "states" in recorder.instance.axes:
@@ -134,30 +136,29 @@ class Memetic(RecordedSolver):
         if recorder.instance.by_metric is not None:
             level, telling = max(level, recorder.instance.n_tasks // 10), self.parameters.budget.telling
         teller = Teller(recorder, telling)
+        levels = self.parameters.budget.levels if threads > 1 else 1
         planned = False
         with ThreadPoolExecutor(threads) as pool:
+            run: Callable[..., Iterator[object]] = pool.map if threads > 1 else map
             while True:
-                for population in populations:
-                    if population.improved and (teller.has_time or budget.stopped_by):
+                if any(population.improved for population in populations) and (teller.has_time or budget.stopped_by):
+                    for population in populations:
                         population.improved = False
-                        teller.tell(population.best)
+                    teller.tell(populations[0].best)
                 if budget.stopped_by:
                     break
-                now = budget.fraction
+                now, step = budget.fraction, 1.0 / budget.total_steps
                 if not planned and now >= self.parameters.budget.probe:
                     planned = True
                     for population in populations:
-                        population.plan(1.0 / budget.total_steps)
-                for i, population in enumerate(populations):
-                    if now >= population.end:
-                        population.next_stage(now, populations[i - 1].best if len(populations) > 1 else None)
-                steps = budget.next_steps(level)
-                if len(populations) == 1:
-                    populations[0].advance(now, steps)
-                else:
-                    list(pool.map(Population.advance, populations, repeat(now), repeat(steps)))
+                        population.plan(step)
+                next_stages(populations, now, run)
+                left = math.ceil((min(population.end for population in populations) - now) / step)
+                steps = budget.next_steps(min(levels * level, max(left, level)))
+                list(run(Population.run, populations, *(repeat(value) for value in (now, steps, level, step))))
+                share_best(populations)
                 budget.took(steps)
-        return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=populations[0].stages)
+        return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=populations[0].family.stages)
 
     def _planned_at_take_off(self, recorder: Recorder, seed: int) -> Result:
         """Return the routes found for the costs of take-off; by the clock they may be past endurance."""
@@ -171,21 +172,20 @@ class Memetic(RecordedSolver):
         return self.solve(instance, limits=limits, seed=seed).routes
 
     def _populations(
-        self, instance: Instance, count: int, seed: int, start: Routes | None = None, objective: float = math.inf
+        self, instance: Instance, threads: int, seed: int, start: Routes | None = None, objective: float = math.inf
     ) -> list[Population]:
-        """Return `count` populations; `objective` [s] is that of the start."""
-        parameters, costs, populations = self._with_options(), search_costs(instance), []
+        """Return a population for each thread, of one family; `objective` [s] is that of the start."""
+        parameters, costs = self._with_options(), search_costs(instance)
         if instance.by_metric is not None:
             parameters = replace(parameters, schedule=parameters.schedule.of_many(instance.n_depots))
-        data: ProblemData | None = None
-        for i in range(count):
-            endurance = Endurance(instance, costs)
-            endurance.refer(min(endurance.most, objective))
-            data = data or problem_data(endurance.costs, instance.n_tasks, parameters.neighbourhood)
-            tours = None if start is None else from_routes(endurance.costs, start)
-            own = data._replace(costs=endurance.costs)
-            populations.append(Population(own, endurance, parameters, seeded(seed, i), tours))
-        return populations
+        endurance = Endurance(instance, costs)
+        endurance.refer(min(endurance.most, objective))
+        data = problem_data(endurance.costs, instance.n_tasks, parameters.neighbourhood)
+        family = Family(threads)
+        starts = [None if start is None else from_routes(endurance.costs, start), *[None] * (threads - 1)]
+        return [
+            Population(data, endurance, parameters, seeded(seed, i), tours, family) for i, tours in enumerate(starts)
+        ]
 
     def _with_options(self) -> SearchParameters:
         """Return the parameters with those that are options as they were set; numbers have the types kernels know."""

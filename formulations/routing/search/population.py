@@ -4,12 +4,14 @@ A stage anneals one newcomer. The first stages make founders from scratch; later
 alone (decomposition.py), perturb a member (perturbation.py), cross two (crossover.py) or reheat one (strategy.py).
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine (schedule.py).
+Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
 Where few UAVs fly long tours there is one founder, and a chained local search goes on from it (chained_search.py).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.chained_search import ChainedSearch, suits
@@ -17,7 +19,7 @@ from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around_longest, merge, subproblem
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
-from formulations.routing.search.lineage import Lineage
+from formulations.routing.search.lineage import Family, Lineage
 from formulations.routing.search.local_search import intensify
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
@@ -25,7 +27,7 @@ from formulations.routing.search.problem_data import ProblemData, grain_of
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule
-from formulations.routing.search.tours import Tours, duplicate, empty_tours, reprice
+from formulations.routing.search.tours import Tours, copy_tours, duplicate, empty_tours, reprice
 
 
 @dataclass(frozen=True)
@@ -42,16 +44,22 @@ class Newcomer:
 
 
 class Population(Lineage):
-    """Members, the newcomer being annealed, and the best tours so far; times are fractions of the limit."""
+    """The newcomer that one thread anneals, and the best tours so far; times are fractions of the limit."""
 
     def __init__(
-        self, data: ProblemData, endurance: Endurance, parameters: SearchParameters, rng: Rng, start: Tours | None
+        self,
+        data: ProblemData,
+        endurance: Endurance,
+        parameters: SearchParameters,
+        rng: Rng,
+        start: Tours | None,
+        family: Family | None = None,
     ) -> None:
-        super().__init__(data, parameters, rng, 1)
+        super().__init__(data, parameters, rng, Family() if family is None else family)
         self.endurance, self._steps = endurance, self.annealing
         self.grain = 0.0 if endurance.limited else grain_of(data.costs)
         schedule = parameters.schedule
-        self._newcomer = Newcomer(start if start is not None else self._constructed(), schedule.founder, self.founder)
+        self._newcomer = Newcomer(start if start is not None else self._constructed(), schedule.founder, 1.0)
         self._schedule = Schedule(schedule.founder, schedule.softness[0], schedule.final)
         self._fittest = duplicate(self._newcomer.tours)
         self.best = duplicate(self._newcomer.tours)
@@ -64,6 +72,11 @@ class Population(Lineage):
         super().plan(step)
         if self._long:
             self.end = self._begin + self.parameters.chain.begin
+
+    def run(self, now: float, steps: int, level: int, step: float) -> None:
+        """Advance by `steps` steps, at most `level` at one temperature; a step is so much of the limit."""
+        for done in range(0, steps, level):
+            self.advance(now + done * step, min(level, steps - done))
 
     def advance(self, now: float, steps: int) -> None:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`, or kick so often."""
@@ -79,28 +92,36 @@ class Population(Lineage):
         )
         anneal(data, tours, best, fittest, self.rng, steps, temperature, objective, self.measure, self._steps)
         self.improved = self.improved or self.best.cost.max() < incumbent
-        if part is None:
-            self._follow(tours, fittest)
 
-    def next_stage(self, now: float, migrant: Tours | None = None) -> None:
-        """Take the newcomer (and a migrant from another population) in and begin the next stage."""
+    def grow_up(self) -> None:
+        """End the stage: what the newcomer came to is then whole and its tours' orders are better."""
         if self._long:
-            self.stages += 1
-            self._chained = ChainedSearch(self.data, self.best, self.parameters.chain, self.rng)
-            self._begin, self.end = now, 1.0
             return
         grown = self._grown()
         if self.parameters.population.kicks > 0:
             intensify(self.data.costs, grown, self.rng, self.parameters.population.kicks, self.parameters.local_search)
             self._remember(grown)
-        self._follow(grown)
-        self._take_in(grown, None if migrant is None else self._immigrated(migrant))
+        self._newcomer, self._fittest = replace(self._newcomer, tours=grown, subproblem=None), grown
+
+    def take_in(self) -> None:
+        """Take the newcomer in that has grown up."""
+        if self._long:
+            self.family.stages += 1
+        else:
+            self._take_in(self._fittest)
+
+    def begin(self, now: float, others: int = 0) -> None:
+        """Begin the next stage; `others` are under way in other threads."""
+        if self._long:
+            self._chained = ChainedSearch(self.data, self.best, self.parameters.chain, self.rng)
+            self._begin, self.end = now, 1.0
+            return
         staleness, schedule = self._staleness, self.parameters.schedule
         reheating = self.strategy.draw_reheating(staleness, schedule, self.rng)
         if reheating is not None:
             self._newcomer, self._schedule = self._reheated(), reheating
         else:
-            founder = Newcomer(self._constructed(), schedule.founder, self.founder) if self._founding else None
+            founder = self._founder() if self._founding(others) else None
             self._newcomer = founder or self._renewed()
             self._schedule = self.strategy.draw_schedule(self._newcomer.first, staleness, schedule, self.rng)
         self._steps = self.annealing._replace(strings=self._schedule.final.strings * self.annealing.strings)
@@ -125,19 +146,14 @@ class Population(Lineage):
             self.improved = True
             self.best = duplicate(tours)
 
-    def _follow(self, *under_way: Tours) -> None:
-        """Let the reference of the endurances follow the best tours; all tours are priced anew where it fell."""
-        if self.endurance.follow(self.best.cost):
-            for tours in (self.best, *self.members, *under_way):
-                reprice(self.data.costs, tours)
+    @property
+    def priced(self) -> tuple[Tours, ...]:
+        """The tours under way at the costs of the whole."""
+        part = self._newcomer.subproblem
+        return (self.best, part.whole) if part is not None else (self.best, self._newcomer.tours, self._fittest)
 
-    def _immigrated(self, migrant: Tours) -> Tours:
-        """Return `migrant` at this population's costs."""
-        if not self.endurance.limited:
-            return migrant
-        tours = duplicate(migrant)
-        reprice(self.data.costs, tours)
-        return tours
+    def _founder(self) -> Newcomer:
+        return Newcomer(self._constructed(), self.parameters.schedule.founder, self.family.founder)
 
     def _renewed(self) -> Newcomer:
         """Return a newcomer made from members."""
@@ -151,28 +167,28 @@ class Population(Lineage):
                 return Newcomer(tours, schedule.perturbed, parameters.child * length, part)
             return Newcomer(tours, schedule.founder, length, part)
         if uniform(self.rng) < parameters.perturbations:
-            return Newcomer(self.perturbed(), schedule.perturbed, parameters.perturbed * self.founder)
-        return Newcomer(self.child(), schedule.child, parameters.child * self.founder)
+            return Newcomer(self.perturbed(), schedule.perturbed, parameters.perturbed * self.family.founder)
+        return Newcomer(self.child(), schedule.child, parameters.child * self.family.founder)
 
     def _reheated(self) -> Newcomer:
         """Return a copy of the fitter of two random members."""
         reheating, measure = self.strategy.reheating, self.measure
         assert reheating is not None
-        i, j = below(self.rng, len(self.members)), below(self.rng, len(self.members))
-        a, b = self.members[i], self.members[j]
+        members = self.family.members
+        a, b = members[below(self.rng, len(members))], members[below(self.rng, len(members))]
         fitter = a if fitness(a.cost, measure) <= fitness(b.cost, measure) else b
         return Newcomer(duplicate(fitter), reheating.first, reheating.steps * self._step_length)
 
     def decomposed(self) -> Subproblem:
         """Return some tours of a random member, to be searched alone."""
-        how, whole = self.parameters.decomposition, duplicate(self.members[below(self.rng, len(self.members))])
+        how, whole = self.parameters.decomposition, self._member()
         wanted = 2 + below(self.rng, min(how.most, self.data.size[1] - 1) - 1)
         uavs = around_longest(self.data.near, whole, wanted, how, self.rng)
         return subproblem(self.data, whole, uavs, self.parameters.neighbourhood)
 
     def perturbed(self) -> Tours:
         """Return a copy of a random member, one of its UAVs relocated."""
-        tours = duplicate(self.members[below(self.rng, len(self.members))])
+        tours = self._member()
         perturb(self.data, tours, self.parameters.perturbation, self.parameters.annealing.recreate, self.rng)
         return tours
 
@@ -182,7 +198,38 @@ class Population(Lineage):
         crossover(self.data, child, other, self.parameters.annealing.recreate, self.rng)
         return child
 
+    def _member(self) -> Tours:
+        """Return a copy of a random member."""
+        return duplicate(self.family.members[below(self.rng, len(self.family.members))])
+
     def _constructed(self) -> Tours:
         tours = empty_tours(*self.data.size)
         construct(self.data, tours, self.parameters.annealing.recreate, self.rng)
         return tours
+
+
+def share_best(populations: Sequence[Population]) -> None:
+    """Give all populations the best tours of any; where endurances then have another reference price all tours anew."""
+    first = min(populations, key=lambda population: population.incumbent)
+    for population in populations:
+        if population.incumbent > first.incumbent:
+            copy_tours(first.best, population.best)
+    if first.endurance.follow(first.best.cost):
+        for tours in (*first.family.members, *(tours for population in populations for tours in population.priced)):
+            reprice(first.data.costs, tours)
+
+
+def next_stages(populations: Sequence[Population], now: float, run: Callable[..., Iterator[object]] = map) -> None:
+    """End the stages of populations whose end has come, take their newcomers in and begin the next, always in order.
+
+    run: `map`, or that of a pool of threads.
+    """
+    ended = [population for population in populations if now >= population.end]
+    if not ended:
+        return
+    list(run(Population.grow_up, ended))
+    share_best(populations)
+    for population in ended:
+        population.take_in()
+    for i, population in enumerate(ended, len(populations) - len(ended)):
+        population.begin(now, others=i)

@@ -78,16 +78,6 @@ def test_same_seed_same_answer_other_seed_other_way(name):
     assert first.routes != other.routes
 
 
-def test_two_threads_are_two_populations_and_repeatable():
-    instance = random_instance(5, 20, 3)
-    solver = make_solver("memetic")
-    runs = [solver.solve(instance, limits=Limits(time=3600, iterations=200_000, threads=2), seed=3) for _ in range(2)]
-    alone = solver.solve(instance, limits=Limits(time=3600, iterations=200_000, threads=1), seed=3)
-    assert runs[0].routes == runs[1].routes
-    assert min(runs[0].statistics["stages"], alone.statistics["stages"]) > 3
-    assert check_routes(instance, runs[0].routes) == []
-
-
 @BOTH
 def test_never_worse_than_its_start(name):
     instance = random_instance(4, 25, 3)

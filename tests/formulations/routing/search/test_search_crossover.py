@@ -12,7 +12,7 @@ from formulations.routing.search.costs import both_ways
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.parameters import PopulationParameters, SearchParameters
-from formulations.routing.search.population import Population
+from formulations.routing.search.population import Population, next_stages
 from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import RecreateParameters
@@ -112,14 +112,14 @@ def test_a_population_fills_with_founders_then_keeps_only_better_strangers():
         ends.append(now)
         if now >= 1.0:
             break
-        population.next_stage(now)
-        values = [fitness(member.cost, population.measure) for member in population.members]
-        assert len(values) <= population.founders
+        next_stages([population], now)
+        values = [fitness(member.cost, population.measure) for member in population.family.members]
+        assert len(values) <= population.family.founders
         assert len(set(values)) == len(values)
     assert now == pytest.approx(1.0)
     assert ends[:5] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])
     assert ends[5] == pytest.approx(0.55)
-    assert population.best.cost.max() <= min(member.cost.max() for member in population.members) * (1 + 1e-12)
+    assert population.best.cost.max() <= min(member.cost.max() for member in population.family.members) * (1 + 1e-12)
     assert check_routes(instance, rings.to_routes(population.best)) == []
 
 
@@ -131,14 +131,14 @@ def test_a_population_that_decomposes_keeps_whole_routes_and_never_loses_its_bes
     while now < 1.0:
         population.advance(now, 20)
         now = population.end
-        population.next_stage(now)
-        for member in (*population.members, population.best):
+        next_stages([population], now)
+        for member in (*population.family.members, population.best):
             routes = rings.to_routes(member)
             assert check_routes(instance, routes) == []
             assert member.cost == pytest.approx(tour_costs(instance, routes))
         assert population.best.cost.max() <= best
         best = population.best.cost.max()
-    assert population.stages > 100
+    assert population.family.stages > 100
 
 
 def test_a_population_that_may_run_once_only_does_not_split_its_time():
@@ -163,9 +163,9 @@ def test_where_all_start_at_one_site_good_members_are_reheated_once_nothing_new_
     while now < 1.0:
         population.advance(now, 20)
         now = population.end
-        population.next_stage(now)
+        next_stages([population], now)
         if population._newcomer.first == ONE_SITE.reheating.first:
             reheated += 1
             routes = rings.to_routes(population._newcomer.tours)
-            assert routes in [rings.to_routes(member) for member in population.members]
+            assert routes in [rings.to_routes(member) for member in population.family.members]
     assert (reheated > 0) == reheats

@@ -86,7 +86,7 @@ def test_a_population_keeps_equals_that_differ_and_of_copies_the_one_with_the_sm
     members = replace(SearchParameters().population, apart=0.3)
     parameters = replace(SearchParameters(), population=members)
     population = Population(data, Endurance(FLAT, data.costs), parameters, seeded(1), None)
-    population.founders, population.members = 3, []
+    population.family.founders, population.family.members = 3, []
 
     def select(*routes):
         return population._select(rings.from_routes(data.costs, routes))
@@ -95,10 +95,10 @@ def test_a_population_keeps_equals_that_differ_and_of_copies_the_one_with_the_sm
     assert select(long, short)
     assert not select(long[::-1], short)
     assert not select(long, (9, 0, 1, 10, 11))
-    assert [rings.to_routes(member) for member in population.members] == [(long, (9, 0, 1, 10, 11))]
+    assert [rings.to_routes(member) for member in population.family.members] == [(long, (9, 0, 1, 10, 11))]
     assert not select(long, short)
-    assert population.members[0].cost.sum() == 3.0 * (N + M) - 1.0
+    assert population.family.members[0].cost.sum() == 3.0 * (N + M) - 1.0
     assert not select((5, 0, 7, 2, 10, 3, 8), (4, 9, 6, 1, 11))
-    assert len(population.members) == 2
+    assert len(population.family.members) == 2
     assert select((2, 0, 1, 3, 4, 5, 6), (7, 8, 9, 10, 11))
-    assert len(population.members) == 3
+    assert len(population.family.members) == 3

@@ -31,12 +31,14 @@ class LocalSearchParameters(NamedTuple):
     span: tasks of a segment of a double bridge, at most: short ones leave the descent little to look at.
     gain: share of the tour's cost below which a gain counts as rounding.
     fewest: tasks of a tour, at least; shorter ones the annealing leaves in the best order.
+    most: tasks of a tour, at most: the matrices of one of 8000 take 1 GB.
     """
 
     near: int = 8
     span: int = 10
     gain: float = 1e-9
     fewest: int = 8
+    most: int = 8000
 
 
 class ClosedTour(NamedTuple):
@@ -271,7 +273,7 @@ def improve(tour: ClosedTour, rng: Rng, kicks: int) -> None:
 def intensify(costs: Costs, tours: Tours, rng: Rng, kicks: float, parameters: LocalSearchParameters) -> None:
     """Improve the order of every tour, in place, with `kicks` double bridges for each of its tasks."""
     for k in range(tours.cost.size):
-        if tours.size[k] >= parameters.fewest:
+        if parameters.fewest <= tours.size[k] <= parameters.most:
             _intensify_one(costs, tours, k, rng, kicks, parameters)
     sum_costs(tours)
 

@@ -108,6 +108,16 @@ def test_intensified_tours_keep_their_tasks_and_none_is_longer(seed, random_case
     assert tours.cost.sum() < 0.9 * tour_costs(instance, routes).sum()  # random orders are far from good
 
 
+def test_tours_of_too_few_or_too_many_tasks_stay_as_they_are(random_case):
+    instance, routes = random_case(1, 40, 3)
+    tours = rings.from_routes(both_ways(instance.cost), routes)
+    few, many = sorted(map(len, routes))[0], sorted(map(len, routes))[2]
+    how = HOW._replace(fewest=few + 1, most=many - 1)
+    intensify(both_ways(instance.cost), tours, seeded(1), 1.0, how)
+    for before, after in zip(routes, rings.to_routes(tours), strict=True):
+        assert (before == after) == (len(before) in (few, many))
+
+
 def test_two_tasks_and_costs_of_zero() -> None:
     tour = local_search.closed_tour(np.zeros((3, 3)), HOW)
     local_search.improve(tour, seeded(1), 10)

@@ -19,7 +19,7 @@ import shapely
 from shapely.geometry import Polygon
 
 from formulations.average_variance import AverageVariance
-from formulations.polish.sampling import Samples, count_of
+from formulations.polish.sampling import Samples, count_of, times_of
 from formulations.polish.straight_legs import Costed, StraightLegs
 from instances.arrays import Floats, Ints
 
@@ -38,6 +38,7 @@ class Objective:
     room, inner : where legs and where waypoints are to stay; None where bounds of the waypoints see to it.
     held : whether samples keep their shares of the legs they are on in `paths`, X = M P: smooth, and right for legs
     that hardly change; otherwise they are taken by the clock.
+    start : when the paths are begun [s], by the clock of `judged`.
     """
 
     judged: AverageVariance
@@ -49,6 +50,7 @@ class Objective:
     room: Polygon | None = None
     inner: Polygon | None = None
     held: bool = False
+    start: float = 0.0
 
     @property
     def begin(self) -> Floats:
@@ -89,7 +91,7 @@ class Objective:
             sampled = zip(paths, costed, self._first, strict=True)
             samples = [Samples.along(p, legs.duration, self.period, len(first.leg)) for p, legs, first in sampled]
             stretched = [legs.duration_slopes for legs in costed]
-        unknown, slopes = self.judged(np.concatenate([each.places for each in samples]))
+        unknown, slopes = self.judged(np.concatenate([each.places for each in samples]), self._times)
         parts = np.split(slopes / unknown, np.cumsum([len(first.leg) for first in self._first])[:-1])
         return math.log(unknown), [s.pulled(p, by) for s, p, by in zip(samples, parts, stretched, strict=True)]
 
@@ -119,6 +121,11 @@ class Objective:
     @cached_property
     def _cuts(self) -> Ints:
         return np.asarray(np.cumsum([len(path) - 2 for path in self.paths])[:-1])
+
+    @cached_property
+    def _times(self) -> Floats:
+        """When the samples are taken [s], whichever way is flown."""
+        return self.start + times_of([len(first.leg) for first in self._first], self.period)
 
     @cached_property
     def _first(self) -> list[Samples]:

@@ -15,6 +15,7 @@ paths could reach see `formulations.path_bound`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -28,7 +29,7 @@ from shapely.geometry import Polygon
 from formulations.average_variance import AverageVariance
 from formulations.blas import one_thread
 from formulations.polish.objective import Objective
-from formulations.polish.sampling import Samples, count_of
+from formulations.polish.sampling import Samples, count_of, times_of
 from formulations.polish.straight_legs import StraightLegs
 from formulations.task_location.boundary import box, is_rectangle
 from instances.arrays import Bools, Floats
@@ -65,6 +66,7 @@ class PolishProblem:
     room : where legs are to stay. inner : where waypoints are to, for turns to have room; all of `room` unless given.
     flown : UAV and waypoints (w + 1, 2) [m] to the cost [s] of the flight over them, and whether it can be flown;
         None where straight legs are flown.
+    start : when the paths are begun [s], by the clock of `judged`; looked at where the field drifts.
 
     Raises InputError naming what does not fit.
     """
@@ -77,6 +79,7 @@ class PolishProblem:
     room: Region
     inner: Region | None = None
     flown: Callable[[int, Floats], tuple[float, bool]] | None = None
+    start: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.period > 0:
@@ -86,19 +89,19 @@ class PolishProblem:
         if len(self.budgets) != len(self.paths) or not (self.budgets >= 0).all() or np.isinf(self.budgets).any():
             raise InputError(f"polish: {len(self.paths)} paths need as many finite budgets [s], got {self.budgets}")
 
-    def samples(self, paths: Sequence[Floats]) -> Floats:
-        """Return where `paths` are sampled, flown straight, (n, 2) [m]."""
-        found = [np.empty((0, 2))]
+    def samples(self, paths: Sequence[Floats]) -> tuple[Floats, Floats]:
+        """Return where `paths` are sampled, flown straight, (n, 2) [m], and when, (n,) [s]."""
+        found, counts = [np.empty((0, 2))], list[int]()
         for path in paths:
             if len(path) > 1:
                 durations = self.legs(path).duration
-                count = count_of(float(durations.sum()), self.period)
-                found.append(Samples.along(path, durations, self.period, count).places)
-        return np.concatenate(found)
+                counts.append(count_of(float(durations.sum()), self.period))
+                found.append(Samples.along(path, durations, self.period, counts[-1]).places)
+        return np.concatenate(found), self.start + times_of(counts, self.period)
 
     def value(self, paths: Sequence[Floats]) -> float:
         """Return J after `paths`, flown straight."""
-        return self.judged.value(self.samples(paths))
+        return self.judged.value(*self.samples(paths))
 
     def cost(self, uav: int, path: Floats) -> tuple[float, bool]:
         """Return what the flight of `uav` along `path` costs [s], and whether it can be flown in the room."""
@@ -199,11 +202,17 @@ class _Search:
     def _lowered(self, paths: list[Floats], allowed: Floats, rounds: Sequence[tuple[float, bool]]) -> list[Floats]:
         problem = self.problem
         fixed = [path for k, path in enumerate(self.begin) if k not in self.flying]
-        judged = replace(problem.judged, known=np.concatenate([problem.judged.known, problem.samples(fixed)]))
+        places, times = problem.samples(fixed)
+        judged = replace(
+            problem.judged,
+            known=np.concatenate([problem.judged.known, places]),
+            known_times=np.concatenate([problem.judged.known_times, times]),
+        )
         for weight, held in rounds:
-            objective = Objective(
-                judged, problem.legs, problem.period, paths, allowed, weight, self._room, self._within, held
-            )
+            # J of a field that drifts hardly changes far from its best: held rounds are as if it stayed
+            seen = replace(judged, tau=math.inf) if held else judged
+            legs, period, rooms = problem.legs, problem.period, (self._room, self._within)
+            objective = Objective(seen, legs, period, paths, allowed, weight, *rooms, held, problem.start)
             begin = objective.begin
             done = minimize(
                 objective,

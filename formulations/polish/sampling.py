@@ -9,6 +9,7 @@ so that stretching a leg moves the samples of all that is flown after it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,11 @@ from instances.arrays import Floats, Ints
 def count_of(duration: float, period: float) -> int:
     """Return how many samples a flight of `duration` [s] takes, one every `period` [s] after its start."""
     return int(duration / period + 1e-9)
+
+
+def times_of(counts: Sequence[int], period: float) -> Floats:
+    """Return when the samples of several flights are taken, so many of each, one flight after the other [s]."""
+    return np.concatenate([np.empty(0), *(period * np.arange(1.0, count + 1.0) for count in counts)])
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,13 +10,15 @@ b(y) = (K_Q + σ² I)⁻¹ k(Q, y), of which no derivative is needed,
 
     ∂/∂x_i ½ log det(k(T, T | Q) + σ² I) = Σ_j M_ij (∂₁k(x_i, x_j) − ∂₁k(x_i, Q) b(x_j))
 
-Under the noise convention (b): test points are read with noise σ, too. Where the field drifts, what is to be read and
-the test points are taken as of one time, which the readings at S are older than, each by its age.
+Under the noise convention (b): test points are read with noise σ, too, one of weight w with σ²/w. Where the field
+drifts, what is to be read and the test points are taken as of one time, which the readings at S are older than, each by
+its age.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
@@ -33,14 +35,17 @@ ITERATIONS = 30
 
 
 class _Open:
-    """½ log det(k(T, T | Q) + σ² I) of the readings at T that are still to be made, where Q (q, 2) [m] are read."""
+    """½ log det(k(T, T | Q) + σ² I) of the readings at T that are still to be made, where Q (q, 2) [m] are read.
 
-    def __init__(self, kernel: Kernel, noise_sd: float, read: Floats, ages: Floats) -> None:
+    weights : of Q, (q,): one of weight w has noise σ²/w.
+    """
+
+    def __init__(self, kernel: Kernel, noise_sd: float, read: Floats, ages: Floats, weights: Floats) -> None:
         self.kernel, self.noise, self.read = kernel, noise_sd**2, read
         self.faded = np.exp(-ages)[:, None]
         covariance = kernel(read, read)
         covariance *= np.exp(-np.abs(np.subtract.outer(ages, ages)))
-        covariance[np.diag_indices_from(covariance)] += self.noise
+        covariance[np.diag_indices_from(covariance)] += self.noise / weights
         self._lower = cholesky(covariance, lower=True, check_finite=False)
 
     def features(self, points: Floats) -> Floats:
@@ -68,6 +73,7 @@ class ConditionalInformation:
 
     kernel : of the field. tests : o, shape (m, 2) [m]; known : S, shape (s, 2) [m]. noise_sd : σ > 0 of every reading,
     in the field's unit. ages : of the readings at S where the field drifts, in τ, shape (s,); 0 unless given.
+    weights : w ≥ 0 of the tests, shape (m,); 1 each unless given.
     """
 
     kernel: Kernel
@@ -75,15 +81,20 @@ class ConditionalInformation:
     known: Floats
     noise_sd: float
     ages: Floats | None = None
+    weights: Floats | None = None
     _before: _Open = field(init=False, repr=False)
     _after: _Open = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        both = np.concatenate([self.tests, self.known])
+        known, weights = np.ones(len(self.known)), np.ones(len(self.tests)) if self.weights is None else self.weights
+        counts = weights > 0
+        tests, weights = self.tests[counts], weights[counts]
         ages = np.zeros(len(self.known)) if self.ages is None else self.ages
-        fresh = np.zeros(len(self.tests))
-        object.__setattr__(self, "_before", _Open(self.kernel, self.noise_sd, self.known, ages))
-        object.__setattr__(self, "_after", _Open(self.kernel, self.noise_sd, both, np.concatenate([fresh, ages])))
+        before = _Open(self.kernel, self.noise_sd, self.known, ages, known)
+        told = [(tests, self.known), (np.zeros(len(tests)), ages), (weights, known)]
+        both = _Open(self.kernel, self.noise_sd, *(np.concatenate(each) for each in told))
+        object.__setattr__(self, "_before", before)
+        object.__setattr__(self, "_after", both)
 
     def __call__(self, points: Floats) -> tuple[float, Floats]:
         """Return I [nats] and its gradient [nats/m], shape (n, 2), at the tasks `points` (n, 2) [m]."""
@@ -110,8 +121,25 @@ class ConditionalInformation:
         return candidates[chosen]
 
 
-def place_remaining(worth: ConditionalInformation, sites: Region, start: Floats) -> Floats:
-    """Return tasks in `sites` that tell more beside what is known than `start` (n, 2) [m], by L-BFGS-B."""
+class Worth(Protocol):
+    """What tasks are placed by: a value to be great, with its gradient."""
+
+    @property
+    def kernel(self) -> Kernel:
+        """Of the field."""
+        ...
+
+    def __call__(self, points: Floats) -> tuple[float, Floats]:
+        """Return the value and its gradient [1/m], shape (n, 2), at the tasks `points` (n, 2) [m]."""
+        ...
+
+    def greedy(self, candidates: Floats, count: int) -> Floats:
+        """Return `count` of the `candidates` (c, 2) [m], each chosen where it adds most beside those before it."""
+        ...
+
+
+def place_remaining(worth: Worth, sites: Region, start: Floats) -> Floats:
+    """Return tasks in `sites` that are worth more beside what is known than `start` (n, 2) [m], by L-BFGS-B."""
     scales = np.asarray(worth.kernel.length_scales)
 
     def negative(z: Floats) -> tuple[float, Floats]:

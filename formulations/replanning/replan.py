@@ -1,8 +1,8 @@
 """One re-plan: fit, place what remains given what is known, route from where the UAVs are, accept what is better.
 
 1. The planning model, a squared exponential, is fitted to all samples S by restricted likelihood, as the map's is.
-2. r tasks are placed by I(y_T; y_o | y_S) (conditional.py), for up to TRIES values of r about the most whose
-   routes endurance allows.
+2. r tasks are placed by I(y_T; y_o | y_S) (conditional.py) or by how far the average variance falls (remaining.py),
+   for up to TRIES values of r about the most whose routes endurance allows.
 3. They are routed by min-max from the present positions to the homes (open_routes.py) and flown from the present poses.
 4. Accepted is the plan that promises the least mean posterior variance after the whole rest of the flight, if every UAV
    keeps its endurance, no rule is broken, and it promises less than the plan in the air.
@@ -29,9 +29,10 @@ from formulations.mapping.map_model import MapModel, Offered, choose_model
 from formulations.polish.path_polish import PolishProblem, polish
 from formulations.polish.straight_legs import StraightLegs
 from formulations.replanning.aloft import Aloft, World
-from formulations.replanning.conditional import ConditionalInformation, place_remaining
+from formulations.replanning.conditional import ConditionalInformation, Worth, place_remaining
 from formulations.replanning.onward import fly_on
 from formulations.replanning.open_routes import OpenRoutes, empty_routes, open_routes
+from formulations.replanning.remaining import RemainingVariance
 from formulations.replanning.spending import track_cost
 from formulations.replanning.ways import Legs
 from formulations.task_location.placement import lattice
@@ -64,7 +65,8 @@ class Planner:
 
     model : believed before the first sample; offered : what fits choose from; noise_sd : σ_n of a sample; period [s] :
     between two samples of a UAV; tests : points (m, 2) [m] by which tasks are placed; targets : points (p, 2) [m] at
-    which the field is to be known; weights : of these, (p,), 1 each unless given.
+    which the field is to be known; test_weights, weights : of these, (m,) and (p,), 1 each unless given.
+    by_variance : whether tasks are placed by the average variance of the targets, not by information about the tests.
     polish : whether waypoints are moved for what is sensed along the path (`formulations.polish`), too.
     """
 
@@ -73,7 +75,9 @@ class Planner:
     period: float
     tests: Floats
     targets: Floats
+    test_weights: Floats | None = None
     weights: Floats | None = None
+    by_variance: bool = False
     offered: Offered = SMOOTH
     polish: bool = False
 
@@ -178,10 +182,19 @@ class Replanner:
             raise InputError(f"at {self.aloft.time:g} s there is no way home for UAV {k}")
         return self._flown(legs, np.empty((0, 2)), found)
 
-    def _worth(self) -> ConditionalInformation:
-        landing = max(flight.duration for flight in self.aloft.flights)
-        ages = (landing - self.times) / self.model.tau
-        return ConditionalInformation(self.model.kernel, self.planner.tests, self.known, self._reading_sd, ages)
+    def _worth(self) -> Worth:
+        landing, planner = max(flight.duration for flight in self.aloft.flights), self.planner
+        if planner.by_variance:
+            return RemainingVariance(self._judged, landing)
+        ages, kernel = (landing - self.times) / self.model.tau, self.model.kernel
+        return ConditionalInformation(kernel, planner.tests, self.known, self._reading_sd, ages, planner.test_weights)
+
+    @property
+    def _judged(self) -> AverageVariance:
+        planner, model = self.planner, self.model
+        return AverageVariance(
+            model.kernel, self._reading_sd, planner.targets, planner.weights, self.known, model.tau, self.times
+        )
 
     @property
     def _reading_sd(self) -> float:
@@ -234,12 +247,13 @@ class Replanner:
     def _polished(self, plan: Plan) -> list[Plan]:
         """Return `plan` polished, where that makes it another within endurance."""
         kernel, world, planner = self.model.kernel, self.world, self.planner
-        judged = AverageVariance(kernel, self._reading_sd, planner.targets, planner.weights, self.known)
         room, first = world.ways.region, self.aloft.flights[0]
         legs = StraightLegs.of(world.measure if world.windy else None, room, world.measure.speed, first.speed)
         budgets = np.maximum(self.limits - self.spent, 0.0)
         flown = self._costs if first.radius > 0 or world.windy else None
-        problem = PolishProblem(judged, legs, planner.period, plan.lines, budgets, room, world.sites, flown)
+        problem = PolishProblem(
+            self._judged, legs, planner.period, plan.lines, budgets, room, world.sites, flown, self.aloft.time
+        )
         apart = max(0.5 * min(kernel.length_scales), planner.period * first.speed, CROWDED * first.radius)
         done = polish(problem, spacing=apart, warm=True)
         if not done.moved.any():

@@ -267,20 +267,27 @@ def place(
     elapsed = progress.elapsed
     if progress.best is None:
         raise RuntimeError(f"{name} offered no points")
-    points = checked_points(problem, progress.best, name)
+    found = appraised(problem, checked_points(problem, progress.best, name), name, status)
+    return replace(
+        found,
+        seed=seed,
+        elapsed=elapsed,
+        certificate=certificate,
+        trace=tuple(progress.trace),
+        stopped_by=stopped_by,
+    )
+
+
+def appraised(problem: PlacementProblem, points: Floats, method: str, status: PlacementStatus) -> Placement:
+    """Return what `points` of the region, found by `method`, are worth."""
     goal = problem.criterion
     worth = {str(c): goal.under(c).value(points) for c in Convention}
     found = Placement(
         points=points,
         mutual_information=worth[Convention.BOTH_NOISY],
-        method=name,
+        method=method,
         status=status,
-        seed=seed,
-        elapsed=elapsed,
-        certificate=certificate,
         information=worth,
-        trace=tuple(progress.trace),
-        stopped_by=stopped_by,
         maximised=NAME if isinstance(goal, VarianceReduction) else goal.convention,
     )
     if not isinstance(goal, VarianceReduction):

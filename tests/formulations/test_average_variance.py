@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from formulations.average_variance import AverageVariance
 from formulations.kernel import KERNELS, SquaredExponential
 from formulations.mapping.gaussian_process import GaussianProcess
+from formulations.mapping.map_model import MapModel
 from formulations.task_location.placement import lattice
 from instances.environment.region import Region
 from instances.errors import InputError
@@ -51,18 +52,36 @@ def test_variances_are_those_of_the_map():
     assert np.sqrt(left) == pytest.approx(process.posterior().sd, abs=1e-9)
 
 
+DRIFTING = {"tau": 300.0, "known_times": np.linspace(0.0, 200.0, 9)}
+
+
+def test_variances_of_a_field_that_drifts_are_those_of_its_map():
+    rng = np.random.default_rng(3)
+    readings, times = SQUARE.sample(30, rng), np.append(DRIFTING["known_times"], rng.uniform(100.0, 490.0, 21))
+    process = GaussianProcess(MapModel(KERNEL, tau=300.0), 1.0, GRID, level=0.0)
+    process.extend(readings, np.zeros(30), times)
+    judged = AverageVariance(KERNEL, 1.0, GRID, known=readings[:9], **DRIFTING)
+    assert np.sqrt(judged.variances(readings[9:], times[9:])) == pytest.approx(process.posterior().sd, abs=1e-9)
+    assert judged.value(readings[9:], times[9:] + 50.0) > judged.value(readings[9:], times[9:])
+    alone = AverageVariance(KERNEL, 1.0, GRID[:1], tau=300.0)
+    once = alone.value([GRID[0], [1e9, 0.0]], [0.0, 300.0])  # a reading of age τ, and one that tells nothing
+    assert once == pytest.approx(778.333430164644, rel=1e-9)
+
+
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=list(KERNELS))
-def test_gradient_agrees_with_differences(kernel):
+@pytest.mark.parametrize("drift", [{}, DRIFTING], ids=["stays", "drifts"])
+def test_gradient_agrees_with_differences(kernel, drift):
     rng = np.random.default_rng(2)
-    judged = AverageVariance(kernel(30.0, (3000.0, 5000.0)), 1.0, GRID, rng.uniform(0, 1, 400), SQUARE.sample(9, rng))
-    points, step = SQUARE.sample(6, rng), 0.5
-    value, gradient = judged(points)
-    assert value == pytest.approx(judged.value(points), rel=1e-12)
+    kernel, weights = kernel(30.0, (3000.0, 5000.0)), rng.uniform(0, 1, 400)
+    judged = AverageVariance(kernel, 1.0, GRID, weights, SQUARE.sample(9, rng), **drift)
+    points, step, times = SQUARE.sample(6, rng), 0.5, np.linspace(210.0, 400.0, 6)
+    value, gradient = judged(points, times)
+    assert value == pytest.approx(judged.value(points, times), rel=1e-12)
     for i, d in itertools.product(range(6), range(2)):
         there, back = points.copy(), points.copy()
         there[i, d] += step
         back[i, d] -= step
-        slope = (judged.value(there) - judged.value(back)) / (2 * step)
+        slope = (judged.value(there, times) - judged.value(back, times)) / (2 * step)
         assert gradient[i, d] == pytest.approx(slope, abs=1e-4 * np.abs(gradient).max())
 
 
@@ -75,15 +94,18 @@ def test_a_weight_of_two_is_a_target_listed_twice_and_a_common_factor_nothing():
 
 
 @settings(deadline=None, max_examples=20)
-@given(st.integers(1, 30), st.integers(0, 6), st.integers(0, 10**6), st.floats(0.1, 30.0), st.booleans())
-def test_no_readings_pass_the_bound(n, known, seed, noise_sd, clustered):
+@given(st.integers(1, 30), st.integers(0, 6), st.integers(0, 10**6), st.floats(0.1, 30.0), st.booleans(), st.booleans())
+def test_no_readings_pass_the_bound(n, known, seed, noise_sd, clustered, drifts):
     rng = np.random.default_rng(seed)
-    targets = SQUARE.cell_centres(6, 6)
-    judged = AverageVariance(
-        SquaredExponential(30.0, (5000.0, 9000.0)), noise_sd, targets, rng.uniform(0, 1, 36), SQUARE.sample(known, rng)
+    kernel, targets, weights = (
+        SquaredExponential(30.0, (5000.0, 9000.0)),
+        SQUARE.cell_centres(6, 6),
+        rng.uniform(0, 1, 36),
     )
+    drift = {"tau": 200.0, "known_times": rng.uniform(-300.0, 0.0, known)} if drifts else {}
+    judged = AverageVariance(kernel, noise_sd, targets, weights, SQUARE.sample(known, rng), **drift)
     points = np.repeat(SQUARE.sample(1, rng), n, axis=0) if clustered else SQUARE.sample(n, rng)
-    assert judged.lower_bound(n) <= judged.value(points)
+    assert judged.lower_bound(n) <= judged.value(points, rng.uniform(0.0, 500.0, n))
 
 
 def test_the_bound_holds_over_brute_force():
@@ -101,6 +123,8 @@ def test_the_bound_holds_over_brute_force():
         ({"weights": np.ones(3)}, "there are 3 weights for 400 targets"),
         ({"weights": np.zeros(400)}, "not all 0"),
         ({"known": np.array([[np.nan, 0.0]])}, "known must be finite"),
+        ({"tau": 0.0}, "tau must be positive, got 0.0"),
+        ({"known": GRID[:2], "known_times": np.zeros(3)}, "2 readings need as many finite times"),
     ],
 )
 def test_what_makes_no_sense_is_refused(given_, sentence):

@@ -115,9 +115,9 @@ def place_tasks(
 
     `within` is all of `region` unless given.
     """
-    if method not in METHODS.built_in:
-        return placement_by(mission.place, within or region, count, method, options)
     problem = PlacementProblem(within or region, criterion_of(mission, region), count)
+    if method not in METHODS.built_in:
+        return placement_by(problem, mission.place, method, options)
     return place(problem, METHODS.make(method, options), method, seed=mission.place.seed)
 
 

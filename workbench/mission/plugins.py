@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,9 @@ from shapely.geometry import mapping
 
 from formulations.moving_cost.costing import instance_with
 from formulations.moving_cost.method import MovingCosts
-from formulations.task_location.placement import Placement, PlacementStatus
-from formulations.task_location.variance_reduction import NAME
+from formulations.task_location.placement import Placement, PlacementProblem, PlacementStatus, appraised
+from formulations.task_location.variance_reduction import information_of
 from instances import Instance
-from instances.environment.region import Region
 from instances.errors import InputError
 from instances.paths import Paths
 from instances.scenario import Scenario
@@ -33,35 +33,33 @@ LONGEST = 3600.0
 """Seconds a method of others may take: a mission states no time limit for placing and for moving costs."""
 
 
-def placement_by(wanted: PlaceSettings, region: Region, count: int, method: str, options: dict[str, Any]) -> Placement:
-    """Return `count` tasks in `region` by a method that is not built in; InputError where it found none."""
-    if wanted.criterion == NAME or wanted.weights or wanted.prior_sd:
-        raise InputError(
-            f"place.method: {method} is not built in, and is given no maps and no criterion j: leave weights, prior_sd "
-            "and criterion out, or take another method"
-        )
-    scales = wanted.length_scale if isinstance(wanted.length_scale, list) else [wanted.length_scale]
+def placement_by(problem: PlacementProblem, wanted: PlaceSettings, method: str, options: dict[str, Any]) -> Placement:
+    """Return tasks for `problem` by a method that is not built in; InputError where it found none.
+
+    The method is given the test points of the problem that lie in its region, with their weights, and nodes of the map
+    of prior sd; what it finds is judged by all.
+    """
+    information = information_of(problem.criterion)
+    kernel, weights = information.kernel, information.weights
+    assert weights is not None  # a criterion has them
     setting = {
-        "tests": "x".join(map(str, wanted.tests)),
-        "signal_sd": wanted.signal_sd,
-        "length_scale": ",".join(map(repr, scales)),
-        "noise_sd": wanted.noise_sd,
+        "tests": np.column_stack([information.tests, weights]).tolist(),
+        "signal_sd": kernel.signal_sd,
+        "length_scale": ",".join(map(repr, kernel.length_scales)),
+        "noise_sd": information.noise_sd,
         "criterion": wanted.criterion,
     }
-    polygon = json.loads(json.dumps(mapping(region.polygon)))
-    found = _run(PLACEMENT, PlacementItem("mission", polygon, setting, count), method, options, wanted.seed)
+    if (known := kernel.relative_sd) is not None:
+        prior = kernel.signal_sd * known.values
+        setting["prior_sd"] = {"x": known.x.tolist(), "y": known.y.tolist(), "values": prior.tolist()}
+    polygon = json.loads(json.dumps(mapping(problem.region.polygon)))
+    item = PlacementItem("mission", polygon, setting, problem.n_tasks)
+    found = _run(PLACEMENT, item, method, options, wanted.seed)
     if found.own["points"] is None:
         raise InputError(f"place.method: {method} found no task locations ({found.status}: {found.message})")
-    return Placement(
-        points=np.array(found.own["points"], dtype=float),
-        mutual_information=found.own["mutual_information"],
-        method=method,
-        status=PlacementStatus.HEURISTIC,
-        seed=wanted.seed,
-        elapsed=found.elapsed,
-        information=found.own["information"],
-        stopped_by=found.stopped_by,
-    )
+    points = np.array(found.own["points"], dtype=float)
+    worth = appraised(problem, points, method, PlacementStatus.HEURISTIC)
+    return replace(worth, seed=wanted.seed, elapsed=found.elapsed, stopped_by=found.stopped_by)
 
 
 def costs_by(scenario: Scenario, method: str, options: dict[str, Any]) -> tuple[Instance, Paths]:

@@ -14,7 +14,7 @@ import json
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +34,7 @@ from instances.disk import write_aside
 from instances.environment.region import Region
 from instances.environment.terrain import Terrain
 from instances.scenario import Scenario
+from workbench.mission.belief import known_tau
 from workbench.mission.place import criterion_of, kept_off, widened
 from workbench.mission.safety import room_to_fly
 from workbench.mission.settings import Mission
@@ -60,7 +61,9 @@ class Judge:
         self.mission, self.scenario, self.ground = mission, scenario, ground
         self.free = widened(scenario, mission.clearance).free
         criterion = criterion_of(mission, self.free).under(Convention.BOTH_NOISY)
-        self.unknown = AverageVariance(criterion.kernel, criterion.noise_sd, criterion.tests, criterion.weights)
+        self.unknown = AverageVariance(
+            criterion.kernel, criterion.noise_sd, criterion.tests, criterion.weights, tau=known_tau(mission)
+        )
         self.measure = measure_of(scenario)
         windy = None if scenario.wind is None else self.measure
         self.legs = StraightLegs.of(windy, scenario.region, scenario.speed, mission.speed)
@@ -99,17 +102,22 @@ class Judge:
 
     def left(self, flights: list[Flight]) -> tuple[float, int]:
         """Return √J, the root mean square sd that the samples of `flights` leave, and how many these are."""
-        samples = np.concatenate([flight.measurements(self.mission.sensing.period)[1] for flight in flights])
-        return math.sqrt(self.unknown.value(samples)), len(samples)
+        measured = zip(*(flight.measurements(self.mission.sensing.period) for flight in flights), strict=True)
+        times, samples = (np.concatenate(each) for each in measured)
+        return math.sqrt(self.unknown.value(samples, times)), len(samples)
 
     def least(self, flights: list[Flight]) -> float:
-        """Return a √J that no tours from the depots pass, none longer than the longest of `flights`."""
+        """Return a √J that no tours from the depots pass, none longer than the longest of `flights`.
+
+        Where the field drifts it takes readings as fresh, which tell more.
+        """
+        unknown = replace(self.unknown, tau=math.inf)
         period, depots = self.mission.sensing.period, self.scenario.depots
         if any(flight.clock is not None for flight in flights):  # of uneven speed: by number alone
             most = max(len(flight.measurements(period)[0]) for flight in flights)
-            return math.sqrt(self.unknown.lower_bound(most * len(depots)))
+            return math.sqrt(unknown.lower_bound(most * len(depots)))
         longest = max(flight.length for flight in flights)
-        bound = path_bound(self.unknown, self.scenario.region, depots, longest, period * self.mission.speed)
+        bound = path_bound(unknown, self.scenario.region, depots, longest, period * self.mission.speed)
         return math.sqrt(bound)
 
 

@@ -34,6 +34,7 @@ from formulations.replanning.replan import Planner, Replan
 from formulations.replanning.spending import track_cost
 from formulations.replanning.ways import Ways
 from formulations.task_location.criterion import Convention
+from formulations.task_location.variance_reduction import NAME
 from instances.arrays import Floats
 from instances.disk import read_text, write_aside
 from instances.environment.terrain import Terrain
@@ -83,6 +84,8 @@ class Replanning:
             wanted.tests,
             wanted.tests,
             wanted.weights,
+            wanted.weights,
+            mission.place.criterion == NAME,
             replace(belief.offered, kernels=(SquaredExponential,)),
             polish=mission.place.polish,
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -90,6 +92,17 @@ def test_from_where_the_uavs_are_what_is_known_is_not_sensed_again():
     assert found.costs[0] <= 400.0
     assert found.costs[1] == 0.0
     assert (found.paths[0][:, 0] > 10_000).sum() > (aloft[:, 0] > 10_000).sum()
+
+
+def test_where_the_field_drifts_late_readings_are_worth_more():
+    judged = AverageVariance(KERNEL, 1.0, SQUARE.cell_centres(6, 6), tau=200.0)
+    drifting, stays = (replace(problem(), judged=replace(judged, tau=tau)) for tau in (200.0, np.inf))
+    found, other = polish(drifting), polish(stays)
+    assert found.after < found.before
+    assert found.after == pytest.approx(drifting.value(found.paths), rel=1e-12)
+    assert found.after < 0.999 * drifting.value(other.paths)
+    later = polish(replace(drifting, start=500.0))  # nothing is known before, so that the clock may start anywhere
+    assert later.after == pytest.approx(found.after, rel=1e-9)
 
 
 def test_who_has_no_endurance_left_keeps_the_way():

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from formulations.average_variance import AverageVariance
 from formulations.kernel import SquaredExponential
 from formulations.replanning.conditional import ConditionalInformation, place_remaining
+from formulations.replanning.remaining import RemainingVariance
 from formulations.task_location.criterion import Criterion
 from formulations.task_location.derivatives import Expansion
 from formulations.task_location.placement import lattice
@@ -24,6 +26,38 @@ def test_the_conditional_form_is_the_difference_of_the_criterion(seed, scales):
     value, gradient = ConditionalInformation(kernel, TESTS, known, 1.0)(tasks)
     assert value == pytest.approx(criterion.value(both) - criterion.value(known), abs=5e-11)
     assert np.allclose(gradient, Expansion(criterion, both).gradient[:5], rtol=1e-6, atol=1e-11)
+
+
+def test_a_weight_is_a_number_of_readings_of_a_test_point_as_in_the_criterion():
+    rng = np.random.default_rng(6)
+    tasks, known, weights = rng.uniform(0, 20e3, (4, 2)), rng.uniform(0, 20e3, (9, 2)), rng.uniform(0, 9, len(TESTS))
+    weights[::7] = 0.0
+    criterion = Criterion(SquaredExponential(), TESTS, weights)
+    value = ConditionalInformation(SquaredExponential(), TESTS, known, 1.0, weights=weights)(tasks)[0]
+    both = np.concatenate([tasks, known])
+    assert value == pytest.approx(criterion.value(both) - criterion.value(known), rel=1e-9)
+
+
+@pytest.mark.parametrize("tau", [np.inf, 100.0])
+def test_what_remains_is_placed_for_targets_that_count(tau):
+    rng = np.random.default_rng(7)
+    known, times, weights = (
+        rng.uniform(0, 20e3, (12, 2)),
+        rng.uniform(0, 90, 12),
+        np.where(TESTS[:, 0] < 8e3, 50.0, 1.0),
+    )
+    judged = AverageVariance(SquaredExponential(), 1.0, TESTS, weights, known, tau, times)
+    worth, sites = RemainingVariance(judged, 120.0), lattice(SQUARE, 6)
+    chosen = worth.greedy(sites, 3)
+    best = max(sites, key=lambda site: worth(np.vstack([chosen[:2], site]))[0])
+    assert (chosen[2] == best).all()
+    placed = place_remaining(worth, SQUARE, chosen)
+    assert worth(placed)[0] > worth(chosen)[0]
+    assert (placed[:, 0] < 10e3).all()
+    gradient = worth(chosen)[1]
+    for i, d in np.ndindex(chosen.shape):
+        moved = [worth(chosen + sign * np.eye(6)[2 * i + d].reshape(3, 2))[0] for sign in (1, -1)]
+        assert gradient[i, d] == pytest.approx((moved[0] - moved[1]) / 2.0, rel=1e-4, abs=1e-9)
 
 
 def test_with_nothing_known_it_is_the_criterion_itself_and_what_is_known_is_worth_no_second_look():

@@ -17,7 +17,7 @@ from instances.registry import Registry
 from workbench.making import make_elsewhere
 from workbench.mission.costs import moving_costs
 from workbench.mission.file import mission_of
-from workbench.mission.place import place_tasks
+from workbench.mission.place import criterion_of, place_tasks
 from workbench.sources import FamilySource
 
 MARKING = """
@@ -150,6 +150,19 @@ def test_a_mission_places_and_costs_by_others_in_a_child():
     assert instance.cost[0, 1] == np.hypot(*(placed.points[0] - placed.points[1])) / 20.0
     assert paths.n_nodes == 5
     assert not {"misplacing", "misplanning"} & set(sys.modules)
+
+
+def test_a_method_of_others_is_given_the_maps_of_a_mission_and_criterion_j(tmp_path):
+    (tmp_path / "w.csv").write_text("x,y,value\n100,500,9\n900,500,1\n")
+    own = {"tests": [4, 4], "length_scale": 300.0, "criterion": "j", "weights": "w.csv", "prior_sd": "w.csv"}
+    mission = mission_of(MISSION | {"tasks": 3, "place": own | {"method": "misplacing:Honest"}}, tmp_path, "m")
+    placed = place_tasks(mission, mission.scenario.free, 3, "misplacing:Honest", {})
+    goal = criterion_of(mission, mission.scenario.free)
+    assert goal.kernel.relative_sd is not None
+    assert placed.maximised == "j"
+    assert placed.average_variance == pytest.approx(goal.judged.value(placed.points), rel=1e-12)
+    with pytest.raises(InputError, match=r"misplacing:Stray found no task locations .*outside the region"):
+        place_tasks(mission, mission.scenario.free, 3, "misplacing:Stray", {})
 
 
 def test_a_damaged_package_is_passed_over(importers, tmp_path):

@@ -84,8 +84,11 @@ def test_every_stage_leaves_its_products(made: Path) -> None:
     assert not list(made.glob(".*"))
 
 
-def test_polished_tours_promise_more_and_are_no_longer_than_the_longest(copied: Path, mission_file: Path) -> None:
-    text = SMALL.replace("[place]", "[place]\npolish = true")
+@pytest.mark.parametrize("drift", ["", "tau = 100.0"])
+def test_polished_tours_promise_more_and_are_no_longer_than_the_longest(
+    copied: Path, mission_file: Path, drift: str
+) -> None:
+    text = SMALL.replace("[place]", "[place]\npolish = true").replace("[map]", f"[map]\n{drift}")
     assert again(mission_file, copied, text, only="flight") == ["flight"]
     said = json.loads((copied / "5-flight/polish.json").read_text())
     assert said["bound"] <= said["rms_sd_after"] < said["rms_sd_before"]
@@ -95,6 +98,8 @@ def test_polished_tours_promise_more_and_are_no_longer_than_the_longest(copied: 
     assert (checks["margin"] > -0.02).all()
     assert (checks["least_radius"] > 49.9).all()
     assert (checks["task_distance"] < 20).all()  # waypoints within 0.2 radii of a chord are flown by, not over
+    promised, worth = said["rms_sd_after"], json.loads((copied / "5-flight/laps.json").read_text()) if drift else None
+    assert worth is None or promised < worth["sd"]  # what the map's model says of the tours before
     again(mission_file, copied, only="place")  # tasks are placed as without polish
 
 

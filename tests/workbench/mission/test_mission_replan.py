@@ -15,7 +15,8 @@ from instances import InputError
 from workbench.mission.events import scenarios_after
 from workbench.mission.file import mission_of
 from workbench.mission.map import settings
-from workbench.mission.pipeline import run_mission
+from workbench.mission.pipeline import FOLDERS, run_mission
+from workbench.mission.replan import Replanning
 
 TABLE: dict[str, Any] = {
     "ground_speed": 50.0,
@@ -93,6 +94,19 @@ def test_flights_that_may_be_flown_so_again_are_exported(made: Path) -> None:
     assert not (made / "6-map/uav-1.plan").exists()
     plan = json.loads((made / "6-map/uav-0.plan").read_text())
     assert [fence["inclusion"] for fence in plan["geoFence"]["polygons"]] == [True, False]  # the zone that appeared
+
+
+def test_what_remains_is_placed_by_the_criterion_and_weights_of_place(made: Path, tmp_path: Path) -> None:
+    (tmp_path / "w.csv").write_text("x,y,value\n1000,2500,9\n5000,2500,1\n")
+    folders = {name: made / folder for name, folder in FOLDERS.items()}
+    for criterion in ("b", "j"):
+        place = TABLE["place"] | {"criterion": criterion, "weights": "w.csv"}
+        mission = mission_of(TABLE | {"place": place, "replan": {"every": 5}}, tmp_path, "m")
+        planner = Replanning(mission, folders).planner
+        assert planner.by_variance == (criterion == "j")
+        for points, weights in ((planner.tests, planner.test_weights), (planner.targets, planner.weights)):
+            assert weights is not None
+            assert weights[points[:, 0] < 1500].min() > 8 * weights[points[:, 0] > 4500].max() - 1
 
 
 def test_without_replan_nothing_is_different() -> None:

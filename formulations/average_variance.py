@@ -83,6 +83,8 @@ class AverageVariance:
         if not (np.isfinite(weights).all() and (weights >= 0).all() and weights.any()):
             raise InputError("average variance: weights must be finite, not negative and not all 0")
         object.__setattr__(self, "weights", weights)
+        if self.kernel.relative_sd is not None and not self._at_targets[weights > 0].any():
+            raise InputError("prior_sd: 0 at every test point that counts: nothing is left to learn there")
         times = self.known_times if len(self.known_times) else np.zeros(len(self.known))
         object.__setattr__(self, "known_times", _times(times, len(self.known)))
 

@@ -12,7 +12,7 @@ from formulations.mapping.flight import Flight
 from formulations.replanning.onward import flown_until, rest_after
 from formulations.replanning.spending import track_cost
 from formulations.replanning.ways import Ways
-from instances.arrays import Floats
+from instances.arrays import Floats, Ints
 from instances.environment.region import Region
 from instances.environment.wind import Uniform, WindField
 from instances.moving_cost import CostKind, CostMeasure
@@ -100,14 +100,28 @@ class Aloft:
         self.lost.add(k)
 
     def ahead(self) -> Floats:
-        """Return the tasks that no UAV has passed, (k, 2) [m]; those of lost ones, too."""
-        left = []
-        for k, tasks in enumerate(self.tasks):
-            flown = self.flown(k)
-            if not len(tasks) or flown.length == 0.0:
-                left.append(tasks)
-                continue
-            ends = np.concatenate([flown.starts[:, :2], flown.poses(flown.length)[:, :2]])  # tasks are ends of legs
-            away = np.hypot(*(tasks[:, None] - ends[None]).transpose(2, 0, 1)).min(axis=1)
-            left.append(tasks[away > PASSED])
+        """Return the tasks that no UAV has passed or that one passes again, (k, 2) [m]; those of lost ones, too."""
+        left = [tasks[self._to_pass(k) > 0] for k, tasks in enumerate(self.tasks)]
         return np.concatenate(left) if left else np.empty((0, 2))
+
+    @property
+    def visits(self) -> int:
+        """How often tasks are to be passed yet, once a lap."""
+        return sum(int(self._to_pass(k).sum()) for k in range(len(self.tasks)))
+
+    def _to_pass(self, k: int) -> Ints:
+        """Return how often UAV k is to pass each of its tasks yet: at least once where it has not."""
+        flown, tasks = self.flown(k), self.tasks[k]
+        passed = (
+            _passes(tasks, flown, flown.starts[:, :2]) > 0 if flown.length > 0 else np.zeros(len(tasks), dtype=bool)
+        )
+        rest = self.rest(k)
+        again = _passes(tasks, rest, rest.starts[1:, :2]) if k in self.active and rest.length > 0 else 0
+        return np.maximum(again, ~passed)
+
+
+def _passes(tasks: Floats, flight: Flight, begins: Floats) -> Ints:
+    """Return how often legs of `flight`, those that begin at `begins`, pass each of `tasks`; tasks are ends of legs."""
+    ends = np.concatenate([begins, flight.poses(flight.length)[:, :2]])
+    away = np.hypot(*(tasks[:, None] - ends[None]).transpose(2, 0, 1))
+    return np.asarray((away <= PASSED).sum(axis=1))

@@ -159,7 +159,7 @@ class Replanner:
         if again is not None and len(again):
             found.append(self._plan(again)[0])
         sites, worth, seen = lattice(self.world.sites, SITES), self._worth(), set[int]()
-        order = worth.greedy(sites, min(len(sites), max(LEAST, 2 * len(self.aloft.ahead()))))
+        order = worth.greedy(sites, min(len(sites), max(LEAST, 2 * self.aloft.visits)))
         count = self._fitting(order)
         while len(seen) < TRIES and 0 < count <= len(order) and count not in seen:
             seen.add(count)

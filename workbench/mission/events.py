@@ -25,9 +25,6 @@ def check_replan(mission: Mission) -> None:
     """Raise InputError where [replan] does not fit the mission, naming the key."""
     if not mission.replan.wanted:
         return
-    if mission.flight.laps != 1:
-        raise InputError(f"replan: tours flown again are not re-planned: leave [replan] or flight.laps out, got "
-                         f"flight.laps = {mission.flight.laps!r}")  # fmt: skip
     for number, event in enumerate(mission.replan.event, 1):
         with naming(f"[[replan.event]] {number}"):
             _check_event(mission, event)

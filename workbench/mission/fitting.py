@@ -64,8 +64,6 @@ def check_mission(mission: Mission) -> None:
         raise InputError('flight.laps = "endurance" needs one: give flight.endurance, or [[uav]] endurance')
     if mission.place.weights is not None and mission.place.criterion == "ig":
         raise InputError("place.weights: criterion ig looks at no test points, so weights say nothing; take j, b or a")
-    if mission.place.polish and mission.flight.laps != 1:
-        raise InputError("place.polish moves the waypoints of tours flown once: leave it or flight.laps out")
     if mission.flight.coupled:
         _check_coupled(mission)
     value_maps(mission)
@@ -84,7 +82,6 @@ def _check_coupled(mission: Mission) -> None:
         "flight.endurance": mission.flight.endurance is not None,
         "[[uav]] endurance": mission.scenario.fleet.endurance is not None,
         "place.polish": mission.place.polish,
-        "field.tau": mission.field.tau is not None,
         "[replan]": mission.replan.wanted,
     }
     for key, asked in others.items():

@@ -69,7 +69,7 @@ class Replanning:
         self.mission = mission
         self.scenario, self.ground = kept_scenario(folders["environment"]), kept_terrain(folders["environment"])
         self.plan = kept_flights(folders["flight"])
-        self.tasks = _tasks(folders["flight"], len(self.plan))
+        self.tasks = _tasks(folders["flight"], self.scenario.depots)
         self.world = world_of(mission, self.scenario, self.ground)
         self.events = [
             Event(event.time, words_of(event), event.uav, None if event.kind == "lost-uav" else self._world(after))
@@ -182,7 +182,7 @@ def rules_of(mission: Mission, scenario: Scenario, ground: Terrain | None) -> Al
     return allowed
 
 
-def _tasks(folder: Path, uavs: int) -> list[Floats]:
+def _tasks(folder: Path, depots: Floats) -> list[Floats]:
     """Return the tasks (k, 2) [m] of each UAV at take-off: where polish moved them, or else the ends of its legs."""
     polished = folder / "polished.csv"
     if polished.exists():
@@ -190,9 +190,10 @@ def _tasks(folder: Path, uavs: int) -> list[Floats]:
         kept = table[table["task"] >= 0]
     else:
         table = pd.read_csv(io.StringIO(read_text(folder / "reference.csv")))
-        kept = table.groupby(["uav", "leg"], as_index=False).last()
-        kept = kept[kept["leg"] < kept.groupby("uav")["leg"].transform("max")]  # the last leg leads home
-    return [kept.loc[kept["uav"] == k, ["x", "y"]].to_numpy(dtype=float) for k in range(uavs)]
+        kept = table.groupby(["uav", "leg"], as_index=False).last().drop_duplicates(["uav", "x", "y"])  # of all laps
+    places = [kept.loc[kept["uav"] == k, ["x", "y"]].to_numpy(dtype=float) for k in range(len(depots))]
+    home = 1e-3  # to which files are rounded
+    return [own[np.abs(own - depot).max(axis=1) > home] for own, depot in zip(places, depots, strict=True)]
 
 
 def _line(flight: Flight) -> Floats:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from shapely.geometry import box
 
+from formulations.mapping.flight import plan_flight
 from formulations.mapping.flight_check import margin
 from formulations.mapping.survey import fly_survey
 from formulations.replanning.in_flight import Event, drawn, fly_replanned
@@ -12,7 +13,7 @@ from instances.environment.region import Region
 from instances.environment.wind import Rotation, Uniform
 from instances.errors import InputError
 from instances.moving_cost import CostKind
-from tests.formulations.replanning.worlds import CALM, HOMES, SPEED, SQUARE, aloft, field, planner, world
+from tests.formulations.replanning.worlds import CALM, HOMES, RADIUS, SPEED, SQUARE, aloft, field, planner, world
 
 READ = drawn(field, 1.0, 5.0, 0)
 
@@ -112,3 +113,16 @@ def test_polish_promises_less_and_keeps_endurance():
     plain, polished = (replanned(0, every=20, polish=polish)[1:] for polish in (False, True))
     assert polished[1][0].after < plain[1][0].after
     assert max(f.length for f in polished[0]) <= 330.0 * SPEED + 1e-6
+
+
+def test_tasks_of_laps_are_ahead_as_often_as_they_are_to_be_passed():
+    fleet = aloft(np.random.default_rng(0), 330.0)
+    legs = [fleet.flights[0].starts[:, :2], HOMES[:1]]
+    twice = np.concatenate([*legs, legs[0][1:], HOMES[:1]])
+    fleet.flights[0] = plan_flight(list(np.stack([twice[:-1], twice[1:]], axis=1)), speed=SPEED, radius=RADIUS)
+    assert fleet.visits == 3 + 9
+    assert len(fleet.ahead()) == 9
+    fleet.time = 0.6 * fleet.flights[0].duration
+    others = sum(len(fleet.tasks[k]) for k in (1, 2) if k in fleet.active)
+    fleet.lose(0)
+    assert fleet.visits <= others  # of the lost one all are passed

@@ -96,3 +96,13 @@ def test_maps_that_cannot_be_used_are_refused_before_anything_is_made(tmp_path, 
 def test_a_negative_value_names_key_file_and_value(tmp_path):
     with pytest.raises(InputError, match=r"place.weights: .*w.geojson: polygon 0: its property 'value' .* got -3"):
         mission(tmp_path, -3, place=PLACE)
+
+
+def test_a_prior_sd_of_0_at_all_test_points_is_refused_in_a_sentence(tmp_path):
+    (tmp_path / "known.csv").write_text(
+        "x,y,value\n100,100,0\n19900,100,0\n100,19900,0\n19000,19000,0\n20000,20000,5\n"
+    )
+    own = {"criterion": "j", "prior_sd": "known.csv", "tests": [2, 2]}
+    told = mission(tmp_path, place=own)
+    with pytest.raises(InputError, match="prior_sd: 0 at every test point that counts"):
+        place.place_tasks(told, told.scenario.region, 3, "greedy", {})

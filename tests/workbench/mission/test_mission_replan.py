@@ -144,16 +144,24 @@ def test_events_that_cannot_be_are_refused(event: dict[str, Any], said: str) -> 
         mission_of(TABLE | {"replan": {"event": [{"time": 10.0} | event]}}, Path(), "m")
 
 
-@pytest.mark.parametrize(
-    ("more", "said"),
-    [
-        ({"flight": {"laps": 2}}, r"leave \[replan\] or flight\.laps out, got flight\.laps = 2"),
-        ({"replan": {"every": 0}}, "every"),
-    ],
-)
-def test_what_re_planning_does_not_know_is_refused(more: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        mission_of(TABLE | {"replan": {"every": 5}} | more, Path(), "m")
+def test_re_planning_that_never_comes_is_refused() -> None:
+    with pytest.raises(InputError, match="every"):
+        mission_of(TABLE | {"replan": {"every": 0}}, Path(), "m")
+
+
+@pytest.mark.slow
+def test_tours_flown_again_are_polished_and_re_planned_within_endurance(tmp_path: Path) -> None:
+    laps = {"flight": {"laps": 2, "endurance": 400.0}, "place": TABLE["place"] | {"polish": True}}
+    mission = mission_of(TABLE | laps | {"replan": {"every": 12}, "sensing": {"period": 15.0}}, Path(), "m")
+    for stage in STAGES:
+        run_mission(mission, tmp_path, only=stage)
+    said = json.loads((tmp_path / "5-flight/polish.json").read_text())
+    assert min(said["lengths_before"]) > 12_000.0  # two laps
+    assert said["rms_sd_after"] < 0.5 * said["rms_sd_before"]  # a second lap need not be the first
+    told = json.loads((tmp_path / "6-map/replans.json").read_text())
+    assert any(row["accepted"] for row in told["replans"])
+    flown = pd.read_csv(tmp_path / "6-map/flight-check.csv")
+    assert (flown["length"] <= 400.0 * 50.0 + 1e-6).all()
 
 
 def test_an_airspeed_must_be_above_the_wind_of_an_event() -> None:

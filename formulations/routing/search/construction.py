@@ -138,24 +138,33 @@ def insert_many(costs: Costs, tours: Tours, gaps: Gaps, rule: Rule, count: int) 
 
 
 @njit(cache=True, nogil=True)
-def extend_nearest(costs: Costs, tours: Tours) -> None:
+def extend_nearest(costs: Costs, tours: Tours, near: Nodes) -> None:
     """Route all tasks left: again and again the UAV whose tour is shortest flies on to the task nearest to its last.
 
+    near (n, q): tasks near each, among which is looked first; only where none of them is left among all. q may be 0.
     Made to be the last step: the arcs of the tours are left as they were.
     """
     m = tours.cost.size
     n = tours.after.size - m
     left = np.flatnonzero(tours.tour[:n] < 0)
+    place = np.empty(n, np.int64)
+    for i in range(left.size):
+        place[left[i]] = i
     for held in range(left.size, 0, -1):
         k = int(np.argmin(tours.cost))
         u = tours.before[n + k]
-        at, least = 0, np.inf
-        for i in range(held):
+        at, least = -1, np.inf
+        for j in range(near.shape[1] if u < n else 0):
+            v = near[u, j]
+            if tours.tour[v] < 0 and leg(costs, k, u, v) < least:
+                at, least = place[v], leg(costs, k, u, v)
+        for i in range(held if at < 0 else 0):
             cost = leg(costs, k, u, left[i])
             if cost < least:
                 at, least = i, cost
         v = left[at]
         left[at] = left[held - 1]
+        place[left[at]] = at
         tours.cost[k] += leg(costs, k, u, v) + leg(costs, k, v, n + k) - leg(costs, k, u, n + k)
         tours.after[u], tours.before[v], tours.after[v], tours.before[n + k] = v, u, n + k, v
         tours.tour[v] = k

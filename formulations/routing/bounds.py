@@ -43,6 +43,7 @@ from formulations.routing.stateless import stateless
 from formulations.routing.time_windows import windowed
 from formulations.routing.total import total
 from instances import Instance, objective
+from instances.arrays import Floats
 from instances.metric_costs import MetricCosts
 
 MOST_THETA = 60_000
@@ -87,7 +88,8 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
         yield Bound(name, value, time.perf_counter() - began)
     if upper == 0:
         return
-    yield _total(plain, upper, time_limit)
+    of_all, price = _total(plain, upper, time_limit)
+    yield of_all
     yield _relaxation(plain, upper, time_limit)
     if "states" in instance.axes:
         yield from _of_states(instance, upper, time_limit, seed)
@@ -98,7 +100,7 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
         upper = found if given is instance else upper
         yield root
     if refusal(BranchAndPrice(), instance) is None:
-        yield from _columns(instance, upper, time_limit)
+        yield from _columns(instance, upper, price, time_limit)
 
 
 def _by_metric(instance: Instance, costs: MetricCosts) -> Iterator[Bound]:
@@ -145,12 +147,12 @@ def _of_states(instance: Instance, upper: float, time_limit: float, seed: int) -
     yield Bound("headings", value, time.perf_counter() - began, words)
 
 
-def _total(instance: Instance, upper: float, time_limit: float) -> Bound:
-    """Return the bound of all tours together."""
+def _total(instance: Instance, upper: float, time_limit: float) -> tuple[Bound, Floats]:
+    """Return the bound of all tours together, and the prices of tasks found with it [s], (n,)."""
     total(_TINY, 2.0, 60.0)
     began = time.perf_counter()
-    value, complete = total(instance, upper, time_limit)
-    return Bound("total", value, time.perf_counter() - began, "" if complete else "stopped by time")
+    value, complete, price = total(instance, upper, time_limit)
+    return Bound("total", value, time.perf_counter() - began, "" if complete else "stopped by time"), price
 
 
 def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
@@ -179,11 +181,11 @@ def _root(name: str, instance: Instance, upper: float, time_limit: float, seed: 
     return Bound(name, result.bound or 0.0, result.elapsed, message), min(upper, result.objective or upper)
 
 
-def _columns(instance: Instance, upper: float, time_limit: float) -> Iterator[Bound]:
-    """Yield the bound of capped tours and what bisecting the cap makes of it."""
+def _columns(instance: Instance, upper: float, price: Floats, time_limit: float) -> Iterator[Bound]:
+    """Yield the bound of capped tours and what bisecting the cap makes of it; `price` (n,) [s] is where to begin."""
     BranchAndPrice().prepare(instance)
     began = time.perf_counter()
-    bounds = destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() - began > time_limit)
+    bounds = destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() - began > time_limit, price=price)
     value = next(bounds, 0.0)
     yield Bound("capped-tours", value, time.perf_counter() - began, "" if value else "not solved in time")
     if value:

@@ -12,6 +12,7 @@ import time
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.simple_bounds import SIMPLE
+from formulations.routing.total import total
 from instances import Instance
 
 
@@ -26,5 +27,7 @@ def short_bounds(instance: Instance, upper: float, time_limit: float) -> dict[st
     if upper > 0 and time_limit > 0 and method.accepts(instance) is None:
         method.prepare(instance)
         end = time.perf_counter() + time_limit
-        bounds["capped-tours"] = next(destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() > end), 0.0)
+        price = total(instance, upper, time_limit / 3).price
+        found = destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() > end, price=price)
+        bounds["capped-tours"] = next(found, 0.0)
     return bounds

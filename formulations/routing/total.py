@@ -21,6 +21,7 @@ which holds at any duals of the right sign, less what rounding can come to.
 from __future__ import annotations
 
 import time
+from typing import NamedTuple
 
 import highspy
 import numpy as np
@@ -40,10 +41,21 @@ _NEW = 3
 """Arcs added at once, for each node."""
 
 
-def total(instance: Instance, upper: float, time_limit: float) -> tuple[float, bool]:
-    """Return the bound [s], at most `upper` [s], the cost of routes known, and whether nothing more can be cut off.
+class Total(NamedTuple):
+    """The `bound` [s], whether nothing more can be cut off, a UAV's share of what each task costs, `price` (n,) [s].
 
-    0 where not even the first programme was solved within `time_limit` [s].
+    Tasks in a set that is cut off share what it costs to enter it. No claim is made about prices.
+    """
+
+    bound: float
+    complete: bool
+    price: Floats
+
+
+def total(instance: Instance, upper: float, time_limit: float) -> Total:
+    """Return the bound, at most `upper` [s], the cost of routes known.
+
+    0, as the prices, where not even the first programme was solved within `time_limit` [s].
     """
     end = time.perf_counter() + time_limit
     programme = _Programme(instance, upper)
@@ -51,7 +63,7 @@ def total(instance: Instance, upper: float, time_limit: float) -> tuple[float, b
     while not complete and programme.solve(end):
         cut, grown = programme.cut(), programme.grow()
         complete = not grown and not cut
-    return min(upper, max(0.0, programme.bound)), complete
+    return Total(min(upper, max(0.0, programme.bound)), complete, programme.price)
 
 
 class _Programme:
@@ -62,7 +74,7 @@ class _Programme:
         self.cost, self.weight = weighted_costs(instance, upper)
         np.fill_diagonal(self.cost, np.inf)
         self.cost[self.n :, self.n :] = np.inf
-        self.cuts = np.zeros((0, self.n), np.bool_)
+        self.cuts, self.price = np.zeros((0, self.n), np.bool_), np.zeros(self.n)
         self.tail, self.head = np.zeros(0, np.int64), np.zeros(0, np.int64)
         self.lp = highspy.Highs()
         for option, value in (("output_flag", False), ("threads", 1), ("random_seed", 0)):
@@ -95,7 +107,7 @@ class _Programme:
                 held = np.flatnonzero(self.cuts[:, i] & self.cuts[:, j])
                 rows, signs = rows + (2 * self.N + held).tolist(), signs + [1.0] * held.size
             entries = np.array(rows, dtype=np.int32), np.array(signs)
-            self.lp.addCol(float(self.cost[i, j]), 0.0, 1.0, len(rows), *entries)
+            self.lp.addCol(float(self.cost[i, j]), 0.0, highspy.kHighsInf, len(rows), *entries)  # entered: at most 1
         self.tail, self.head = np.concatenate([self.tail, arcs[:, 0]]), np.concatenate([self.head, arcs[:, 1]])
 
     def solve(self, end: float) -> bool:
@@ -128,6 +140,7 @@ class _Programme:
         size = 2 * self.upper + float(np.abs(dual).sum())
         margin = (self.N**2 + dual.size) * (paid.size + 8) * 2.0**-52 * size
         self.reduced = reduced
+        self.price = (entered + left + cut @ (self.cuts - self.cuts / self.cuts.sum(axis=1)[:, None])) / self.weight
         self.bound = max(self.bound, (float(value) - margin) / self.weight)
 
     def grow(self) -> bool:

@@ -68,8 +68,7 @@ class Pricer:
         if least >= threshold:
             return Priced(least, [], True)
         found = search(problem, self.store, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
-        if found.complete:
-            least = max(least, float(found.values.min(initial=threshold)))
+        least = max(least, float(found.values.min(initial=min(threshold, found.floor))))
         chosen = np.argsort(found.values, kind="stable")[:_WANTED]
         columns = [Column(g, path(self.store, int(found.ends[t]))) for t in chosen]
         return Priced(least, columns, found.complete)

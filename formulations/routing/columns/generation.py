@@ -4,13 +4,13 @@ Only tours of cost ≤ cap < U exist, which is what makes the bound strong: a re
 a proof. Duals are smoothed (Wentges, "Weighted Dantzig–Wolfe decomposition for linear mixed-integer programming",
 1997): priced half-way between the best duals so far and the master's; where that finds nothing the master's own are
 priced. Every pricing gives a Lagrangian bound. A pricer that can neither find columns nor exclude them is followed by
-the next, stronger one.
+the next, stronger one; so is one that loses labels and has hardly brought value and bound together for some rounds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 
 import numpy as np
@@ -22,6 +22,7 @@ from instances.arrays import Floats
 
 _SMOOTHING = 0.5
 _CLOSE = 0.02  # of the gap to the cap: how near the master's value and the bound must come
+_PROGRESS, _DULL = 0.02, 3  # share by which the span from bound to value shrinks, and rounds in which it does not
 _EXACT = 1e-7  # of the cap: columns that gain less are not worth adding
 
 
@@ -55,19 +56,24 @@ def generate(
     out_of_time: Clock,
     centre: DualBound | None = None,
     reserve: Prices | None = None,
+    start: Duals | None = None,
 ) -> Relaxation:
     """Solve the relaxation over tours of cost ≤ `cap`, by `pricers` from the quickest to the strongest.
 
     centre : the best bound of a relaxation with no fewer tours and no more cuts; it still holds, and new duals are
-        sought near it. With it to fall back to, generation is stuck as soon as the strongest pricer loses labels.
+        sought near it. With it to fall back to, generation is stuck as soon as the strongest pricer loses labels and
+        hardly raises the bound.
     reserve : prices some tours of some UAVs quickly; what it finds needs no other pricer, that it finds none is no
         bound.
+    start : where no centre is known, duals to price first and to seek others near.
     """
     value, at_master, weight = _settled(master, reserve, cap, out_of_time)
     best, trust = DualBound(-np.inf, at_master, np.zeros(pricers[0].n_uavs)), 1.0
     if centre is not None:
         best, trust = centre, _SMOOTHING
-    level, rounds = 0, 0
+    elif start is not None:
+        best, trust = replace(best, duals=start), 0.0
+    level, rounds, dull, span = 0, 0, 0, np.inf
     while True:
         rounds += 1
         duals = best.duals.towards(at_master, trust)
@@ -76,13 +82,16 @@ def generate(
             return Relaxation(Ended.INTERRUPTED, best, weight, rounds)
         least = np.array([min(0.0, p.least) for p in priced])
         found = DualBound(duals.offset + float(least.sum()) - duals.margin(cap, len(priced)), duals, least)
-        if found.value > best.value:
+        rise = found.value - best.value
+        if rise > 0:
             best = found
         if best.value > cap:
             return Relaxation(Ended.PRUNED, best, weight, rounds)
         complete, strongest = all(p.complete for p in priced), level + 1 == len(pricers)
-        if centre is not None and strongest and not complete:
+        if centre is not None and strongest and not complete and rise < _CLOSE * (cap - best.value):
             return Relaxation(Ended.STUCK, best, weight, rounds)
+        dull = dull + 1 if not complete and value - best.value > (1 - _PROGRESS) * span else 0
+        span = min(span, value - best.value)
         if master.add([c for p in priced for c in p.columns]):
             value, at_master, weight = _settled(master, reserve, cap, out_of_time)
             if value - best.value <= _CLOSE * (cap - best.value) and not master.penalised:
@@ -91,11 +100,14 @@ def generate(
         elif trust < 1.0:
             trust = 1.0
         elif master.widen(2 * cap):
-            _, at_master, weight = _settled(master, reserve, cap, out_of_time)
+            value, at_master, weight = _settled(master, reserve, cap, out_of_time)
+            span = np.inf
         elif not complete and not strongest:
-            level += 1
+            dull = _DULL
         else:
             return Relaxation(Ended.SOLVED if complete else Ended.STUCK, best, weight, rounds)
+        if dull >= _DULL and not strongest:
+            level, dull = level + 1, 0
 
 
 def _settled(master: Master, reserve: Prices | None, cap: float, out_of_time: Clock) -> Optimum:

@@ -1,7 +1,7 @@
 """The search for tours: from layer to layer of labels, whatever a label is, and what is found.
 
 Layer ℓ holds paths of ℓ tasks. With a finite `beam` only the most promising labels of a layer are kept: then the tours
-found are real, but absence proves nothing, and the search says so.
+found are real, and those that are not have at least the least bound of a label left aside, the `floor`.
 """
 
 from __future__ import annotations
@@ -59,7 +59,10 @@ class Orders(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Tours found: where they end, reduced costs and costs [s], sets (p, words), labels used, whether these are all."""
+    """Tours found: where they end, reduced costs and costs [s], sets (p, words), labels used, whether these are all.
+
+    floor [s] : no tour below the threshold that was not found has a reduced cost below it.
+    """
 
     ends: Ints
     values: Floats
@@ -67,12 +70,13 @@ class Found(NamedTuple):
     visited: NDArray[np.uint64]
     labels: int
     complete: bool
+    floor: float
 
     def best(self, most: int) -> Found:
         """Return the `most` tours of least reduced cost, the least first."""
         chosen = np.argsort(self.values, kind="stable")[:most]
         kept = self.ends[chosen], self.values[chosen], self.costs[chosen], self.visited[chosen]
-        return Found(*kept, self.labels, self.complete)
+        return Found(*kept, self.labels, self.complete, self.floor)
 
 
 class Labels(Protocol):
@@ -93,8 +97,8 @@ class Labels(Protocol):
     ) -> tuple[bool, int]:
         """Extend labels low..high−1 by every task."""
 
-    def keep_best(self, beam: int, begin: int, end: int) -> int:
-        """Keep the `beam` labels of smallest bound of a layer."""
+    def keep_best(self, beam: int, begin: int, end: int) -> tuple[int, float]:
+        """Keep the `beam` labels of smallest bound of a layer; return its new end, and the bound the others reach."""
 
     def tours(self, problem: Subproblem, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
         """Return where tours below the threshold end in a layer, their reduced costs and costs [s]."""
@@ -146,13 +150,13 @@ def search(
     are clearly not going to be enough it ends at once.
     """
     room = min(labels or store.room, store.room)
-    layers_found, listed, complete = [], 0, True
+    layers_found, listed, complete, floor = [], 0, True, np.inf
     begin, end = 0, store.depart(problem, threshold)
     layers = [end]
     while end > begin:
         if beam is not None and end - begin > beam:
-            complete = False
-            end = store.keep_best(beam, begin, end)
+            end, others = store.keep_best(beam, begin, end)
+            complete, floor = False, min(floor, others)
         layers_found.append(store.tours(problem, threshold, begin, end))
         listed += layers_found[-1][0].size
         free, stopped = end, listed > tours
@@ -164,7 +168,7 @@ def search(
         store.clear(end, free)
         layers.append(free - end)
         if stopped or (labels is not None and free > room // _EARLY and end + _LESS * _projected(layers) > room):
-            complete = False
+            complete, floor = False, -np.inf
             break
         begin, end = end, free
     none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
@@ -172,7 +176,7 @@ def search(
     visited = store.sets(at)
     slots = _cheapest_of_each_set(cost, visited)
     chosen = np.sort(slots[slots >= 0])
-    return Found(at[chosen], value[chosen], cost[chosen], visited[chosen], end, complete)
+    return Found(at[chosen], value[chosen], cost[chosen], visited[chosen], end, complete, floor)
 
 
 def _projected(layers: list[int]) -> float:

@@ -53,9 +53,10 @@ class Store(NamedTuple):
         full, free = _expand(problem, self, threshold, low, high, free, room)
         return full, free
 
-    def keep_best(self, beam: int, begin: int, end: int) -> int:
-        """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
-        return int(_keep(self, beam, begin, end, limit(self.bound, beam, begin, end)))
+    def keep_best(self, beam: int, begin: int, end: int) -> tuple[int, float]:
+        """Keep the `beam` labels of smallest bound of a layer, in order; return its new end, the others' bound."""
+        most = limit(self.bound, beam, begin, end)
+        return int(_keep(self, beam, begin, end, most)), most
 
     def tours(self, problem: Subproblem, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
         """Return where tours below the threshold end in a layer, their reduced costs and costs [s]."""

@@ -214,8 +214,7 @@ class Pricer:
             return Priced(least, [], True)
         labels = self.store.of_uav(k)
         found = search(problem, labels, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
-        if found.complete:
-            least = max(least, float(found.values.min(initial=threshold)))
+        least = max(least, float(found.values.min(initial=min(threshold, found.floor))))
         best = found.best(self.wanted)
         orders, ends = labels.orders(best)
         columns = [Column(k, path(orders, int(e)), float(c)) for e, c in zip(ends, best.costs, strict=True)]

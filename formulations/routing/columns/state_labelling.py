@@ -87,13 +87,14 @@ class StateLabels:
         full, free = _expand(problem, self.legs[self.uav], self.store, threshold, low, high, free, room)
         return full, free
 
-    def keep_best(self, beam: int, begin: int, end: int) -> int:
-        """Keep the `beam` labels of smallest bound of a layer, in their order, and return the new end."""
+    def keep_best(self, beam: int, begin: int, end: int) -> tuple[int, float]:
+        """Keep the `beam` labels of smallest bound of a layer, in order; return its new end, the others' bound."""
         s = self.store
-        kept = begin + np.flatnonzero(s.bound[begin:end] <= limit(s.bound, beam, begin, end))[:beam]
+        most = limit(s.bound, beam, begin, end)
+        kept = begin + np.flatnonzero(s.bound[begin:end] <= most)[:beam]
         for array in (s.visited, s.last, s.gain, s.bound, s.spent, s.came):
             array[begin : begin + kept.size] = array[kept]
-        return begin + kept.size
+        return begin + kept.size, most
 
     def tours(self, problem: Subproblem, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
         """Return where tours below the threshold end in a layer, their reduced costs and costs [s]."""

@@ -198,6 +198,20 @@ def test_pricing_bounds_every_tour_at_any_duals(seed: int, near: int, bins: int,
         if min(values, default=0.0) < 0:
             assert priced.least == pytest.approx(min(values), abs=1e-9)
             assert sorted(priced.columns[0].tasks) in [sorted(t) for t, v in zip(tours, values, strict=True) if v < 0]
+        for beam in (1, 3, 8):  # labels left aside bound the tours that are then not found
+            narrow = Pricer(Legs.of(instance), cap, Effort(near, bins, beam, watch), make_store(5, 10_000))
+            assert narrow.price(k, duals, 0.0).least <= min(values, default=0.0) + 1e-9
+
+
+def test_a_beam_gives_a_better_bound_than_none_of_the_labels() -> None:
+    """What is left aside is not the worst that could be: the bound is the least label's there, not the depot's."""
+    instance = random_instance(12, 1, 0)
+    cap = float(instance.cost.mean() * 12)
+    duals = Duals(np.full(12, 60.0), np.ones(1), np.zeros(1), np.zeros(0))
+    pricer = Pricer(Legs.of(instance), cap, Effort(1, 20, 300), make_store(12, 100_000))
+    priced, whole = pricer.price(0, duals, 0.0), Pricer(Legs.of(instance), cap, Effort(1, 20, 10**6), pricer.store)
+    assert not priced.complete
+    assert least_of_all(pricer.subproblem(0, duals)) + 1.0 < priced.least <= whole.price(0, duals, 0.0).least + 1e-9
 
 
 @pytest.mark.parametrize("seed", range(6))

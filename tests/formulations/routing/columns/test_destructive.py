@@ -8,6 +8,7 @@ import pytest
 from formulations.limits import Limits
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.subset_dp import SubsetDp
+from formulations.routing.total import total
 from instances import Instance
 
 
@@ -21,7 +22,9 @@ def test_rises_and_stays_below_the_optimum(seed: int, looseness: float) -> None:
     instance = Instance("any", cost, n, m)
     optimum = SubsetDp().solve(instance, limits=Limits(time=600.0)).objective
     assert optimum is not None
-    bounds = list(destructive_bounds(instance, 0.0, looseness * optimum, lambda: False))
+    upper = looseness * optimum
+    price = total(instance, upper, 60.0).price if seed % 2 else None
+    bounds = list(destructive_bounds(instance, 0.0, upper, lambda: False, price=price))
     assert bounds
     assert all(a < b for a, b in itertools.pairwise(bounds))
     assert bounds[-1] <= optimum * (1 + 1e-12)

@@ -344,7 +344,7 @@ class Products:
             said: dict[str, Any] = read_json(path)
             found = [row["log_likelihood"] for row in said["evidence"]]
             found += [*said["length_scales"], *said["coefficients"], said["signal_sd"], said["nugget_sd"]]
-            found += [said[name] for name in ("tau", "drift", "direction", "contrast") if name in said]
+            found += [said[name] for name in ("tau", "drift", "direction", "contrast", "in_sight") if name in said]
             if len(said["length_scales"]) != 2 or not all(is_number(value) for value in found):
                 raise InputError("must hold finite numbers")
             scales = [*said["length_scales"], *(said[name] for name in ("tau", "contrast") if name in said)]

@@ -78,7 +78,7 @@ class GaussianProcess:
         self._z = np.empty(0)
         self._H = self.model.trend.columns(self.points)
         self._E = np.empty((0, self._H.shape[1]))
-        self._own = self.kernel.variance(self.points) + self.model.nugget_sd**2
+        self._own = self.model.variance(self.points) + self.model.nugget_sd**2
         self._squares = np.zeros(len(self.points))  # Σ V²
         self._Vz = np.zeros(len(self.points))
         self._EV = np.zeros_like(self._H.T)

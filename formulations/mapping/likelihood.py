@@ -20,20 +20,20 @@ Where the prior standard deviation is a map σ_f m(x), K_II is that of σ_f with
 m is not.
 
 Where the field drifts, K_II is multiplied by exp(−|t − t′|/τ), entry by entry, and θ goes on with log τ:
-∂C/∂log τ = K_II ∘ |t − t′|/τ. Where the mean divides the field (trend.py), it is multiplied by exp(−|p − p′|/c) of the
-predicted p, and θ ends in log c, likewise.
+∂C/∂log τ = K_II ∘ |t − t′|/τ. Where the mean predicts shadows (shadows.py), it is multiplied by exp(−|o − o′|/c) m m′,
+and θ ends in log c and log a: ∂C/∂log c = K_II ∘ |o − o′|/c, ∂C/∂log a = K_II ∘ (∂log m/∂log a + ∂log m′/∂log a).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import cho_solve, cholesky
 from scipy.linalg.lapack import dpotri
 
 from formulations.kernel import Kernel
+from formulations.mapping.shadows import Shadows
 from formulations.mapping.trend import Trend
 from instances.arrays import Floats
 
@@ -41,8 +41,8 @@ from instances.arrays import Floats
 class RestrictedLikelihood:
     """log p(y | X) of samples `y` (N,) at `X` (N, 2) [m] with the mean `trend`, as a function of θ.
 
-    times : of the samples [s], shape (N,), where θ is asked with log τ. divided : whether it is asked with log c. One
-    object serves any kernel: what does not depend on θ is made once.
+    times : of the samples [s], shape (N,), where θ is asked with log τ. shadowed : whether it is asked with log c and
+    log a. One object serves any kernel: what does not depend on θ is made once.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class RestrictedLikelihood:
         times: Floats | None = None,
         relative_sd: Floats | None = None,
         *,
-        divided: bool = False,
+        shadowed: bool = False,
     ) -> None:
         """relative_sd : m at `X`, shape (N,); None for 1."""
         self.noise_sd, self.H, self.precision = noise_sd, trend.columns(X), trend.prior_precision
@@ -64,13 +64,12 @@ class RestrictedLikelihood:
         dx, dy = (np.subtract.outer(x, x) for x in X.T)
         self.squares, self.product = [dx**2, dy**2], dx * dy
         self.shares = None if relative_sd is None else np.multiply.outer(relative_sd, relative_sd)
-        apart = [] if times is None else [times]
-        apart += [self.H[:, 1]] if divided else []
-        self.lags = [np.abs(np.subtract.outer(each, each)) for each in apart]  # over τ and over c
+        self.lag = None if times is None else np.abs(np.subtract.outer(times, times))
+        self.loss = trend.loss(X) if shadowed and trend.loss is not None else None
 
     def value(self, kernel: type[Kernel], theta: Floats, direction: float | None = None) -> float:
         """Return log p [nats]; LinAlgError where C or A is not positive in float64."""
-        return self._solved(kernel, theta, direction)[0]
+        return self._solved(self._covariance(kernel, theta, direction)[0], np.exp(theta[3]))[0]
 
     def __call__(self, kernel: type[Kernel], theta: Floats, direction: float | None = None) -> tuple[float, Floats]:
         """Return log p [nats] and its gradient; LinAlgError where C or A is not positive in float64.
@@ -78,29 +77,54 @@ class RestrictedLikelihood:
         direction : φ [rad] of the first length scale; x and y unless given. The gradient is that by θ, in its shape,
         and, where a direction is given, by φ after it.
         """
-        signal, lx, ly, nugget, *over = np.exp(theta)
-        value, L, CH, a, LA = self._solved(kernel, theta, direction)
-        inverse, _ = dpotri(L, lower=True)  # its lower triangle
-        weighted = np.outer(a, a) - np.tril(inverse) - np.tril(inverse, -1).T
-        weighted += CH @ cho_solve((LA, True), CH.T, check_finite=False)
+        nugget = np.exp(theta[3])
+        K, decay, near = self._covariance(kernel, theta, direction)
+        value, L, CH, a, LA = self._solved(K, nugget)
+        inverse, _ = dpotri(L, lower=True)  # its lower triangle, above which L has zeros
+        known = np.vstack([a, cho_solve((LA, True), CH.T, check_finite=False)])
+        weighted = np.column_stack([a, CH]) @ known
+        weighted -= 2.0 * inverse  # each entry for the one above the diagonal, too: all else is symmetric
+        weighted[np.diag_indices_from(weighted)] += np.diagonal(inverse)
         quiet = np.trace(weighted) * nugget**2
-        weighted *= self._decay(over)
-        near = self._near(lx, ly, direction)
-        if self.shares is not None:
-            weighted *= self.shares
-        along = 0.5 * signal**2 * weighted * kernel.steepness(near[0] + near[1])
-        K = signal**2 * kernel.correlation(near[0] + near[1])
-        by_lengths = (np.vdot(along, square) for square in near)
-        fading = [0.5 * np.vdot(weighted * K, lag / each) for lag, each in zip(self.lags, over, strict=True)]
-        turn = [] if direction is None else [np.vdot(along, self._turn(direction)) * (ly**-2 - lx**-2)]
-        return value, np.array([np.vdot(weighted, K), *by_lengths, quiet, *fading, *turn])
+        along = 0.5 * np.exp(theta[0]) ** 2 * weighted * decay * kernel.steepness(near[0] + near[1])
+        by_lengths = [np.vdot(along, square) for square in near]
+        weighted *= K
+        turn = [] if direction is None else [self._by_direction(along, theta, direction)]
+        return value, np.array([weighted.sum(), *by_lengths, quiet, *self._by_further(weighted, theta), *turn])
 
-    def _decay(self, over: Sequence[float]) -> Floats | float:
-        """Return exp(−|t − t′|/τ) times exp(−|p − p′|/c), of these what there is; 1 where there is neither."""
-        if not self.lags:
-            return 1.0
-        decay: Floats = np.exp(-sum(lag / each for lag, each in zip(self.lags, over, strict=True)))
-        return decay
+    def _covariance(
+        self, kernel: type[Kernel], theta: Floats, direction: float | None
+    ) -> tuple[Floats, Floats | float, list[Floats]]:
+        """Return K, by what it is more than σ_f² ρ, and (Δ_1/l_1)² and (Δ_2/l_2)², each (N, N)."""
+        signal, lx, ly = np.exp(theta[:3])
+        near, shadows = self._near(lx, ly, direction), self._shadows(theta)
+        decay: Floats | float = 1.0 if self.shares is None else self.shares
+        if self.lag is not None:
+            decay = decay * np.exp(-self.lag / np.exp(theta[4]))
+        if shadows is not None and self.loss is not None:
+            decay = decay * shadows.share(self.loss, self.loss)
+        K = kernel.correlation(near[0] + near[1])
+        K *= signal**2
+        K *= decay
+        return K, decay, near
+
+    def _shadows(self, theta: Floats) -> Shadows | None:
+        return None if self.loss is None else Shadows(*np.exp(theta[-2:]))
+
+    def _by_further(self, weighted: Floats, theta: Floats) -> list[float]:
+        """Return ∂ by log τ, and by log c and log a, where θ has them; weighted : ∂/∂C ∘ K, times 2, (N, N)."""
+        found = [] if self.lag is None else [0.5 * np.vdot(weighted, self.lag) / np.exp(theta[4])]
+        shadows = self._shadows(theta)
+        if shadows is not None and self.loss is not None:
+            apart = np.abs(np.subtract.outer(self.loss, self.loss))
+            found.append(0.5 * np.vdot(weighted, apart) / shadows.contrast)
+            found.append(0.5 * (weighted.sum(axis=0) + weighted.sum(axis=1)) @ shadows.sd_slope(self.loss))
+        return found
+
+    def _by_direction(self, along: Floats, theta: Floats, direction: float) -> float:
+        """Return ∂ by φ; along : ∂/∂C ∘ K, times −ρ′/(r ρ), (N, N)."""
+        across: float = np.vdot(along, self._turn(direction)) * (np.exp(-2 * theta[2]) - np.exp(-2 * theta[1]))
+        return across
 
     def _near(self, lx: float, ly: float, direction: float | None) -> list[Floats]:
         """Return (Δ_1/l_1)² and (Δ_2/l_2)², each (N, N)."""
@@ -118,17 +142,9 @@ class RestrictedLikelihood:
         turned += math.cos(2 * direction) * self.product
         return turned
 
-    def _solved(
-        self, kernel: type[Kernel], theta: Floats, direction: float | None
-    ) -> tuple[float, Floats, Floats, Floats, Floats]:
+    def _solved(self, K: Floats, nugget: float) -> tuple[float, Floats, Floats, Floats, Floats]:
         """Return log p, the factor L of C, C⁻¹H, C⁻¹r and the factor of A."""
-        signal, lx, ly, nugget, *over = np.exp(theta)
-        near = self._near(lx, ly, direction)
-        C = kernel.correlation(near[0] + near[1])
-        C *= signal**2
-        if self.shares is not None:
-            C *= self.shares
-        C *= self._decay(over)
+        C = K.copy()
         C[np.diag_indices_from(C)] += self.noise_sd**2 + nugget**2
         L = cholesky(C, lower=True, check_finite=False)
         solved = cho_solve((L, True), np.column_stack([self.H, self.u]), check_finite=False)

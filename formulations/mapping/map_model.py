@@ -4,94 +4,69 @@ Every kernel and every mean offered is fitted with one length scale in all direc
 likelihood is taken. Two length scales (paper, eq. cov) are taken instead where they raise the log-likelihood by more
 than ½ log N, the price of a parameter under N samples (G. Schwarz, Estimating the Dimension of a Model, Annals of
 Statistics 6, 1978). They hold along x and y where planning goes on from the model; a map's hold along any direction and
-across it, two parameters more at the price of one (½ log N is 2.7 nats of 213 samples; for prediction, which is a map's
-aim, Akaike asks 2), and are tried with the likeliest kernels, not with the first alone. Kernels have as many
-parameters as one another, and means are told apart without a price: the likelihood has their coefficients integrated
-out. A field that drifts has one parameter more, τ, and is believed where the likeliest drifting model is ahead of the
-likeliest that stays by more than that price.
+across it, two parameters more at the price of one, and are tried with the likeliest kernels, not with the first alone;
+there they are believed to be nearly alike, log l_1/l_2 ~ N(0, 0.3²), since 150 samples of a field without a direction
+are not seldom three nats likelier with length scales of 3 : 1 along some direction, and the map is worse for it.
+Kernels have as many parameters as one another, and means are told apart without a price: the likelihood has their
+coefficients integrated out. A field that drifts has one parameter more, τ, and is believed where the likeliest drifting
+model is ahead of the likeliest that stays by more than that price.
 
 Where the likeliest kernel is a Matérn one, that of smoothness ½ is taken before it unless it is behind by more than
 `JUMPS` nats a sample. Signals behind ridges jump where no sample lies, and between the jumps they are smooth: samples a
 step apart on a track speak for what is smooth, while the map's error lies at the jumps between two tracks, where only
 Matérn ½ does not swing beyond its samples. A likelihood whose model is not that of the field is to weigh less
 (P. Grünwald & T. van Ommen, Bayesian Analysis 12, 2017). Draws of smoother kernels are told from ½ by more than that.
-A mean that may divide the field (trend.py) does so where that raises the log-likelihood by the price of its parameter.
-
-The likelihood of few samples has several peaks, and a search that begins where the last one ended stays on the wrong
-one for the rest of a survey. So each search also begins at the best of a grid of length scales.
+A mean that predicts shadows has the field vary with them (shadows.py) where that raises the log-likelihood by the price
+of its two parameters.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
-from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import LinAlgError
-from scipy.optimize import minimize
 
 from formulations.blas import one_thread
 from formulations.kernel import KERNELS, Kernel, Matern12, SquaredExponential
-from formulations.mapping.likelihood import RestrictedLikelihood
+from formulations.mapping.likelihood_search import TAUS, LikelihoodSearch
+from formulations.mapping.shadows import Shadows
 from formulations.mapping.trend import CONSTANT, Trend
 from instances.arrays import Floats
-from instances.environment.value_map import ValueMap
 
 FEWEST = 8
 """With fewer samples nothing is fitted."""
 MOST = 300
 """So many samples at most, evenly chosen over the record, are fitted to: the cost grows with their cube."""
-SHARES = (0.03, 0.08, 0.2, 0.5)
-"""Length scales of the grid, in extents of the samples."""
-SIGNALS, NUGGETS = (1e-2, 1e4), (1e-3, 50.0)
-"""Bounds of σ_f and of the nugget σ₀, in sensor noises."""
-LENGTHS = (0.005, 10.0)
-"""Bounds of the length scales, in extents of the samples."""
-TAU_SHARES = (0.1, 0.5, 2.0)
-"""τ of the grid, in durations of the record."""
-TAUS = (0.01, 100.0)
-"""Bounds of τ, in durations of the record."""
-CONTRASTS = (0.3, 2.0)
-"""c of the grid, in standard deviations of what is predicted at the samples."""
-WIDEST = (0.01, 100.0)
-"""Bounds of c, likewise."""
 TIE = 1e-3
 """Likelihoods [nats] that differ by less are a tie, which the order of what is offered decides."""
-QUIET = 0.3
-"""The nugget at which a search begins, in sensor noises."""
 JUMPS = 0.1
 """So far [nats a sample] Matérn ½ may be behind a smoother Matérn kernel; draws of 3/2 are 0.2 ahead."""
 TURNED = 2
 """So many of the likeliest kernels are tried with length scales along a direction and across it."""
-DIRECTIONS = (0.0, 0.25 * math.pi, 0.5 * math.pi, 0.75 * math.pi)
-"""Those at which such a search may begin [rad]."""
-STRETCH = 0.5
-"""log √(l_1/l_2) there."""
 
 
 @dataclass(frozen=True)
 class MapModel:
-    """Covariance of the field, its nugget σ₀ in the field's unit, its mean, and how it drifts and is divided.
+    """Covariance of the field, its nugget σ₀ in the field's unit, its mean, and how it drifts.
 
     tau : τ > 0 [s], the field's correlation over time being exp(−|t − t′|/τ); infinite where the field stays.
-    contrast : c > 0 in the mean's unit, the correlation being exp(−|p − p′|/c) beside that over space, of what the mean
-    predicts; infinite where that does not divide the field.
+    shadows : how the field varies behind obstacles, of a mean that predicts their loss; None where it varies alike.
     """
 
     kernel: Kernel = field(default_factory=SquaredExponential)
     nugget_sd: float = 0.0
     trend: Trend = CONSTANT
     tau: float = math.inf
-    contrast: float = math.inf
+    shadows: Shadows | None = None
 
     def __post_init__(self) -> None:
-        for name, value in (("tau", self.tau), ("contrast", self.contrast)):
-            if not value > 0:
-                raise ValueError(f"{name} must be positive, got {value}")
+        if not self.tau > 0:
+            raise ValueError(f"tau must be positive, got {self.tau}")
+        if self.shadows is not None and self.trend.loss is None:
+            raise ValueError(f"shadows need a mean that predicts them, and {self.trend.name} does not")
 
     def covariance(self, X: Floats, t: Floats, Z: Floats, u: Floats) -> Floats:
         """Return k of the field at `X` (p, 2) [m], `t` (p,) [s], and at `Z` (q, 2), `u` (q,), shape (p, q)."""
@@ -103,20 +78,27 @@ class MapModel:
     def at_once(self, X: Floats, Z: Floats) -> Floats:
         """Return k of the field at `X` (p, 2) and at `Z` (q, 2) [m] at one time, shape (p, q)."""
         K = self.kernel(X, Z)
-        if self.contrast < math.inf:
-            predicted, other = (self.trend.columns(points)[:, 1] for points in (X, Z))
-            K *= np.exp(-np.abs(np.subtract.outer(predicted, other)) / self.contrast)
+        if self.shadows is not None and self.trend.loss is not None:
+            K *= self.shadows.share(self.trend.loss(X), self.trend.loss(Z))
         return K
+
+    def variance(self, X: Floats) -> Floats:
+        """Return k of the field at `X` (p, 2) [m] with itself, shape (p,)."""
+        variance = self.kernel.variance(X)
+        if self.shadows is not None and self.trend.loss is not None:
+            variance *= self.shadows.relative_sd(self.trend.loss(X)) ** 2
+        return variance
 
     def __str__(self) -> str:
         kernel = self.kernel
         lx, ly = (scale / 1e3 for scale in kernel.length_scales)
         nugget = f", nugget {self.nugget_sd:.2g}" if self.nugget_sd else ""
         drift = f", τ {self.tau:.0f} s" if self.tau < math.inf else ""
-        divided = f", divided at {self.contrast:.2g}" if self.contrast < math.inf else ""
+        shadows = self.shadows
+        dark = f", shadows {shadows.contrast:.2g} apart, {shadows.in_sight:.2g} in sight" if shadows else ""
         along = f" along {math.degrees(kernel.direction):.0f}° and across" if kernel.direction else ""
         scales = f"σ_f {kernel.signal_sd:.1f}, l {lx:.1f} and {ly:.1f} km{along}"
-        return f"{kernel.name} with {self.trend.name} mean, {scales}{nugget}{drift}{divided}"
+        return f"{kernel.name} with {self.trend.name} mean, {scales}{nugget}{drift}{dark}"
 
 
 @dataclass(frozen=True)
@@ -194,7 +176,7 @@ class _Likeliest:
     evidence : log p of all. turned : whether length scales may hold along any direction.
     """
 
-    search: _Search
+    search: LikelihoodSearch
     found: Mapping[type[Kernel], tuple[float, Floats]]
     evidence: Mapping[tuple[str, str], float]
     turned: bool
@@ -236,164 +218,33 @@ def _likeliest(
 ) -> _Likeliest | None:
     """Return the likeliest of the kernels and means offered, None where none can be fitted. taus : bounds of τ [s]."""
     found: dict[tuple[str, str], tuple[float, Floats]] = {}
-    mapped = given.kernel.relative_sd
+    mapped, warm = given.kernel.relative_sd, (given.kernel, given.nugget_sd, given.tau)
     prior = (mapped, offered.lengths)
-    searches = {trend.name: _Search(noise_sd, *samples, trend, taus, *prior) for trend in offered.trends}
+    searches = {trend.name: LikelihoodSearch(noise_sd, *samples, trend, taus, *prior) for trend in offered.trends}
     for name, search in searches.items():
         for kernel in offered.kernels:
-            found[kernel.name, name] = search.isotropic(kernel, given)
+            found[kernel.name, name] = search.isotropic(kernel, *warm)
     evidence = {names: value for names, (value, _) in found.items() if np.isfinite(value)}
     if not evidence:
         return None
     ranked = sorted(evidence, key=lambda names: -round(evidence[names] / TIE))
     _, mean = ranked[0]
     likely = {KERNELS[kernel]: found[kernel, of] for kernel, of in ranked if of == mean}
-    if not searches[mean].trend.divides:
+    trend = searches[mean].trend
+    if trend.loss is None or not np.ptp(trend.loss(samples[0])) > 0.0:
         return _Likeliest(searches[mean], likely, evidence, offered.turned)
-    search = _Search(noise_sd, *samples, searches[mean].trend, taus, *prior, divided=True)
-    divided = {kernel: search.isotropic(kernel, given) for kernel in likely}
-    if not max(value for value, _ in divided.values()) > max(value for value, _ in likely.values()):
+    search = LikelihoodSearch(noise_sd, *samples, trend, taus, *prior, shadowed=True)
+    shadowed = {kernel: search.isotropic(kernel, *warm) for kernel in likely}
+    if not max(value for value, _ in shadowed.values()) > max(value for value, _ in likely.values()):
         return _Likeliest(searches[mean], likely, evidence, offered.turned)
-    evidence |= {(kernel.name, mean): float(value) for kernel, (value, _) in divided.items() if np.isfinite(value)}
-    likely = dict(sorted(divided.items(), key=lambda each: -round(each[1][0] / TIE)))
+    evidence |= {(kernel.name, mean): float(value) for kernel, (value, _) in shadowed.items() if np.isfinite(value)}
+    likely = {kernel: each for kernel, each in shadowed.items() if np.isfinite(each[0])}
+    likely = dict(sorted(likely.items(), key=lambda each: -round(each[1][0] / TIE)))
     return _Likeliest(search, likely, evidence, offered.turned)
 
 
-class _Search:
-    """Searches for the peak of the likelihood of samples under one mean.
-
-    taus : bounds of τ [s], the same twice where it is known; None for fields that stay. lengths : as in `Offered`.
-    divided : whether the mean divides the field, whose one parameter more, c, is paid for in every log p found.
-    """
-
-    def __init__(
-        self,
-        noise_sd: float,
-        X: Floats,
-        y: Floats,
-        t: Floats,
-        trend: Trend,
-        taus: tuple[float, float] | None,
-        mapped: ValueMap | None,
-        lengths: tuple[float, float] | None = None,
-        *,
-        divided: bool = False,
-    ) -> None:
-        times, relative_sd = None if taus is None else t, None if mapped is None else mapped(X)
-        self.likelihood = RestrictedLikelihood(noise_sd, X, y, trend, times, relative_sd, divided=divided)
-        self.mapped = mapped
-        self.trend, self.noise_sd, self.spread = trend, noise_sd, float(y.std())
-        self.extent, self.lasted = float(np.ptp(X, axis=0).max()), float(np.ptp(t))
-        self.lengths = (LENGTHS[0] * self.extent, LENGTHS[1] * self.extent) if lengths is None else lengths
-        self.count, self.price = len(y), 0.5 * np.log(len(y))
-        self.drift = [] if taus is None else [(np.log(taus[0]), np.log(taus[1]))]
-        predicted = self.likelihood.H[:, 1].std() if divided else 0.0
-        self.contrasts = np.log(predicted * np.array(CONTRASTS)) if divided else np.empty(0)
-        self.division = [(np.log(WIDEST[0] * predicted), np.log(WIDEST[1] * predicted))] if divided else []
-        self.toll = self.price if divided else 0.0
-
-    def isotropic(self, kernel: type[Kernel], given: MapModel) -> tuple[float, Floats]:
-        """Return the greatest log p found with l_x = l_y, and its θ; −∞ where there is none."""
-        signal, nugget = np.log(self.spread), np.log(QUIET * self.noise_sd)
-        lengths = [np.log(share * self.extent) for share in SHARES]
-        grid = [np.array([signal, length, nugget, *more]) for length in lengths for more in self._further()]
-        own, scale = given.kernel, float(np.mean(np.log(given.kernel.length_scales)))
-        known = np.array([np.log(own.signal_sd), scale, np.log(max(given.nugget_sd, QUIET * self.noise_sd))])
-        last = self._further()[-1]
-        if self.drift and given.tau < math.inf:
-            last[0] = np.log(given.tau)
-        warm = np.append(known, last)
-        value = partial(self._value, kernel)
-        starts = [max(grid, key=lambda theta: value(_both(theta))), *([warm] if isinstance(own, kernel) else [])]
-
-        def evaluate(short: Floats) -> tuple[float, Floats]:
-            height, gradient = self.likelihood(kernel, _both(short))
-            return height, _fold(gradient)
-
-        found = [self._climb(evaluate, start, self._bounds(1)) for start in starts]
-        best, short = max(found, key=lambda each: each[0])
-        return best, _both(short)
-
-    def _further(self) -> list[list[float]]:
-        """Return what θ ends in on the grid: log τ where the field drifts, then log c where the mean divides it."""
-        taus = self._taus()
-        return [[*tau, c] for tau in taus for c in self.contrasts] if self.division else taus
-
-    def _taus(self) -> list[list[float]]:
-        """Return log τ of each share, nothing where the field stays."""
-        if not self.drift:
-            return [[]]
-        low, high = self.drift[0]
-        if not low < high:
-            return [[low]]
-        return [[float(np.clip(np.log(share * self.lasted), low, high))] for share in TAU_SHARES]
-
-    def anisotropic(self, kernel: type[Kernel], value: float, theta: Floats) -> Floats:
-        """Return θ with two length scales where they are worth their price, else the isotropic `theta`."""
-        scales = np.log(np.array(SHARES) * self.extent)
-        grid = [np.array([theta[0], lx, ly, *theta[3:]]) for lx, ly in product(scales, scales) if lx != ly]
-        starts = (theta, max(grid, key=partial(self._value, kernel)))
-        found = [self._climb(partial(self.likelihood, kernel), start, self._bounds(2)) for start in starts]
-        higher, better = max(found, key=lambda each: each[0])
-        return better if higher > value + self.price else theta
-
-    def turned(self, kernel: type[Kernel], theta: Floats) -> tuple[float, Floats, float]:
-        """Return the greatest log p found with l_1 ≠ l_2 along and across a direction, from an isotropic θ; θ and φ."""
-        stretched = np.array([theta[0], theta[1] + STRETCH, theta[2] - STRETCH, *theta[3:]])
-        likeliest = sorted(DIRECTIONS, key=lambda each: -self._value(kernel, stretched, each))
-        bounds = [*self._bounds(2), (-2 * math.pi, 2 * math.pi)]
-
-        def evaluate(both: Floats) -> tuple[float, Floats]:
-            return self.likelihood(kernel, both[:-1], both[-1])
-
-        found = [self._climb(evaluate, np.append(stretched, each), bounds) for each in likeliest[:2]]
-        value, best = max(found, key=lambda each: each[0])
-        return value, best[:-1], float((best[-1] + 0.5 * math.pi) % math.pi - 0.5 * math.pi)
-
-    def _value(self, kernel: type[Kernel], theta: Floats, direction: float | None = None) -> float:
-        try:
-            return self.likelihood.value(kernel, theta, direction)
-        except LinAlgError:
-            return -np.inf
-
-    def _climb(
-        self,
-        evaluate: Callable[[Floats], tuple[float, Floats]],
-        start: Floats,
-        bounds: Sequence[tuple[float, float]],
-    ) -> tuple[float, Floats]:
-        """Return the peak above `start` within `bounds`; `evaluate` returns log p and its gradient."""
-
-        def negative(parameters: Floats) -> tuple[float, Floats]:
-            try:
-                value, gradient = evaluate(parameters)
-            except LinAlgError:
-                return np.inf, np.zeros_like(parameters)
-            return -value, -gradient
-
-        begin = np.clip(start, *np.transpose(bounds))
-        found = minimize(negative, begin, jac=True, method="L-BFGS-B", bounds=bounds)
-        return -float(found.fun) - self.toll, found.x
-
-    def _bounds(self, lengths: int) -> list[tuple[float, float]]:
-        length = (np.log(self.lengths[0]), np.log(self.lengths[1]))
-        signal, nugget = (
-            (np.log(low * self.noise_sd), np.log(high * self.noise_sd)) for low, high in (SIGNALS, NUGGETS)
-        )
-        return [signal, *[length] * lengths, nugget, *self.drift, *self.division]
-
-
-def _both(short: Floats) -> Floats:
-    """Return θ of (log σ_f, log l, log σ₀), or of these and what follows."""
-    return np.insert(short, 2, short[1])
-
-
-def _fold(gradient: Floats) -> Floats:
-    return np.array([gradient[0], gradient[1] + gradient[2], *gradient[3:]])
-
-
-def _model(kernel: type[Kernel], theta: Sequence[float] | Floats, direction: float, search: _Search) -> MapModel:
+def _model(kernel: type[Kernel], theta: Floats, direction: float, search: LikelihoodSearch) -> MapModel:
     signal, lx, ly, nugget, *more = (float(value) for value in np.exp(theta))
     tau = more.pop(0) if search.drift else math.inf
-    contrast = more.pop(0) if search.division else math.inf
-    return MapModel(kernel(signal, (lx, ly), search.mapped, direction), nugget, search.trend, tau, contrast)
+    shadows = Shadows(*more) if more else None
+    return MapModel(kernel(signal, (lx, ly), search.mapped, direction), nugget, search.trend, tau, shadows)

@@ -5,9 +5,7 @@ of its own: the path-loss exponent n of a signal that falls by 10 n log₁₀ d,
 Of the level nothing is believed; of such a number something is, as a normal distribution N(b, s²). Without it a column
 that the samples hardly see would count as a reason for itself.
 
-A mean may divide the field, too: where the predicted p differs by more than c, one side of a ridge's shadow tells
-little of the other, however near, and the covariance is multiplied by exp(−|p − p′|/c). That is a covariance, as it is
-one of the values p, and products of covariances are (Rasmussen & Williams 2006, §4.2.4).
+A mean may predict what obstacles take away, too, and where, therefore, the field varies more about it (shadows.py).
 """
 
 from __future__ import annotations
@@ -24,14 +22,15 @@ from instances.arrays import Floats
 class Trend:
     """A mean: its name, and its column beside the ones at points (k, 2) [m], shape (k,); None for the level alone.
 
-    believed, spread : b and s of the column's coefficient. divides : whether the mean may divide the field.
+    believed, spread : b and s of the column's coefficient. loss : o ≥ 0 [dB] at points (k, 2) [m], shape (k,), of what
+    the mean predicts to be lost behind obstacles; None where it predicts nothing of the kind.
     """
 
     name: str
     beside: Callable[[Floats], Floats] | None = None
     believed: float = 1.0
     spread: float = 0.5
-    divides: bool = False
+    loss: Callable[[Floats], Floats] | None = None
 
     def columns(self, points: Floats) -> Floats:
         """Return H at `points` (k, 2) [m], shape (k, q)."""

@@ -30,15 +30,15 @@ def ahead(fitted: MapModel, believed: MapModel, noise_sd: float, X: Floats, y: F
 
     noise_sd : σ_n of a reading. Raises LinAlgError where a covariance is not positive in float64.
     """
-    drifts, divided = min(fitted.tau, believed.tau) < math.inf, fitted.contrast < math.inf
+    drifts, shadows = min(fitted.tau, believed.tau) < math.inf, fitted.shadows
     mapped = fitted.kernel.relative_sd
-    likelihood = RestrictedLikelihood(
-        noise_sd, X, y, fitted.trend, t if drifts else None, None if mapped is None else mapped(X), divided=divided
-    )
+    varied = None if mapped is None else mapped(X)
+    times = t if drifts else None
+    likelihood = RestrictedLikelihood(noise_sd, X, y, fitted.trend, times, varied, shadowed=shadows is not None)
 
     def value(model: MapModel) -> float:
         kernel, nugget = model.kernel, max(model.nugget_sd, LEAST * noise_sd)
-        over = [model.tau] * drifts + [fitted.contrast] * divided
+        over = [model.tau] * drifts + ([shadows.contrast, shadows.in_sight] if shadows else [])
         theta = np.log([kernel.signal_sd, *kernel.length_scales, nugget, *over])
         return likelihood.value(type(kernel), theta, kernel.direction)
 

@@ -66,17 +66,27 @@ def _sentence(said: dict[str, Any], unit: str) -> str:
     else:
         scales = f"σ_f = {signal:.1f} {unit}, l = {_both([f'{scale / 1e3:.1f} km' for scale in (lx, ly)], ways)}"
     nugget = f", a nugget of {said['nugget_sd']:.2g} {unit}" if said["nugget_sd"] >= 0.01 else ""
-    contrast = said.get("contrast")
-    divided = "" if contrast is None else (
-        f" Where the predicted signal differs by {contrast:.1f} {unit}, readings tell 1/e as much of one another."
-    )  # fmt: skip
     factor = f" times {said['coefficients'][1]:.2f}" if len(said["coefficients"]) > 1 else ""
-    return f"The last map is {_named(said)}{factor}: {scales}{nugget}.{divided}{_drift(said)}"
+    return f"The last map is {_named(said)}{factor}: {scales}{nugget}.{_shadows(said, unit)}{_drift(said)}"
 
 
 def _both(told: list[str], ways: tuple[str, str]) -> str:
     """Return one number where both are told alike, else each with its way."""
     return told[0] if told[0] == told[1] else f"{told[0]} {ways[0]} and {told[1]} {ways[1]}"
+
+
+def _shadows(said: dict[str, Any], unit: str) -> str:
+    """Return how the field varies with what the mean predicts; "" where it does not."""
+    if (contrast := said.get("contrast")) is None:
+        return ""
+    if (in_sight := said.get("in_sight")) is None:  # a map made before losses were told from the signal
+        return (
+            f" Where the predicted signal differs by {contrast:.1f} {unit}, readings tell 1/e as much of one another."
+        )
+    return (
+        f" Where the predicted loss behind obstacles differs by {contrast:.1f} dB, readings tell 1/e as much of one "
+        f"another; in sight the signal is off its prediction by {in_sight:.2f} times as much as deep in shadow."
+    )
 
 
 def _drift(said: dict[str, Any]) -> str:

@@ -15,7 +15,9 @@ from formulations.mapping.heights import Frame
 from formulations.mapping.map_model import MapModel, Offered
 from formulations.mapping.trend import CONSTANT, Trend, path_loss
 from formulations.task_location.setting import kernel_of
-from instances.environment.radio import RadioSource
+from instances.arrays import Floats
+from instances.environment.propagation import Model
+from instances.environment.radio import RadioMap, RadioSource
 from instances.environment.terrain import Terrain
 from instances.scenario import Scenario
 from instances.scenario_folder import kept_scenario, kept_terrain
@@ -86,5 +88,15 @@ def _trend(name: str, mission: Mission, scenario: Scenario, ground: Terrain | No
         below = source.height + (0.0 if ground is None else float(ground(np.array([source.position]))[0]))
         above = mission.altitude.above - (0.0 if mission.altitude.frame is Frame.ABOVE_GROUND else below)
         return path_loss(*source.position, max(above, source.height))
-    diffraction = structs.replace(mission.field, file=None, unit=None, model="diffraction", shadowing_sd=0.0)
-    return Trend(name, signal_of(replace(mission, field=diffraction), ground), divides=True)
+    predicted, open_sky = (_predicted(model, mission, ground) for model in ("diffraction", "free-space"))
+
+    def loss(points: Floats) -> Floats:
+        return np.maximum(open_sky(points) - predicted(points), 0.0)
+
+    return Trend(name, predicted, loss=loss)
+
+
+def _predicted(model: Model, mission: Mission, ground: Terrain | None) -> RadioMap:
+    """Return the signal by a model, without shadowing."""
+    field = structs.replace(mission.field, file=None, unit=None, model=model, shadowing_sd=0.0)
+    return signal_of(replace(mission, field=field), ground)

@@ -131,7 +131,7 @@ def _chosen(tick: Tick) -> dict[str, Any]:
     """Return the model of a tick, its coefficients, and the log-likelihood [nats] of every kernel and mean offered.
 
     direction [°] where length scales hold along one; tau [s] of one that drifts; drift [nats]: how far such models were
-    ahead, where both kinds were tried; contrast, in the field's unit, of a mean that divides the field.
+    ahead, where both kinds were tried; contrast [dB] and in_sight of a mean that predicts shadows.
     """
     model = tick.fitted.model
     evidence = [
@@ -149,7 +149,7 @@ def _chosen(tick: Tick) -> dict[str, Any]:
         "coefficients": tick.posterior.coefficients.tolist(),
         "evidence": evidence,
         **({"tau": model.tau} if model.tau < math.inf else {}),
-        **({"contrast": model.contrast} if model.contrast < math.inf else {}),
+        **(asdict(model.shadows) if model.shadows else {}),
         **({"drift": tick.fitted.drift} if tick.fitted.drift is not None else {}),
     }
 

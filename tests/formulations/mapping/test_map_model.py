@@ -156,46 +156,49 @@ def test_turning_the_plane_turns_the_map() -> None:
 
 
 def ridge(points: np.ndarray) -> np.ndarray:
-    """Return a predicted signal that falls by 20 behind the line x = 10 km."""
-    return np.where(points[:, 0] > 10e3, -20.0, 0.0)
+    """Return a predicted loss of 20 dB behind the line x = 10 km."""
+    return np.where(points[:, 0] > 10e3, 20.0, 0.0)
 
 
-DIVIDING = Trend("propagation", ridge, divides=True)
+SHADING = Trend("propagation", lambda points: -ridge(points), loss=ridge)
 
 
-def shadowed(seed: int, *, divided: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Return places and readings about the predicted signal: both sides of the ridge apart, or as if it were not."""
+def shadowed(seed: int, *, varies: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Return places and readings about the predicted signal: off it behind the ridge alone, or alike everywhere."""
     X, y = drawn(Matern32(6.0, (5000.0, 5000.0)), 90, seed)
-    K = Matern32(6.0, (5000.0, 5000.0))(X, X) + np.eye(90)
-    beyond = -80.0 + np.linalg.cholesky(K) @ np.random.default_rng(seed).normal(size=90)
-    return X, np.where((X[:, 0] > 10e3) & divided, beyond, y) + ridge(X)
+    clear = np.random.default_rng(seed).normal(size=90)
+    return X, np.where((X[:, 0] <= 10e3) & varies, clear, y) - ridge(X)
 
 
-def test_the_gradient_by_the_contrast_is_that_of_finite_differences() -> None:
-    X, y = shadowed(1, divided=True)
-    likelihood = RestrictedLikelihood(1.0, X, y, DIVIDING, 10.0 * np.arange(90), divided=True)
-    theta = np.log([9.0, 2500.0, 6000.0, 0.8, 400.0, 15.0])
+def test_the_gradient_by_the_shadows_is_that_of_finite_differences() -> None:
+    X, y = shadowed(1, varies=True)
+    likelihood = RestrictedLikelihood(1.0, X, y, SHADING, 10.0 * np.arange(90), shadowed=True)
+    theta = np.log([9.0, 2500.0, 6000.0, 0.8, 400.0, 15.0, 0.4])
     _, gradient = likelihood(Matern32, theta)
-    for k, step in enumerate(1e-5 * np.eye(6)):
+    for k, step in enumerate(1e-5 * np.eye(7)):
         across = likelihood.value(Matern32, theta + step) - likelihood.value(Matern32, theta - step)
         assert gradient[k] == pytest.approx(across / 2e-5, rel=1e-5, abs=1e-5)
 
 
-def test_a_mean_divides_the_field_where_its_shadow_does_and_only_there() -> None:
-    offered = Offered((SquaredExponential, Matern32), (CONSTANT, DIVIDING))
-    X, y = shadowed(1, divided=True)
-    found = choose_model(MapModel(), offered, 1.0, X, y)
-    assert found.model.trend is DIVIDING
-    assert found.model.contrast < 40.0
-    process = GaussianProcess(found.model, 1.0, X)
+def test_a_field_varies_with_predicted_shadows_where_it_does_and_only_there() -> None:
+    offered = Offered((SquaredExponential, Matern32), (CONSTANT, SHADING))
+    X, y = shadowed(1, varies=True)
+    model = choose_model(MapModel(), offered, 1.0, X, y).model
+    assert model.trend is SHADING
+    assert model.shadows is not None
+    assert model.shadows.in_sight < 0.3
+    process = GaussianProcess(model, 1.0, X)
     process.extend(X[:50], y[:50])
     process.extend(X[50:], y[50:])
-    H, B = DIVIDING.columns(X), DIVIDING.prior_precision
-    K = found.model.kernel(X, X) * np.exp(-np.abs(np.subtract.outer(ridge(X), ridge(X))) / found.model.contrast)
-    inverse = np.linalg.inv(K + (1.0 + found.model.nugget_sd**2) * np.eye(90))
-    beta = np.linalg.solve(H.T @ inverse @ H + B, H.T @ inverse @ y + B @ DIVIDING.prior_mean)
+    H, B = SHADING.columns(X), SHADING.prior_precision
+    m = np.where(X[:, 0] > 10e3, 1 - (1 - model.shadows.in_sight) * np.exp(-20 / 6), model.shadows.in_sight)
+    apart = np.abs(np.subtract.outer(ridge(X), ridge(X))) / model.shadows.contrast
+    K = model.kernel(X, X) * np.outer(m, m) * np.exp(-apart)
+    inverse = np.linalg.inv(K + (1.0 + model.nugget_sd**2) * np.eye(90))
+    beta = np.linalg.solve(H.T @ inverse @ H + B, H.T @ inverse @ y + B @ SHADING.prior_mean)
     assert process.posterior().mean == pytest.approx(H @ beta + K @ inverse @ (y - H @ beta), rel=1e-6)
-    assert choose_model(MapModel(), offered, 1.0, *shadowed(1, divided=False)).model.contrast == math.inf
+    assert model.variance(X) == pytest.approx(np.diagonal(K), rel=1e-12)
+    assert choose_model(MapModel(), offered, 1.0, *shadowed(1, varies=False)).model.shadows is None
 
 
 def test_rough_ground_is_believed_rough_where_that_is_nearly_as_likely() -> None:

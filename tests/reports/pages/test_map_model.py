@@ -47,6 +47,19 @@ def test_drift_is_told_where_it_was_asked_for(more: dict[str, float], words: str
     assert "drift" not in str(map_model(SAID, "dBm")[0])
 
 
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"contrast": 21.44}, "Where the predicted signal differs by 21.4 dBm, readings tell 1/e"),
+        ({"contrast": 21.44, "in_sight": 0.3}, "in sight the signal is off its prediction by 0.30 times as much"),
+    ],
+    ids=["as kept before", "shadows"],
+)
+def test_shadows_are_told_where_the_mean_predicts_them(more: dict[str, float], words: str) -> None:
+    assert words in str(map_model(SAID | more, "dBm")[0])
+    assert "predicted" not in str(map_model(SAID, "dBm")[0])
+
+
 EVIDENCE = [
     {"kernel": kernel, "mean": "constant", "log_likelihood": value}
     for kernel, value in (("se", -330.0), ("matern32", -316.0), ("matern12", -320.5))

@@ -276,7 +276,8 @@ def replans(unit: str) -> list[Column]:
         Column("time", "At", "s", numbers.fixed(0), "after take-off"),
         Column("reason", "Because of"),
         Column("samples", "Samples", "", numbers.count, "known by then"),
-        Column("length_scale", "Length scale", "km", str, "of the squared exponential fitted to them, for planning"),
+        Column("length_scale", "Length scale", "km", str, "of the squared exponential that is planned by: as "
+               "believed at take-off until samples refute it, then fitted to them"),
         Column("before", "Promised before", unit, str, "root mean square sd at the test points after landing, by the "
                "plan in the air; – where it may be flown no more"),
         Column("after", "Promised after", unit, str, "by the best other plan; – where none is within endurance"),

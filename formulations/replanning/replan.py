@@ -1,6 +1,7 @@
 """One re-plan: fit, place what remains given what is known, route from where the UAVs are, accept what is better.
 
-1. The planning model, a squared exponential, is fitted to all samples S by restricted likelihood, as the map's is.
+1. The planning model, a squared exponential, is fitted to all samples S by restricted likelihood, as the map's is. What
+   was believed at take-off is kept until S refutes it (refuted.py): a fit to few samples misses by more than it does.
 2. r tasks are placed by I(y_T; y_o | y_S) (conditional.py) or by how far the average variance falls (remaining.py),
    for up to TRIES values of r about the most whose routes endurance allows.
 3. They are routed by min-max from the present positions to the homes (open_routes.py) and flown from the present poses.
@@ -32,6 +33,7 @@ from formulations.replanning.aloft import Aloft, World
 from formulations.replanning.conditional import ConditionalInformation, Worth, place_remaining
 from formulations.replanning.onward import fly_on
 from formulations.replanning.open_routes import OpenRoutes, empty_routes, open_routes
+from formulations.replanning.refuted import REFUTED, ahead
 from formulations.replanning.remaining import RemainingVariance
 from formulations.replanning.spending import track_cost
 from formulations.replanning.ways import Legs
@@ -101,7 +103,7 @@ class Plan:
 class Replan:
     """What was decided at `time` [s], why, and what it changed.
 
-    reason : what it was made for. samples : so many were known. model : as fitted to them. before, after : average
+    reason : what it was made for. samples : so many were known. model : that it was planned by. before, after : average
     posterior variance promised by the plan in the air and by the best that was tried, NaN where none may be flown.
     tried : number of tasks of each plan and what became of it. accepted, why : whether it is flown now. old, new : the
     rests of the flights. elapsed : processor time it took [s].
@@ -133,7 +135,9 @@ class Replanner:
         self.began = process_time()
         self.planner, self.aloft, self.world = planner, aloft, world
         self.known, self.values, self.times = samples
-        self.model = fit(planner, world, model, samples)
+        fitted = fit(planner, world, model, samples)
+        believed = model is planner.model and ahead(fitted, model, planner.noise_sd, *samples) <= REFUTED
+        self.model = model if believed else fitted
         self.uavs = aloft.active
         self.here = np.array([aloft.flown(k).poses(aloft.flown(k).length)[0, :2] for k in self.uavs]).reshape(-1, 2)
         self.spent = np.array([aloft.spent(k, world.measure) for k in self.uavs])

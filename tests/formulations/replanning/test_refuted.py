@@ -52,7 +52,9 @@ def test_a_true_belief_is_seldom_refuted_and_one_of_three_times_the_length_scale
 def test_the_first_re_plan_waits_for_no_round_where_the_belief_is_refuted(believed, early):
     truth = gaussian_field(SquaredExponential(30.0, (2000.0, 2000.0)), SQUARE.bounds, 100, 2)
     fleet = aloft(np.random.default_rng(2), 330.0)
-    made = fly_replanned(fleet, drawn(truth, 1.0, 5.0, 2), planner(believed), world(), every=20)[1]
+    asked = planner(believed)
+    made = fly_replanned(fleet, drawn(truth, 1.0, 5.0, 2), asked, world(), every=20)[1]
     assert (made[0].reason == "readings refute what was believed") == early
     assert (made[0].time < 100.0) == early
     assert 100.0 in [one.time for one in made if one.reason == "20 rounds of measurements"]
+    assert (made[0].model is asked.model) == (not early)  # a belief that is not refuted is kept

@@ -3,8 +3,9 @@
     python tests/benchmarks/exact.py [--quick] [--tasks 40] [--seconds 120] [--benchmarks DIR] [SECTION...]
 
 Sections: subset (subset-dp, n = 20 and 22), proofs (branch-and-price, n = 40 to 100), long (exact, m = 2), gaps
-(certified where no proof is in reach), public (eil51, berlin52, eil76), agreement (300 random instances against
-subset-dp), ratio (exact against circuit and branch-and-cut), fleets (UAVs of several speeds, 30 to 100 tasks).
+(certified where no proof is in reach), bounds (of 200 tasks, without a tree), public (eil51, berlin52, eil76),
+agreement (300 random instances against subset-dp), ratio (exact against circuit and branch-and-cut), fleets (UAVs of
+several speeds, 30 to 100 tasks).
 Times are CPU seconds of the process (children included) unless called wall.
 
 Instances: the family square-wind (a 20 km square, airspeed 20 m/s, wind (4, −2) m/s plus a rotation of 5 m/s at the
@@ -17,6 +18,7 @@ import argparse
 import os
 import resource
 import time
+from functools import partial
 from statistics import geometric_mean, median
 
 import numpy as np
@@ -25,9 +27,11 @@ import public_sets
 from formulations.limits import Limits
 from formulations.moving_cost.families import generate
 from formulations.routing.branch_and_price import BranchAndPrice
+from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.registry import make_solver
 from formulations.routing.solver import Result, Solver, Status
 from formulations.routing.subset_dp import SubsetDp
+from formulations.routing.total import total
 from instances import Instance, Routes, Travel, check_routes
 
 KNOWN = {  # proved optima [s] of seeds 0, 1, 2
@@ -182,6 +186,35 @@ def gaps(asked: argparse.Namespace) -> None:
         print(f"{n:4d} {m:3d} | {gap} (bar {bar}) | {result.bound} | {result.objective:.3f} | {lasted:.1f}", flush=True)
 
 
+def bounds(asked: argparse.Namespace) -> None:
+    """Lower bounds without a tree, as `workbench bound` makes them, beside routes of half a minute."""
+    print("lower bounds: n m | routes | gap of total | of capped tours, and as the cap is bisected | CPU s of each")
+    search = make_solver("memetic")
+    search.prepare(wind_instance(10, 2, 0))
+    BranchAndPrice().prepare(wind_instance(10, 2, 0))
+    for n, m, bar in ((200, 3, "10 %"), (200, 10, "5 %")):
+        if asked.tasks not in (None, n):
+            continue
+        instance = wind_instance(n, m, 0)
+        upper = run(search, instance, 30.0)[0].objective
+        assert upper is not None
+        began, end = cpu(), time.perf_counter() + (asked.seconds or (60.0 if asked.quick else 300.0))
+        found = total(instance, upper, end - time.perf_counter())
+        values, spent = [found.bound], [cpu() - began]
+        over = partial(_past, end)
+        for value in destructive_bounds(instance, 0.0, upper, over, price=found.price):
+            values.append(value)
+            spent.append(cpu() - began)
+        gaps_, times = " ".join(f"{1 - v / upper:.2%}" for v in values), " ".join(f"{t:.1f}" for t in spent)
+        late = time.perf_counter() - end
+        print(f"{n:4d} {m:3d} | {upper:.3f} | {gaps_} (bar {bar}) | {times}"
+              + (f" | {late:.1f} s over the limit" if late > 0.5 else ""), flush=True)  # fmt: skip
+
+
+def _past(end: float) -> bool:
+    return time.perf_counter() > end
+
+
 def fleets(asked: argparse.Namespace) -> None:
     """UAVs of several speeds: proofs within the bar, and the certified gap of a hundred tasks."""
     print("fleets by branch-and-price: n speeds | proved within the bar | CPU s of each")
@@ -305,6 +338,7 @@ SECTIONS = {
     "proofs": proofs,
     "long": long_tours,
     "gaps": gaps,
+    "bounds": bounds,
     "public": public,
     "agreement": agreement,
     "ratio": ratio,
@@ -315,8 +349,8 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sections", nargs="*", choices=[[], *SECTIONS], metavar="SECTION")
     parser.add_argument("--quick", action="store_true", help="fewer seeds, shorter limits")
-    parser.add_argument("--tasks", type=int, help="only this many tasks, in proofs, long, gaps and ratio")
-    parser.add_argument("--seconds", type=float, help="limit of a run by the clock, in proofs, gaps and public")
+    parser.add_argument("--tasks", type=int, help="only this many tasks, in proofs, long, gaps, bounds and ratio")
+    parser.add_argument("--seconds", type=float, help="limit of a run by the clock, in proofs, gaps, bounds and public")
     public_sets.add_option(parser)
     asked = parser.parse_args()
     for section in asked.sections or SECTIONS:

@@ -21,11 +21,11 @@ from instances.formats.geojson import write_features
 from instances.scenario import Scenario
 from workbench.mission.costs import moving_costs
 from workbench.mission.file import mission_of
-from workbench.mission.flight import fly
+from workbench.mission.flight import fly_laps
 from workbench.mission.place import kept_off, place_tasks, widened
 from workbench.mission.polish import Judge, Plan, polished_plan
 from workbench.mission.routes import solve
-from workbench.mission.safety import refuse_beyond_borders, room_to_fly
+from workbench.mission.safety import refuse_beyond_borders
 from workbench.mission.settings import Mission
 from workbench.settings import check_target
 from workbench.terminal import say, say_lines
@@ -42,8 +42,6 @@ def run_polish(file: Path | None, out: Path | None, as_json: bool) -> None:
     mission = _mission(file)
     if out is not None and out.suffix == ".geojson" and mission.origin is None:
         raise InputError(f"{file}: origin: is not given, so {out.name} cannot be in degrees; write a .csv")
-    if mission.flight.laps != 1:
-        raise InputError(f"{file}: flight.laps: only tours flown once are polished here")
     mission = replace(mission, place=with_keys(mission.place, polish=True))
     with tempfile.TemporaryDirectory() as folder:
         plan = _polished(mission, Path(folder))
@@ -74,7 +72,7 @@ def _polished(mission: Mission, folder: Path) -> Plan:
     limits = np.minimum(instance.limits, mission.flight.endurance or np.inf)
     limited = instance if np.isinf(limits).any() else replace(instance, endurance=limits)
     routes = solve(mission, limited, min(QUICKLY, mission.routes.time_limit), mission.routes.seed).own["routes"]
-    fleet = fly(mission, scenario, instance, paths, routes, room_to_fly(mission, scenario))
+    fleet, _ = fly_laps(mission, scenario, instance, paths, routes)
     judge = Judge(mission, scenario, None)
     before = (fleet.flights, fleet.legs)
     plan = polished_plan(judge, instance, routes, before, folder, lambda words: say(words, err=True))

@@ -87,7 +87,7 @@ def make(mission: Mission, folders: dict[str, Path], out: Path, tell: Callable[[
     if mission.flight.coupled:
         fleet, laps = fly_coupled(mission, scenario, instance, folders["routes"]), Laps(())
     else:
-        fleet, laps = _fleet(mission, scenario, instance, paths, routes)
+        fleet, laps = fly_laps(mission, scenario, instance, paths, routes)
     ground, told = kept_terrain(folders["environment"]), list(laps.said())
     if mission.place.polish:
         instance, fleet, said = _polished(Judge(mission, scenario, ground), instance, routes, fleet, out, tell)
@@ -160,7 +160,7 @@ def heights_flown(mission: Mission, flights: Sequence[Flight], ground: Terrain |
     return {k: heights_of(f, mission.altitude_at(f.fastest), ground) for k, f in enumerate(flights) if f.length > 0}
 
 
-def _fleet(
+def fly_laps(
     mission: Mission, scenario: Scenario, instance: Instance, paths: Paths, routes: Routes
 ) -> tuple[Fleet, Laps]:
     """Return the flights on all laps, and the laps."""

@@ -65,8 +65,13 @@ def test_what_does_not_go_together_is_refused(cli, mission, words, sentence):
     assert sentence in err
 
 
-def test_waypoints_in_degrees(cli, mission, tmp_path):
-    assert cli("place", "--polish", mission("origin = [47.0, 8.0]"), "--out", "w.geojson")[0] == 0
+def test_waypoints_of_two_laps_in_degrees(cli, mission, tmp_path):
+    laps = mission("origin = [47.0, 8.0]\nflight.laps = 2")
+    code, out, err = cli("place", "--polish", laps, "--out", "w.geojson", "--json")
+    assert code == 0, err
+    said = json.loads(out)
+    assert min(said["lengths_before"]) > 10_000
+    assert said["rms_sd_after"] < said["rms_sd_before"]
     lines = json.loads((tmp_path / "w.geojson").read_text())["features"]
     assert [line["properties"]["uav"] for line in lines] == [0, 1]
     assert np.abs(np.array(lines[0]["geometry"]["coordinates"][0]) - [8.0, 47.0]).max() < 0.1

@@ -173,22 +173,29 @@ def radio(seeds: int) -> None:
 
 
 def jacksboro(seeds: int) -> None:
-    """Over the Jacksboro fault, ITM's signal: kernel alone, and with the diffraction as mean; means over noise."""
-    with tempfile.TemporaryDirectory() as folder:
-        write_mission(Path(folder))
-        (Path(folder) / "area.kml").write_text(KML.format(**AREA))
-        out = flown(JACKSBORO, Path(folder), "flight")
-        mission, field = read_mission(Path(folder) / "mission.toml"), kept_field(out / "1-environment")
-        points = MapGrid.over(kept_scenario(out / "1-environment").region, mission.map.cells).points
-        for mean, bar in (("constant", 3.0), ("propagation", 2.0)):
-            wanted = replace(mission, map=structs.replace(mission.map, mean=mean))
-            offered = belief_of(wanted, out / "1-environment").offered
-            each = [readings(mission, out, field, seed) for seed in range(seeds)]
-            rmse = np.array([mapped(offered, X, y, points, field(points)).rmse for X, y in each])
-            spread = f"{rmse.mean():.2f} dBm ({rmse.min():.2f} to {rmse.max():.2f} over {seeds} noise seeds)"
-            say(f"Jacksboro, mean {mean}", spread, f"at most {bar}", rmse.mean() <= bar)
-        X, y = readings(mission, out, field, 0)
-        print(f"     the SE map by ML: {judged(1.0, X, y, points, field(points)).rmse:.2f} dBm")
+    """Over the Jacksboro fault, ITM's signal: kernel alone, and with the diffraction as mean; means over noise.
+
+    Tours as they are by default, and beside them tours with their paths polished.
+    """
+    for tours, more in (("", ""), (", polished", "[place]\npolish = true\n")):
+        with tempfile.TemporaryDirectory() as folder:
+            write_mission(Path(folder))
+            (Path(folder) / "area.kml").write_text(KML.format(**AREA))
+            _jacksboro(flown(JACKSBORO + more, Path(folder), "flight"), f"Jacksboro{tours}", seeds)
+
+
+def _jacksboro(out: Path, name: str, seeds: int) -> None:
+    mission, field = read_mission(out.parent / "mission.toml"), kept_field(out / "1-environment")
+    points = MapGrid.over(kept_scenario(out / "1-environment").region, mission.map.cells).points
+    for mean, bar in (("constant", 3.0), ("propagation", 2.0)):
+        wanted = replace(mission, map=structs.replace(mission.map, mean=mean))
+        offered = belief_of(wanted, out / "1-environment").offered
+        each = [readings(mission, out, field, seed) for seed in range(seeds)]
+        rmse = np.array([mapped(offered, X, y, points, field(points)).rmse for X, y in each])
+        spread = f"{rmse.mean():.2f} dBm ({rmse.min():.2f} to {rmse.max():.2f} over {seeds} noise seeds)"
+        say(f"{name}, mean {mean}", spread, f"at most {bar}", rmse.mean() <= bar)
+    X, y = readings(mission, out, field, 0)
+    print(f"     the SE map by ML: {judged(1.0, X, y, points, field(points)).rmse:.2f} dBm, {len(X)} readings")
 
 
 def mission(seeds: int) -> None:

@@ -73,11 +73,11 @@ def generate(
         best, trust = centre, _SMOOTHING
     elif start is not None:
         best, trust = replace(best, duals=start), 0.0
-    level, rounds, dull, span = 0, 0, 0, np.inf
+    ladder, rounds = _Ladder(pricers), 0
     while True:
         rounds += 1
         duals = best.duals.towards(at_master, trust)
-        priced = _price_all(pricers[level], duals, cap, out_of_time)
+        priced = _price_all(ladder.pricer, duals, cap, out_of_time)
         if priced is None:
             return Relaxation(Ended.INTERRUPTED, best, weight, rounds)
         least = np.array([min(0.0, p.least) for p in priced])
@@ -87,27 +87,57 @@ def generate(
             best = found
         if best.value > cap:
             return Relaxation(Ended.PRUNED, best, weight, rounds)
-        complete, strongest = all(p.complete for p in priced), level + 1 == len(pricers)
-        if centre is not None and strongest and not complete and rise < _CLOSE * (cap - best.value):
+        complete = all(p.complete for p in priced)
+        if centre is not None and ladder.at_top and not complete and rise < _CLOSE * (cap - best.value):
             return Relaxation(Ended.STUCK, best, weight, rounds)
-        dull = dull + 1 if not complete and value - best.value > (1 - _PROGRESS) * span else 0
-        span = min(span, value - best.value)
+        dull, widened = ladder.dull(complete, value - best.value), False
         if master.add([c for p in priced for c in p.columns]):
             value, at_master, weight = _settled(master, reserve, cap, out_of_time)
-            if value - best.value <= _CLOSE * (cap - best.value) and not master.penalised:
+            close = value - best.value <= _CLOSE * (cap - best.value)
+            if close and not master.penalised:
                 return Relaxation(Ended.SOLVED, best, weight, rounds)
-            trust = _SMOOTHING if value - best.value > _EXACT * cap else 1.0
+            widened, trust = close and master.widen(2 * cap), _SMOOTHING if value - best.value > _EXACT * cap else 1.0
         elif trust < 1.0:
             trust = 1.0
-        elif master.widen(2 * cap):
+        elif not (widened := master.widen(2 * cap)):
+            if complete or ladder.at_top:
+                return Relaxation(Ended.SOLVED if complete else Ended.STUCK, best, weight, rounds)
+            dull = True
+        if widened:
             value, at_master, weight = _settled(master, reserve, cap, out_of_time)
-            span = np.inf
-        elif not complete and not strongest:
-            dull = _DULL
-        else:
-            return Relaxation(Ended.SOLVED if complete else Ended.STUCK, best, weight, rounds)
-        if dull >= _DULL and not strongest:
-            level, dull = level + 1, 0
+            ladder = _Ladder(pricers)
+        elif dull:
+            ladder.climb()
+
+
+@dataclass
+class _Ladder:
+    """The pricers from the quickest to the strongest, the one in use, and how far it has brought value and bound."""
+
+    pricers: Sequence[Prices]
+    at: int = 0
+    rounds_dull: int = 0
+    span: float = np.inf
+
+    @property
+    def pricer(self) -> Prices:
+        """The one in use."""
+        return self.pricers[self.at]
+
+    @property
+    def at_top(self) -> bool:
+        """Whether it is the strongest."""
+        return self.at + 1 == len(self.pricers)
+
+    def climb(self) -> None:
+        """Go on to the next, if there is one."""
+        self.at, self.rounds_dull = min(self.at + 1, len(self.pricers) - 1), 0
+
+    def dull(self, complete: bool, span: float) -> bool:
+        """Say whether this one loses labels and has hardly brought value and bound, `span` [s] apart, closer lately."""
+        hardly = not complete and span > (1 - _PROGRESS) * self.span
+        self.rounds_dull, self.span = self.rounds_dull + 1 if hardly else 0, min(self.span, span)
+        return self.rounds_dull >= _DULL
 
 
 def _settled(master: Master, reserve: Prices | None, cap: float, out_of_time: Clock) -> Optimum:

@@ -20,6 +20,7 @@ from formulations.routing.columns.pricing import Column, DualBound, Effort, Effo
 from formulations.routing.columns.proof_log import ProofLog
 from instances.arrays import Bools, Floats, Ints
 
+_BOX = 20  # shares of the cap: tasks of a UAV that sets the relaxation alone cost nearly all of it
 _FIRST_ROOM = 4_000_000  # labels of the first attempt to list the tours
 
 
@@ -120,10 +121,10 @@ class Node:
     def restricted_master(self, cap: float) -> Master:
         """Return the restricted master of the columns of cost ≤ `cap`.
 
-        Duals begin in a box of thrice a fair share, or twice what they were above.
+        Duals begin in a box of twenty fair shares, or twice what they were above.
         """
         n = self.legs.n_tasks
-        box = np.full(n, 3 * cap / n)
+        box = np.full(n, _BOX * cap / n)
         if self.centre is not None:
             box = np.maximum(box, 2 * np.abs(self.centre.duals.price))
         master = Master(n, self.legs.n_uavs, box, self.cuts)

@@ -395,8 +395,9 @@ def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() ->
     assert [tree.pop().bound for _ in range(5)] == [0.0, 100.002, 100.0, 100.001, 200.0]
 
 
-def test_a_node_goes_on_with_its_prices_inside_the_box() -> None:
+def test_a_node_goes_on_with_its_prices_inside_the_box(monkeypatch: pytest.MonkeyPatch) -> None:
     """A task far dearer than a fair share: with the box of the root, the master of a child would rather pay for it."""
+    monkeypatch.setattr("formulations.routing.columns.node._BOX", 3)
     cost = np.abs(np.subtract.outer(x := np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 0.0]), x))
     legs = Legs.of(Instance("one far out", cost, 6, 1))
     node = Node.root(legs, 0.0, [Column(0, (5, 0, 4, 3, 2, 1), 200.0)], np.arange(1))

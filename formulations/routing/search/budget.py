@@ -19,7 +19,8 @@ class BudgetParameters:
     levels: between two meetings of threads, at most, where there are several.
     telling: share of the time that telling of better routes may take before the end where there is no matrix of costs:
     of 20,000 tasks each takes 8 ms.
-    probe: share of the limit after which the speed is known well enough to plan a population.
+    probe, probed: share of the limit, and where the clock sets it steps, after which the speed is known well enough to
+    plan a population: the first steps wait for threads to start.
     """
 
     seconds: float = 0.02
@@ -28,6 +29,7 @@ class BudgetParameters:
     levels: int = 16
     telling: float = 0.02
     probe: float = 0.01
+    probed: int = 4000
 
 
 class Budget:
@@ -50,6 +52,12 @@ class Budget:
         if limits.iterations is None:
             return min(1.0, self._recorder.elapsed / limits.time)
         return min(1.0, self.iterations / limits.iterations) if limits.iterations else 1.0
+
+    @property
+    def has_probed(self) -> bool:
+        """Whether the speed is known well enough to plan."""
+        exact = self._recorder.limits.iterations is not None
+        return self.fraction >= self._parameters.probe and (exact or self.iterations >= self._parameters.probed)
 
     @property
     def stopped_by(self) -> str:

@@ -148,7 +148,7 @@ class Memetic(RecordedSolver):
                 if budget.stopped_by:
                     break
                 now, step = budget.fraction, 1.0 / budget.total_steps
-                if not planned and now >= self.parameters.budget.probe:
+                if not planned and budget.has_probed:
                     planned = True
                     for population in populations:
                         population.plan(step)

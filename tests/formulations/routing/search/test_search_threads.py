@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
+from formulations.routing.recorder import Recorder
 from formulations.routing.registry import make_solver
 from formulations.routing.search import tours as rings
+from formulations.routing.search.budget import Budget, BudgetParameters
 from formulations.routing.search.costs import search_costs
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.lineage import Family
@@ -13,6 +15,7 @@ from formulations.routing.search.parameters import PopulationParameters, SearchP
 from formulations.routing.search.population import Population, next_stages, share_best
 from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
+from formulations.routing.solver import ignore
 from instances import Instance, check_routes, tour_costs
 
 N, M = 30, 3
@@ -83,3 +86,16 @@ def test_a_run_of_two_threads_is_repeatable(endurance):
     assert first.statistics == again.statistics
     assert first.statistics["stages"] > FOUNDERS
     assert check_routes(instance, first.routes) == []
+
+
+def test_by_the_clock_no_population_is_planned_before_threads_have_shown_their_speed():
+    how = BudgetParameters(probed=1000)
+    by_clock = Budget(Recorder(plane(6), Limits(time=1e-9), ignore), how)
+    by_clock.took(999)
+    assert not by_clock.has_probed
+    by_clock.took(1)
+    assert by_clock.has_probed
+    by_steps = Budget(Recorder(plane(6), Limits(time=3600.0, iterations=1000), ignore), how)
+    assert not by_steps.has_probed
+    by_steps.took(10)
+    assert by_steps.has_probed

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from formulations.routing.search.candidate_legs import CandidateLegs, candidate_legs
 from formulations.routing.search.costs import AlikeCosts, Costs, leg
 from formulations.routing.search.energy import TINY
 from formulations.routing.search.giant_tour import (
@@ -36,7 +37,7 @@ from formulations.routing.search.giant_tour import (
 from formulations.routing.search.problem_data import Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours
-from instances.arrays import Bools, Floats, Ints
+from instances.arrays import Bools, Ints
 from instances.kernels import njit
 
 
@@ -45,7 +46,7 @@ class ChainParameters(NamedTuple):
 
     fewest: mean number of tasks of a tour, at least: shorter ones are the population's.
     begin: share of the limit after which it takes over from the founder, which it nearly forgets.
-    near, second: nodes that the first and the second new leg of a move may lead to.
+    nearest, layers, most: of candidate legs; the first new leg of a move may be any, the second the `second` shortest.
     span: tasks of a segment of a kick, at most: short ones leave little to repair.
     first, last: temperatures in mean legs; they fall geometrically. Which tour goes where is settled while it is hot:
     pcb1173_3, 8 s, gaps of single runs: 0.10, 0.58, 1.07 % from 2.5 on; 1.3, 1.8 % from 0.8 on.
@@ -56,24 +57,16 @@ class ChainParameters(NamedTuple):
 
     fewest: int = 150
     begin: float = 0.05
-    near: int = 8
-    second: int = 6
+    nearest: int = 5
+    layers: int = 2
+    most: int = 12
+    second: int = 8
     span: int = 5
     first: float = 2.5
     last: float = 0.03
     scale: float = 4.0
     gain: float = 1e-7
     log: int = 4000
-
-
-class Neighbours(NamedTuple):
-    """nodes, cost (N, q): the nearest nodes of each node and costs of legs there [s]; −1 and ∞ where there are fewer.
-
-    The depots, all at one place, count as one.
-    """
-
-    nodes: Nodes
-    cost: Floats
 
 
 class Chain(NamedTuple):
@@ -84,7 +77,7 @@ class Chain(NamedTuple):
     """
 
     costs: AlikeCosts
-    near: Neighbours
+    near: CandidateLegs
     tour: GiantTour
     move: Ints
     log: Ints
@@ -100,31 +93,6 @@ class Ends(NamedTuple):
     s1: int
     e2: int
     s3: int
-
-
-def neighbours(data: ProblemData, wanted: int) -> Neighbours:
-    """Return the `wanted` nearest nodes of every node, those of `data` and the depots."""
-    n, m = data.size
-    wanted = min(wanted, data.near.tasks.shape[1])
-    nodes, cost = np.full((n + m, wanted + m), -1, np.int32), np.full((n + m, wanted + m), np.inf)
-    out = _matrix(data.costs)
-    tasks = data.near.tasks[:, :wanted]
-    to_tasks = np.take_along_axis(out[:n, :n], tasks.astype(np.int64), axis=1)
-    to_depot = out[:n, n]
-    nodes[:n, :wanted], cost[:n, :wanted] = tasks, to_tasks
-    for v in np.flatnonzero(to_depot < to_tasks[:, -1]):
-        at = int(np.searchsorted(to_tasks[v], to_depot[v]))
-        nodes[v] = [*tasks[v, :at], *range(n, n + m), *tasks[v, at:]]
-        cost[v] = out[v, nodes[v]]
-    from_depot = np.argsort(to_depot, kind="stable")[:wanted]
-    nodes[n:, :wanted], cost[n:, :wanted] = from_depot, to_depot[from_depot]
-    return Neighbours(nodes, cost)
-
-
-def _matrix(costs: Costs) -> Floats:
-    """Return the cost matrix of UAVs that are alike."""
-    assert isinstance(costs, AlikeCosts)
-    return costs.out
 
 
 @njit(cache=True, nogil=True)
@@ -228,7 +196,7 @@ def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, 
         i = position[t1]
         e1 = i - s1 if i >= s1 else last
         t2 = order[e1 + 1 - s1]
-        for j in range(parameters.near):
+        for j in range(near.shape[1]):
             t3 = near[t2, j]
             first = sums[e1 + 1] - sums[e1] - near_cost[t2, j]
             if t3 < 0 or first <= 0.0:
@@ -333,10 +301,10 @@ class ChainedSearch:
         tour, nodes = giant_tour(costs, tours), tours.after.size
         room = np.zeros(nodes, np.int32), np.zeros(nodes, np.bool_), np.zeros(2, np.int64)
         log = np.zeros((parameters.log, 4), np.int64)
-        near = neighbours(data, parameters.near)
+        legs = parameters.nearest, parameters.layers, parameters.most
+        near = candidate_legs(costs.out, data.size[0], *legs)
         self._chain = Chain(costs, near, tour, np.zeros(4, np.int64), log, *room)
-        width = near.nodes.shape[1]
-        self._parameters = parameters._replace(near=min(parameters.near, width), second=min(parameters.second, width))
+        self._parameters = parameters._replace(second=min(parameters.second, near.nodes.shape[1]))
         self._rng = rng
         self._best = tour.order.copy()
         self._leg = float(tours.cost.sum()) / nodes

@@ -5,7 +5,7 @@ alone (decomposition.py), perturb a member (perturbation.py), cross two (crossov
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
-Where few UAVs fly long tours there is one founder, and a chained local search goes on from it (chained_search.py).
+Where few UAVs fly long tours there is one founder, and then a chained local search (chained_search.py).
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from formulations.routing.search.annealing import anneal
-from formulations.routing.search.chained_search import ChainedSearch, suits
+from formulations.routing.search.chained_search import ChainedSearch, nearest_in_turn, suits
+from formulations.routing.search.costs import AlikeCosts
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around_longest, merge, subproblem
 from formulations.routing.search.endurance import Endurance
@@ -81,7 +82,7 @@ class Population(Lineage):
     def advance(self, now: float, steps: int) -> None:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`, or kick so often."""
         if self._chained is not None:
-            if self._chained.advance(self._done(now), steps):
+            if self._chained.advance(self._done(now), steps) and self._chained.longest < self.incumbent:
                 self.best, self.improved = self._chained.best(), True
             return
         tours, part = self._newcomer.tours, self._newcomer.subproblem
@@ -113,7 +114,9 @@ class Population(Lineage):
     def begin(self, now: float, others: int = 0) -> None:
         """Begin the next stage; `others` are under way in other threads."""
         if self._long:
-            self._chained = ChainedSearch(self.data, self.best, self.parameters.chain, self.rng)
+            assert isinstance(self.data.costs, AlikeCosts)
+            begin = nearest_in_turn(self.data.costs, self.data.size[0])
+            self._chained = ChainedSearch(self.data, begin, self.parameters.chain, self.rng)
             self._begin, self.end = now, 1.0
             return
         staleness, schedule = self._staleness, self.parameters.schedule

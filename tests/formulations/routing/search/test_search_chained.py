@@ -1,5 +1,6 @@
 """The chained search across tours: moves against naive twins, and the result against the optimum."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -130,6 +131,20 @@ def test_a_search_never_gets_worse_and_keeps_all_tasks():
         assert better == (search.longest < lengths[-1])
         lengths.append(search.longest)
     assert lengths[-1] < 0.6 * lengths[0]
+
+
+def test_the_first_tours_fly_on_to_the_nearest_task_and_are_about_as_long():
+    instance, _ = one_site(7, 90, 3)
+    tours = chained.nearest_in_turn(search_costs(instance), 90)
+    routes = to_routes(tours)
+    assert check_routes(instance, routes) == []
+    assert makespan(instance, routes) == pytest.approx(tours.cost.max())
+    for route in routes:
+        later = [v for other in routes[routes.index(route) + 1 :] for v in other]
+        for i, (u, v) in enumerate(itertools.pairwise(route)):
+            assert instance.cost[u, v] == min(instance.cost[u, w] for w in [*route[i + 1 :], *later])
+    inside = [sum(instance.cost[u, v] for u, v in itertools.pairwise(route)) for route in routes]
+    assert max(inside) - min(inside) <= 2.0 * instance.cost.max()
 
 
 def test_the_optimum_of_small_instances():

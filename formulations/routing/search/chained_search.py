@@ -295,7 +295,7 @@ def chain_kicks(
 def nearest_in_turn(costs: AlikeCosts, n_tasks: int) -> Tours:
     """Return one tour that flies on to the nearest task again and again, cut into parts that cost about the same.
 
-    It leaves a cluster when that is done; an annealed founder crosses between them, which kicks do not repair:
+    It leaves a cluster when that is done. From an annealed founder kicks end far worse where tasks lie in clusters:
     fl3795_3, 60 s, one run: 0.21 % above the best known from here, 3.89 % from the founder.
     """
     n, m = n_tasks, len(costs.out) - n_tasks

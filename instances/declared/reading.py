@@ -18,6 +18,7 @@ from typing import Any, NamedTuple, TypeVar
 import msgspec
 from msgspec import inspect
 
+from instances.declared.prepared import prepared
 from instances.declared.words import alternatives, names_of, peeled, words_of
 from instances.errors import InputError, shown, suggestion
 
@@ -49,7 +50,7 @@ def read_declared(kind: type[T], value: Any, *, at: Sequence[Token] = (), toml: 
     at : where in the file `value` stands. toml : whether keys are named as TOML writes them.
     """
     try:
-        return msgspec.convert(value, kind)
+        return msgspec.convert(value, prepared(kind))
     except msgspec.ValidationError as error:
         raise InputError(_sentence(kind, value, error, at, toml)) from None
 

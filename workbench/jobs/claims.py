@@ -24,6 +24,7 @@ from types import TracebackType
 import msgspec
 import psutil
 
+from instances.declared.prepared import prepared
 from instances.errors import InputError
 
 BEAT = 20.0
@@ -215,7 +216,7 @@ def _read(claim: Path) -> tuple[bytes, int] | None:
 def _holder(content: bytes) -> Holder | None:
     """Return who made a claim; None where it is not (yet) whole."""
     try:
-        return msgspec.json.decode(content, type=Holder)
+        return msgspec.json.decode(content, type=prepared(Holder))
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
         return None
 

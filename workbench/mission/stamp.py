@@ -15,6 +15,7 @@ from typing import Any
 
 import msgspec
 
+from instances.declared.prepared import prepared
 from instances.disk import read_bytes, read_json, write_aside
 from instances.errors import InputError
 from instances.formats.layers import BESIDE, LAYER
@@ -56,7 +57,7 @@ class Stamp:
 def read_stamp(folder: Path) -> Stamp | None:
     """Return the stamp in `folder`, or None where there is none that can be read."""
     try:
-        return msgspec.convert(read_json(folder / FILE), Stamp)
+        return msgspec.convert(read_json(folder / FILE), prepared(Stamp))
     except (InputError, msgspec.ValidationError):
         return None
 

@@ -15,6 +15,7 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta, Raw, Struct
 
+from instances.declared.prepared import prepared
 from instances.errors import one_line
 
 LONGEST_TEXT = 2000
@@ -100,7 +101,7 @@ FOLLOWS: dict[type[Any] | None, tuple[type[Any], ...]] = {
     Event: (Event, Result, Failed),
 }
 """What may come after a message of a kind; nothing is heard after the others."""
-_decoder = msgspec.json.Decoder(Message)
+_decoder = msgspec.json.Decoder(prepared(Message))
 
 
 def read_message(line: bytes) -> Message:
@@ -118,7 +119,7 @@ def read_message(line: bytes) -> Message:
 def read_product(raw: Raw, kind: Any) -> Any:
     """Return the product in `raw` as type `kind`, or None; UnreadableError where it is neither."""
     try:
-        return msgspec.json.decode(raw, type=kind | None)
+        return msgspec.json.decode(raw, type=prepared(kind | None))
     except (ValueError, RecursionError, OverflowError) as error:
         raise UnreadableError(one_line(str(error), 200)) from None
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.tours import Tours, to_routes
+
+_LOOKS = 4
+"""Times that each of several threads looks at the clock before they meet, at least."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +35,19 @@ class BudgetParameters:
     telling: float = 0.02
     probe: float = 0.01
     probed: int = 4000
+
+
+class Window(NamedTuple):
+    """What a thread may do before threads meet: `steps`, a `level` at a time, none after `until` [s] on the clock."""
+
+    steps: int
+    level: int
+    until: float
+
+    @property
+    def over(self) -> bool:
+        """Whether it is time to meet."""
+        return time.perf_counter() >= self.until
 
 
 class Budget:
@@ -81,9 +99,19 @@ class Budget:
             return max(1, min(self._parameters.steps, most, limit - self.iterations))
         return max(1, min(most, int(self._rate * min(self._parameters.seconds, self._recorder.remaining))))
 
-    def took(self, steps: int) -> None:
-        """Say that `steps` steps were taken since `next_steps`."""
-        self.iterations += steps
+    def next_window(self, most: int, level: int) -> Window:
+        """Return what each thread may do now, about `most` steps, `level` of them at one temperature.
+
+        Threads are unequally fast: by the clock they meet in time, each after as many steps as it could take.
+        """
+        steps, limits = self.next_steps(most), self._recorder.limits
+        if limits.iterations is not None or limits.threads == 1:
+            return Window(steps, level, math.inf)
+        return Window(2 * steps, min(level, max(1, steps // _LOOKS)), self._began + steps / self._rate)
+
+    def took(self, steps: float) -> None:
+        """Say that `steps` steps were taken since `next_steps`, on average over threads."""
+        self.iterations += round(steps)
         spent = max(1e-6, time.perf_counter() - self._began)
         self._rate = 0.5 * self._rate + 0.5 * steps / spent
 

@@ -15,7 +15,8 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import repeat
-from typing import ClassVar
+from statistics import fmean
+from typing import Any, ClassVar
 
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
@@ -139,7 +140,7 @@ class Memetic(RecordedSolver):
         levels = self.parameters.budget.levels if threads > 1 else 1
         planned = False
         with ThreadPoolExecutor(threads) as pool:
-            run: Callable[..., Iterator[object]] = pool.map if threads > 1 else map
+            run: Callable[..., Iterator[Any]] = pool.map if threads > 1 else map
             while True:
                 if any(population.improved for population in populations) and (teller.has_time or budget.stopped_by):
                     for population in populations:
@@ -154,10 +155,10 @@ class Memetic(RecordedSolver):
                         population.plan(step)
                 next_stages(populations, now, run)
                 left = math.ceil((min(population.end for population in populations) - now) / step)
-                steps = budget.next_steps(min(levels * level, max(left, level)))
-                list(run(Population.run, populations, *(repeat(value) for value in (now, steps, level, step))))
+                window = budget.next_window(min(levels * level, max(left, level)), level)
+                taken = list(run(Population.run, populations, repeat(now), repeat(window), repeat(step)))
                 share_best(populations)
-                budget.took(steps)
+                budget.took(fmean(taken))
         return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=populations[0].family.stages)
 
     def _planned_at_take_off(self, recorder: Recorder, seed: int) -> Result:

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from formulations.routing.search.annealing import anneal
+from formulations.routing.search.budget import Window
 from formulations.routing.search.chained_search import ChainedSearch, nearest_in_turn, suits
 from formulations.routing.search.costs import AlikeCosts
 from formulations.routing.search.crossover import crossover
@@ -74,10 +75,14 @@ class Population(Lineage):
         if self._long:
             self.end = self._begin + self.parameters.chain.begin
 
-    def run(self, now: float, steps: int, level: int, step: float) -> None:
-        """Advance by `steps` steps, at most `level` at one temperature; a step is so much of the limit."""
-        for done in range(0, steps, level):
-            self.advance(now + done * step, min(level, steps - done))
+    def run(self, now: float, window: Window, step: float) -> int:
+        """Advance while the window lasts; return the steps taken, each so much of the limit."""
+        done = 0
+        while done == 0 or (done < window.steps and not window.over):
+            steps = min(window.level, window.steps - done)
+            self.advance(now + done * step, steps)
+            done += steps
+        return done
 
     def advance(self, now: float, steps: int) -> None:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`, or kick so often."""

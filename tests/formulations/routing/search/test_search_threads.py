@@ -1,5 +1,8 @@
 """Several threads: populations of one family."""
 
+import math
+import time
+
 import numpy as np
 import pytest
 
@@ -7,7 +10,7 @@ from formulations.limits import Limits
 from formulations.routing.recorder import Recorder
 from formulations.routing.registry import make_solver
 from formulations.routing.search import tours as rings
-from formulations.routing.search.budget import Budget, BudgetParameters
+from formulations.routing.search.budget import Budget, BudgetParameters, Window
 from formulations.routing.search.costs import search_costs
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.lineage import Family
@@ -99,3 +102,26 @@ def test_by_the_clock_no_population_is_planned_before_threads_have_shown_their_s
     assert not by_steps.has_probed
     by_steps.took(10)
     assert by_steps.has_probed
+
+
+def test_threads_take_equal_steps_where_these_are_counted_and_equal_time_by_the_clock():
+    by_steps = Budget(Recorder(plane(6), Limits(time=3600.0, iterations=900, threads=2), ignore), BudgetParameters())
+    window = by_steps.next_window(4000, 250)
+    assert (window.steps, window.level, window.over) == (900, 250, False)
+    alone = Budget(Recorder(plane(6), Limits(time=3600.0), ignore), BudgetParameters())
+    assert alone.next_window(250, 250).until == math.inf
+    by_clock = Budget(Recorder(plane(6), Limits(time=3600.0, threads=2), ignore), BudgetParameters())
+    by_clock.took(10**6)
+    began = time.perf_counter()
+    window = by_clock.next_window(4000, 250)
+    assert began < window.until <= began + 0.1
+    assert window.level == 250 < window.steps
+
+
+def test_a_thread_stops_when_its_window_is_over_but_takes_a_level_of_steps():
+    population = family_of_two(plane(7))[0]
+    assert population.run(0.0, Window(25, 10, math.inf), 1e-6) == 25
+    assert population.run(0.0, Window(10**9, 10, 0.0), 1e-12) == 10
+    taken = population.run(0.0, Window(10**9, 10, time.perf_counter() + 0.05), 1e-12)
+    assert 10 < taken < 10**9
+    assert taken % 10 == 0

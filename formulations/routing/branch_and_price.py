@@ -10,8 +10,9 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 
 1. Incumbent: the memetic search, for a while, and again while a gap is left.                  `columns/searching.py`
 2. A tree, branching on who takes which task.                                    `columns/tree.py`, `branching.py`
-3. At a node the relaxation by column generation; legs fixed away by reduced cost; a UAV's tours listed when they fit;
-   subset-row cuts.        `columns/tightening.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
+3. At a node the relaxation by column generation, at the root begun with walks; legs fixed away by reduced cost; a
+   UAV's tours listed when they fit; subset-row cuts.
+        `columns/tightening.py`, `walks.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
 4. Where the gap stays wide: trees under lower caps. One that ends without routes makes its cap a bound (Klein &
    Scholl, Eur. J. Oper. Res. 112, 1999: destructive improvement).
 
@@ -49,6 +50,7 @@ from formulations.routing.columns.proof_log import ProofLog
 from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.state_labelling import StateLabels
 from formulations.routing.columns.tree import StoppedBy, Tree
+from formulations.routing.columns.walks import relax_by_walks
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.states.searching import warm_up
@@ -65,6 +67,7 @@ MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
 _MOST_LEGS_BY_CLOCK = 50_000
 """The same where costs change with time: their legs are kept for every bin, which fills about 1 GB."""
+_LONG = 15  # tasks a UAV from which relaxations begin with walks: labels lose their way at the first duals
 _PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end
 _WIDE = 0.02  # gap left after a third of the time above which trials of caps get the next third
 
@@ -125,6 +128,7 @@ class BranchAndPrice(RecordedSolver):
         pricer = Pricer(Legs.of(circle).under(cap), cap, Effort(2, 10, 5, 2), make_store(6, 10_000))
         at = DualBound(0.0, duals, np.array([pricer.price(0, duals, 0.0).least]))
         fix_legs(pricer, [0], at)
+        relax_by_walks(pricer, np.zeros(1, np.int64), [])
         pool, _ = list_tours(Pool.empty(1, 6), pricer, at, 10_000, 10_000)
         pool.needed(at, cap)
 
@@ -175,6 +179,8 @@ class BranchAndPrice(RecordedSolver):
         store, legs = labels_for(instance, self.labels), Legs.of(stateless(instance))
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
         work = Workspace(over, store, self.tours, *efforts(instance.n_tasks, self.bins), far, log=log or ProofLog())
+        if instance.n_tasks >= _LONG * instance.n_depots and not instance.axes & {"time", "states"}:
+            work.walks = work.plain.pricing[0]
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         most = worst_makespan(instance) if instance.restricted else np.inf

@@ -52,7 +52,7 @@ def destructive_bounds(
     cap = upper if from_top else (lower + upper) / 2
     while high - lower > _PRECISION * upper and not out_of_time():
         box = np.full(n, 3 * cap / n)
-        master = Master(n, m, box if start is None else np.maximum(box, 2 * np.abs(start.price)))
+        master = Master(n, legs.kinds(), box if start is None else np.maximum(box, 2 * np.abs(start.price)))
         master.add([column for column in columns if column.cost <= cap])
         allowed = legs.under(cap)
         pricers = [Pricer(allowed, cap, effort, store, out_of_time) for effort in _efforts(allowed)]

@@ -77,21 +77,21 @@ def generate(
     while True:
         rounds += 1
         duals = best.duals.towards(at_master, trust)
-        priced = _price_all(ladder.pricer, duals, cap, out_of_time)
+        priced = _price_all(ladder.pricer, master, duals, cap, out_of_time)
         if priced is None:
             return Relaxation(Ended.INTERRUPTED, best, weight, rounds)
-        least = np.array([min(0.0, p.least) for p in priced])
-        found = DualBound(duals.offset + float(least.sum()) - duals.margin(cap, len(priced)), duals, least)
+        least = np.array([min(0.0, priced[k].least) for k in master.first])
+        found = DualBound(duals.offset + float(least.sum()) - duals.margin(cap, master.m), duals, least)
         rise = found.value - best.value
         if rise > 0:
             best = found
         if best.value > cap:
             return Relaxation(Ended.PRUNED, best, weight, rounds)
-        complete = all(p.complete for p in priced)
+        complete = all(p.complete for p in priced.values())
         if centre is not None and ladder.at_top and not complete and rise < _CLOSE * (cap - best.value):
             return Relaxation(Ended.STUCK, best, weight, rounds)
         dull, widened = ladder.dull(complete, value - best.value), False
-        if master.add([c for p in priced for c in p.columns]):
+        if master.add([c for p in priced.values() for c in p.columns]):
             value, at_master, weight = _settled(master, reserve, cap, out_of_time)
             close = value - best.value <= _CLOSE * (cap - best.value)
             if close and not master.penalised:
@@ -144,18 +144,20 @@ def _settled(master: Master, reserve: Prices | None, cap: float, out_of_time: Cl
     """Solve the master over its columns and all of the reserve."""
     optimum = master.solve()
     while reserve is not None and not out_of_time():
-        priced = _price_all(reserve, optimum.duals, cap, out_of_time)
-        if priced is None or not master.add([c for p in priced for c in p.columns]):
+        priced = _price_all(reserve, master, optimum.duals, cap, out_of_time)
+        if priced is None or not master.add([c for p in priced.values() for c in p.columns]):
             break
         optimum = master.solve()
     return optimum
 
 
-def _price_all(pricer: Prices, duals: Duals, cap: float, out_of_time: Clock) -> list[Priced] | None:
-    """Price every UAV; None where time is up before that."""
-    priced = []
-    for k in range(pricer.n_uavs):
+def _price_all(
+    pricer: Prices, master: Master, duals: Duals, cap: float, out_of_time: Clock
+) -> dict[int, Priced] | None:
+    """Price the first UAV of every kind; None where time is up before that."""
+    priced = {}
+    for k in master.uavs.tolist():
         if out_of_time():
             return None
-        priced.append(pricer.price(k, duals, -duals.rent[k] - _EXACT * cap))
+        priced[k] = pricer.price(k, duals, -duals.rent[k] - _EXACT * cap)
     return priced

@@ -1,10 +1,14 @@
 """The restricted master: the linear programme over the tours known so far, re-solved warm by HiGHS.
 
-    min z + Σ_i w_i (s_i + t_i)
-    Σ_k Σ_p a_ip λ_p + s_i − t_i = 1        task i        dual π_i, held within ±w_i
-    Σ_p c_p λ_p − z ≤ 0                     UAV k         dual −σ_k
-    Σ_p λ_p ≤ 1                             UAV k         dual −μ_k
-    Σ_k Σ_p ⌊|S ∩ p|/2⌋ λ_p ≤ 1             cut S         dual −ρ_S
+    min z + Σ_i (π̂_i + w_i) s_i + (w_i − π̂_i) t_i
+    Σ_K Σ_p a_ip λ_p + s_i − t_i = 1        task i        dual π_i, held in π̂_i ± w_i
+    Σ_p c_p λ_p − |K| z ≤ 0                 kind K        dual −σ_k
+    Σ_p λ_p ≤ |K|                           kind K        dual −μ_k
+    Σ_K Σ_p ⌊|S ∩ p|/2⌋ λ_p ≤ 1             cut S         dual −ρ_S
+
+K are the UAVs that nothing tells apart (one each where all differ): they have the same tours, and the mean over all
+ways to rename them turns any λ into one that is the same for each, so that one row and one column serve them all, and
+σ_k, μ_k are the same for each.
 
 (paper, eqs. c_max, const1, const3 and const5 with whole tours as variables). s and t keep it feasible, and the duals of
 a poor set of columns in a box, which `widen` opens where it binds (du Merle et al. 1999). Its value is no bound: bounds
@@ -13,7 +17,9 @@ come from `pricing`, at the duals found here.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import highspy
@@ -22,9 +28,12 @@ from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import Cut
 from formulations.routing.columns.pricing import Column, Duals
-from instances.arrays import Bools, Floats
+from instances.arrays import Bools, Floats, Ints
 
 _SIMPLEX = 0  # primal where the basis is primal feasible, as it is after new columns: thrice as fast as always dual
+WIDE = 20.0
+"""Fair shares of the cap, half width of a box for duals of which nothing is known: tasks of a UAV that sets the
+relaxation alone cost nearly all of the cap."""
 _SHY = 1 - 1e-14  # keeps Σσ ≤ 1 in exact arithmetic
 
 
@@ -39,42 +48,52 @@ class Optimum(NamedTuple):
 class Master:
     """A growing linear programme over columns and cuts.
 
-    penalty : half width of the box the duals of the tasks begin in [s], one for all or (n,).
+    half : half width of the box the duals of the tasks begin in [s], one for all or (n,); centre : its middle.
+    kinds : UAVs of one number are alike, (m,); a column of one of them is kept as one of the `first` of them.
+    uavs : the first of every kind; first (m,) : the first that is like each UAV.
     """
 
-    def __init__(self, n_tasks: int, n_uavs: int, penalty: float | Floats, cuts: Sequence[Cut] = ()) -> None:
-        self.n, self.m = n_tasks, n_uavs
+    def __init__(
+        self, n_tasks: int, kinds: Ints, half: float | Floats, cuts: Sequence[Cut] = (), centre: float | Floats = 0.0
+    ) -> None:
+        self.n, self.m = n_tasks, kinds.size
+        _, self.uavs, self._kind = np.unique(kinds, return_index=True, return_inverse=True)
+        self.first, alike = self.uavs[self._kind], np.bincount(self._kind).astype(float)
         self.columns: list[Column] = []
         self.cuts: list[Cut] = []
-        self.penalty = np.tile(np.broadcast_to(penalty, n_tasks), 2)
-        self._known: dict[tuple[int, frozenset[int]], int] = {}
+        self.half = np.tile(np.broadcast_to(half, n_tasks), 2)
+        self.centre = np.outer((1.0, -1.0), np.broadcast_to(centre, n_tasks)).ravel()
+        self._known: dict[tuple[int, tuple[int, ...]], int] = {}
         self._first = 1 + 2 * n_tasks
+        n_kinds = self.uavs.size
+        self._cuts_from = n_tasks + 2 * n_kinds
         self._lp = lp = highspy.Highs()
         settings = (("output_flag", False), ("threads", 1), ("random_seed", 0), ("simplex_strategy", _SIMPLEX))
         for option, value in settings:
             lp.setOptionValue(option, value)
         empty = np.array([], dtype=np.int32), np.array([])
-        for row in range(n_tasks + 2 * n_uavs):
-            lower = 1.0 if row < n_tasks else -highspy.kHighsInf
-            upper = 0.0 if n_tasks <= row < n_tasks + n_uavs else 1.0
+        for upper in [1.0] * n_tasks + [0.0] * n_kinds + alike.tolist():
+            lower = 1.0 if lp.getNumRow() < n_tasks else -highspy.kHighsInf
             lp.addRow(lower, upper, 0, *empty)
-        costs = np.arange(n_tasks, n_tasks + n_uavs, dtype=np.int32)
-        lp.addCol(1.0, 0.0, highspy.kHighsInf, n_uavs, costs, np.full(n_uavs, -1.0))
+        costs = np.arange(n_tasks, n_tasks + n_kinds, dtype=np.int32)
+        lp.addCol(1.0, 0.0, highspy.kHighsInf, n_kinds, costs, -alike)
         for i in range(2 * n_tasks):
             sign = np.array([1.0 if i < n_tasks else -1.0])
-            lp.addCol(float(self.penalty[i]), 0.0, highspy.kHighsInf, 1, np.array([i % n_tasks], dtype=np.int32), sign)
+            price = float(self.centre[i] + self.half[i])
+            lp.addCol(price, 0.0, highspy.kHighsInf, 1, np.array([i % n_tasks], dtype=np.int32), sign)
         self.cut_off(cuts)
 
     def add(self, columns: Sequence[Column]) -> int:
         """Add those columns that are new, or cheaper than the known one over the same tasks; return how many."""
         new = []
         for column in columns:
-            key = (column.uav, frozenset(column.tasks))
+            first = int(self.first[column.uav])
+            key = (first, tuple(sorted(column.tasks)))
             known = self._known.get(key)
             if known is None or column.cost < self.columns[known].cost:
                 self._known[key] = len(self.columns)
-                self.columns.append(column)
-                new.append(column)
+                new.append(column if column.uav == first else replace(column, uav=first))
+                self.columns.append(new[-1])
         if new:
             rows, values = zip(*(self._entries(c) for c in new), strict=True)
             start = np.cumsum([0] + [part.size for part in rows[:-1]], dtype=np.int32)
@@ -86,12 +105,12 @@ class Master:
         return len(new)
 
     def _entries(self, column: Column) -> tuple[NDArray[np.int32], Floats]:
-        rows = [*sorted(column.tasks), self.n + column.uav, self.n + self.m + column.uav]
-        values = [1.0] * len(column.tasks) + [column.cost, 1.0]
-        held = set(column.tasks)
+        times, kind = Counter(column.tasks), int(self._kind[column.uav])
+        rows = [*sorted(times), self.n + kind, self.n + self.uavs.size + kind]
+        values = [float(times[i]) for i in sorted(times)] + [column.cost, 1.0]
         for q, cut in enumerate(self.cuts):
-            if len(held.intersection(cut)) >= 2:
-                rows.append(self.n + 2 * self.m + q)
+            if len(times.keys() & cut) >= 2:
+                rows.append(self._cuts_from + q)
                 values.append(1.0)
         return np.array(rows, dtype=np.int32), np.array(values)
 
@@ -107,8 +126,9 @@ class Master:
         """Solve the linear programme over the columns known."""
         self._lp.run()
         solution = self._lp.getSolution()
-        price, sigma, rent, rho = np.split(np.asarray(solution.row_dual), np.cumsum([self.n, self.m, self.m]))
-        sigma, rent, rho = np.maximum(0.0, -sigma), np.maximum(0.0, -rent), np.maximum(0.0, -rho)
+        parts = np.cumsum([self.n, self.uavs.size, self.uavs.size])
+        price, sigma, rent, rho = np.split(np.asarray(solution.row_dual), parts)
+        sigma, rent, rho = (np.maximum(0.0, -part) for part in (sigma[self._kind], rent[self._kind], rho))
         total = float(sigma.sum())
         sigma = sigma / total * _SHY if total > 0 else np.full(self.m, _SHY / self.m)
         duals = Duals(price.copy(), sigma, rent, rho, tuple(self.cuts))
@@ -135,10 +155,13 @@ class Master:
     def whole(self, time: float, nodes: int = 100) -> list[Column]:
         """Return the best whole tours among the columns known, by a short branch and bound in HiGHS; none if not found.
 
-        Only a heuristic: the caller checks what the tours visit. The linear programme is left as it was.
+        Only a heuristic: the caller checks what the tours visit. Meanwhile no task is cheaply left out, as a box of the
+        duals would have it. The linear programme is left as it was.
         """
         lp, index = self._lp, np.arange(self._first, self._first + len(self.columns), dtype=np.int32)
         integer, continuous = (np.full(index.size, kind) for kind in (1, 0))
+        slack, dear = np.arange(1, self._first, dtype=np.int32), 2 * sum(column.cost for column in self.columns)
+        lp.changeColsCost(slack.size, slack, np.full(slack.size, dear))
         lp.changeColsIntegrality(index.size, index, integer.astype(np.uint8))
         lp.setOptionValue("time_limit", time)
         lp.setOptionValue("mip_max_nodes", nodes)
@@ -147,6 +170,7 @@ class Master:
         weight = np.asarray(lp.getSolution().col_value)[self._first :].copy() if found else np.zeros(0)
         lp.changeColsIntegrality(index.size, index, continuous.astype(np.uint8))
         lp.setOptionValue("time_limit", highspy.kHighsInf)
+        lp.changeColsCost(slack.size, slack, self.centre + self.half)
         return [self.columns[int(p)] for p in np.flatnonzero(weight > 0.5)]
 
     @property
@@ -155,10 +179,10 @@ class Master:
         return bool((np.asarray(self._lp.getSolution().col_value)[1 : self._first] > 1e-9).any())
 
     def widen(self, largest: float) -> bool:
-        """Open the box of the duals where it binds, up to ±`largest`; return whether it did anywhere."""
+        """Open the box of the duals where it binds, up to `largest` either way; return whether it did anywhere."""
         slack = np.asarray(self._lp.getSolution().col_value)[1 : self._first]
-        held = np.flatnonzero((slack > 1e-9) & (self.penalty < largest))
-        self.penalty[held] = np.minimum(2 * self.penalty[held], largest)
+        held = np.flatnonzero((slack > 1e-9) & (self.half < largest))
+        self.half[held] = np.minimum(2 * self.half[held], largest)
         for i in held:
-            self._lp.changeColCost(1 + int(i), float(self.penalty[i]))
+            self._lp.changeColCost(1 + int(i), float(self.centre[i] + self.half[i]))
         return held.size > 0

@@ -14,13 +14,13 @@ import numpy as np
 from formulations.routing.columns.cuts import Cut
 from formulations.routing.columns.label_search import Labels
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.master import Master
+from formulations.routing.columns.master import WIDE, Master
 from formulations.routing.columns.pool import Pool
-from formulations.routing.columns.pricing import Column, DualBound, Effort, Efforts, Pricer
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer
 from formulations.routing.columns.proof_log import ProofLog
 from instances.arrays import Bools, Floats, Ints
 
-_BOX = 20  # shares of the cap: tasks of a UAV that sets the relaxation alone cost nearly all of it
+_NARROW = 0.2  # fair shares of the cap: half width of the box that duals begin in where something is known of them
 _FIRST_ROOM = 4_000_000  # labels of the first attempt to list the tours
 
 
@@ -30,6 +30,7 @@ class Workspace:
 
     plain, cutting : how hard to work at a node without cuts, and at one with cuts.
     far : the cheapest way to each task and back [s].
+    walks : how hard to price walks, where relaxations begin with them (`walks.py`), else None.
     better : asked after every relaxation: searches on for better routes, and says whether there are any. It is told
         the tour, if there is one, that alone makes the relaxation as long as it is: routes with it may be optimal.
     """
@@ -42,6 +43,7 @@ class Workspace:
     far: Floats
     better: Callable[[Column | None], bool] = lambda _: False
     counts: Counter[str] = field(default_factory=Counter)
+    walks: Effort | None = None
     log: ProofLog = field(default_factory=ProofLog)
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
@@ -97,9 +99,22 @@ class Node:
 
     def giving(self, task: int, k: int, number: int) -> Node:
         """Return the node with `task` given to UAV k, which is then like no other."""
-        child = self.child(task, [other for other in range(self.legs.n_uavs) if other != k], number)
+        apart = replace(self, columns=self._for_all_alike(self.columns))
+        child = apart.child(task, [other for other in range(self.legs.n_uavs) if other != k], number)
         child.kinds = np.where(np.arange(self.kinds.size) == k, self.kinds.max() + 1, self.kinds)
         return child
+
+    def _one_apart(self) -> Ints:
+        """Return `kinds` with the first UAV of every kind told apart."""
+        _, first = np.unique(self.kinds, return_index=True)
+        kinds = self.kinds.copy()
+        kinds[first] = self.kinds.max() + 1 + np.arange(first.size)
+        return kinds
+
+    def _for_all_alike(self, columns: list[Column]) -> list[Column]:
+        """Return columns, which are kept for one of the UAVs that are alike, for each of them."""
+        alike = [self.alike(k) for k in range(self.kinds.size)]
+        return [column if k == column.uav else replace(column, uav=k) for column in columns for k in alike[column.uav]]
 
     def child(self, task: int, uavs: list[int], number: int) -> Node:
         """Return the node with `task` forbidden to `uavs`."""
@@ -118,15 +133,19 @@ class Node:
         needed = duals.values(self.columns) <= allowed[uav]
         self.columns = [self.columns[p] for p in np.flatnonzero(needed)]
 
-    def restricted_master(self, cap: float) -> Master:
-        """Return the restricted master of the columns of cost ≤ `cap`.
+    def restricted_master(self, cap: float, *, near: Duals | None = None, apart: bool = False) -> Master:
+        """Return the restricted master of the columns of cost ≤ `cap`; of those alike one is told `apart` if asked.
 
-        Duals begin in a box of twenty fair shares, or twice what they were above.
+        Duals begin in a narrow box around those they are said to be `near`, which keeps them from swinging until there
+        are columns enough; else in one of twenty fair shares, or twice what they were above.
         """
         n = self.legs.n_tasks
-        box = np.full(n, _BOX * cap / n)
-        if self.centre is not None:
-            box = np.maximum(box, 2 * np.abs(self.centre.duals.price))
-        master = Master(n, self.legs.n_uavs, box, self.cuts)
-        master.add([c for c in self.columns if c.cost <= cap])
+        half, middle = np.full(n, WIDE * cap / n), np.zeros(n)
+        if near is not None:
+            half, middle = np.full(n, _NARROW * cap / n), near.price
+        elif self.centre is not None:
+            half = np.maximum(half, 2 * np.abs(self.centre.duals.price))
+        columns = [c for c in self.columns if c.cost <= cap]
+        master = Master(n, self._one_apart() if apart else self.kinds, half, self.cuts, middle)
+        master.add(self._for_all_alike(columns) if apart else columns)
         return master

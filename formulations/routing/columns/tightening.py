@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.routing.columns.branching import choose, shares
+from formulations.routing.columns.branching import choose
 from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.generation import Ended, generate
@@ -19,6 +19,7 @@ from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pool import PoolPricer, list_tours, reserve_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Prices
+from formulations.routing.columns.walks import relax_by_walks
 from instances import Routes
 from instances.arrays import Floats
 
@@ -79,13 +80,15 @@ Outcome = Pruned | Improved | Branch | Stuck | Interrupted | Overtaken
 def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     """Raise the node's bound until it passes `cap` [s], routes are found, or nothing but branching helps."""
     node.legs, node.pool = node.legs.under(cap), node.pool.under(cap)
-    master = node.restricted_master(cap)
-    stalled, dived = 0, node.centre is not None
+    dived, near = node.centre is not None, _begin(node, cap, work)
+    if node.bound > cap:
+        return Pruned()
+    master, stalled = node.restricted_master(cap, near=near), 0
     while True:
         gap = cap - node.bound
         pricers = _pricers(node, master, cap, work)
         reserve = PoolPricer(node.reserve) if node.reserve.size and not node.pool.complete else None
-        relaxation = generate(master, pricers, cap, work.out_of_time, node.centre, reserve)
+        relaxation = generate(master, pricers, cap, work.out_of_time, node.centre, reserve, near)
         best, raised = relaxation.best, relaxation.best.value - node.bound
         stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.raise_bound(best)
@@ -117,10 +120,24 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         work.counts["cuts"] += len(cuts)
 
 
+def _begin(node: Node, cap: float, work: Workspace) -> Duals | None:
+    """Return duals that those of long tours are near: of the relaxation above, else of one over walks; else None."""
+    if work.walks is None:
+        return None
+    if node.centre is not None:
+        return node.centre.duals
+    relaxation, node.columns = relax_by_walks(work.pricer(node.legs, cap, work.walks), node.kinds, node.columns)
+    work.counts["rounds"] += relaxation.rounds
+    node.raise_bound(relaxation.best)
+    return relaxation.best.duals
+
+
 def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
     """Choose the branch, and look for routes among the columns."""
     node.lighten(cap)
-    master = node.restricted_master(cap)
+    master = node.restricted_master(cap, apart=True)
+    if master.m > 1 and len(node.alike(0)) == master.m:  # whoever takes the task farthest out may be called the first
+        return Branch(0, int(np.argmax(work.far)), _dive(master))
     pair = choose(master, node.may_visit(), work.far, cap - node.bound, work.out_of_time)
     routes = _dive(master)
     return Stuck(routes) if pair is None else Branch(*pair, routes)
@@ -165,28 +182,30 @@ def bottleneck_tour(master: Master, duals: Duals, weight: Floats) -> Column | No
 
 def _dive(master: Master) -> Routes | None:
     """Return routes made of the columns known, by a short branch and bound over them, or None."""
-    tours = master.whole(_DIVE)
-    visited = sorted(i for column in tours for i in column.tasks)
-    once_a_uav = len({column.uav for column in tours}) == len(tours)
-    return _routes(tours, master.m) if once_a_uav and visited == list(range(master.n)) else None
+    return _routes(master.whole(_DIVE), master)
 
 
 def _whole_tours(master: Master, weight: Floats) -> Routes | None:
-    """Return a tour for each UAV in use where no task is shared, else None.
+    """Return the tours in use where no task is shared, else None.
 
-    Then the tours in use of one UAV visit the same tasks; only the cheapest of them counts.
+    Then those that share a task visit the same tasks; only the cheapest of them counts.
     """
-    share = shares(master, weight)
-    whole = share.round()
-    if np.abs(share - whole).max() > _USED or not np.array_equal(whole.sum(axis=0), np.ones(master.n)):
-        return None
+    tours: dict[tuple[int, frozenset[int]], Column] = {}
     used = [master.columns[p] for p in np.flatnonzero(weight > _USED)]
-    return _routes(sorted(used, key=lambda column: column.cost), master.m)
+    for column in sorted(used, key=lambda column: column.cost):
+        tours.setdefault((column.uav, frozenset(column.tasks)), column)
+    return _routes(tours.values(), master)
 
 
-def _routes(tours: Iterable[Column], m: int) -> Routes:
-    """Return `tours` as routes, of several of one UAV the first."""
-    routes: dict[int, tuple[int, ...]] = {}
+def _routes(tours: Iterable[Column], master: Master) -> Routes | None:
+    """Return `tours` as routes, those of UAVs that are alike in any order; None where they are none."""
+    tours = list(tours)
+    if sorted(i for column in tours for i in column.tasks) != list(range(master.n)):
+        return None
+    routes: list[tuple[int, ...]] = [()] * master.m
     for column in tours:
-        routes.setdefault(column.uav, column.tasks)
-    return tuple(routes.get(k, ()) for k in range(m))
+        free = [k for k in np.flatnonzero(master.first == column.uav) if not routes[k]]
+        if not free:
+            return None
+        routes[free[0]] = column.tasks
+    return tuple(routes)

@@ -167,7 +167,7 @@ def test_bound_of_the_relaxation_never_passes_the_optimum() -> None:
         assert optimum is not None
         for slack in (1.0, 1.3):
             cap = optimum * slack * (1 + 1e-9)
-            master = Master(8, 2, cap)
+            master = Master(8, np.arange(2), cap)
             pricer = Pricer(Legs.of(instance).under(cap), cap, Effort(4, 100, 10**6), make_store(8, 100_000))
             assert generate(master, [pricer], cap, lambda: False).best.value <= optimum * (1 + 1e-9)
 
@@ -242,7 +242,7 @@ def test_same_seed_same_answer() -> None:
 
 
 def test_a_cheaper_tour_over_known_tasks_replaces_the_known_one() -> None:
-    master = Master(2, 1, 100.0)
+    master = Master(2, np.arange(1), 100.0)
     assert master.add([Column(0, (0, 1), 10.0)]) == 1
     assert master.add([Column(0, (1, 0), 8.0)]) == 1
     assert master.add([Column(0, (0, 1), 9.0)]) == 0
@@ -251,7 +251,7 @@ def test_a_cheaper_tour_over_known_tasks_replaces_the_known_one() -> None:
 
 def shared_tasks() -> tuple[Master, float]:
     """Task 0 (far) costs the same on either UAV; task 1 (near) nearly closes the gap wherever it goes."""
-    master = Master(2, 2, 1000.0)
+    master = Master(2, np.arange(2), 1000.0)
     costs = {(0, 0): 50.0, (1, 0): 50.0, (0, 1): 20.0, (1, 1): 20.0}
     master.add([Column(k, (i,), cost) for (k, i), cost in costs.items()])
     master.add([Column(k, (0, 1), 60.0) for k in range(2)])
@@ -281,7 +281,7 @@ def test_no_branch_on_a_task_that_is_decided(seed: int) -> None:
     rng = np.random.default_rng(seed)
     allowed = rng.random((3, 6)) < 0.6
     allowed[rng.integers(3, size=6), np.arange(6)] = True
-    master = Master(6, 3, 1000.0)
+    master = Master(6, np.arange(3), 1000.0)
     for k in np.repeat(np.arange(3), 8):
         tasks = np.flatnonzero(allowed[k] & (rng.random(6) < 0.6))
         if tasks.size:
@@ -302,9 +302,8 @@ def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() ->
     assert [tree.pop().bound for _ in range(5)] == [0.0, 100.002, 100.0, 100.001, 200.0]
 
 
-def test_a_node_goes_on_with_its_prices_inside_the_box(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A task far dearer than a fair share: with the box of the root, the master of a child would rather pay for it."""
-    monkeypatch.setattr("formulations.routing.columns.node._BOX", 3)
+def test_a_node_goes_on_with_its_prices_inside_the_box() -> None:
+    """A task far dearer than a fair share: in a box around nothing, the master of a child would rather pay for it."""
     cost = np.abs(np.subtract.outer(x := np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 0.0]), x))
     legs = Legs.of(Instance("one far out", cost, 6, 1))
     node = Node.root(legs, 0.0, [Column(0, (5, 0, 4, 3, 2, 1), 200.0)], np.arange(1))
@@ -313,4 +312,4 @@ def test_a_node_goes_on_with_its_prices_inside_the_box(monkeypatch: pytest.Monke
     master = node.restricted_master(201.0)
     assert master.solve()[0] == pytest.approx(200.0)
     assert not master.penalised
-    assert master.penalty.max() == 400.0
+    assert master.half.max() < 200.0

@@ -99,7 +99,7 @@ def test_with_some_uavs_listed_the_bound_is_valid_and_no_weaker(seed):
         return Pricer(few, cap, Effort(3, 50, 10**6), store)
 
     def bound(prices):
-        return generate(Master(7, 3, cap), [prices], cap, lambda: False).best
+        return generate(Master(7, np.arange(3), cap), [prices], cap, lambda: False).best
 
     alone = bound(pricer())
     pool, in_vain = list_tours(Pool.empty(3, 7), pricer(), alone, 15, 10_000)
@@ -152,7 +152,7 @@ def test_a_search_around_a_tour_keeps_it():
 
 
 def test_the_tour_that_sets_the_relaxation_is_the_one_most_used_of_a_uav_that_does_so_alone():
-    master = Master(2, 2, 100.0)
+    master = Master(2, np.arange(2), 100.0)
     master.add([Column(0, (0,), 50.0), Column(0, (0, 1), 60.0), Column(1, (1,), 20.0)])
 
     def found(sigma):

@@ -31,17 +31,18 @@ def fresh(instance):
     return Node.root(Legs.of(instance), 0.0, [], np.arange(instance.n_depots))
 
 
-def workspace(out_of_time=lambda: False, labels=100_000):
-    return Workspace(out_of_time, make_store(N, labels), 10_000, *efforts(N, 50), np.ones(N))
+def workspace(out_of_time=lambda: False, labels=100_000, walks=None):
+    return Workspace(out_of_time, make_store(N, labels), 10_000, *efforts(N, 50), np.ones(N), walks=walks)
 
 
 @pytest.mark.parametrize("seed", [*range(5), 10])
 @pytest.mark.parametrize("share", [0.7, 0.99, 1.01, 1.3])
-def test_an_outcome_says_nothing_false(seed, share):
+@pytest.mark.parametrize("walks", [None, Effort(2, 20, 0)])
+def test_an_outcome_says_nothing_false(seed, share, walks):
     instance = random_instance(seed)
     best, node = optimum(instance), fresh(instance)
     cap = share * best
-    outcome = tighten(node, cap, workspace())
+    outcome = tighten(node, cap, workspace(walks=walks))
     match outcome:
         case Pruned():
             assert node.bound > cap
@@ -85,7 +86,8 @@ def test_column_generation_says_how_it_ended():
     legs, store = Legs.of(instance), make_store(N, 100_000)
 
     def ended(cap, effort, out_of_time=lambda: False):
-        return generate(Master(N, M, cap), [Pricer(legs.under(cap), cap, effort, store)], cap, out_of_time).ended
+        pricer = Pricer(legs.under(cap), cap, effort, store)
+        return generate(Master(N, np.arange(M), cap), [pricer], cap, out_of_time).ended
 
     assert ended(1.2 * best, Effort(4, 100, 10**6)) is Ended.SOLVED
     assert ended(0.7 * best, Effort(4, 100, 10**6)) is Ended.PRUNED

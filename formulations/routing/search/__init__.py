@@ -9,9 +9,9 @@ Words of our own, and options whose names differ from the field's:
 * options of `memetic`: cuts, share of steps that are moves of long segments (moves.py); powers, number of guides;
   focuses, share of stages that are decompositions; reliefs, share of perturbations; kicks, number of double bridges.
 
-From the bottom up: costs, problem_data and tours hold the data, and endurance scales costs to what can be flown; energy
-measures tours; ruin, recreate, moves (by concatenation) and local_search change them; annealing under a schedule is
-`ruin_recreate`; decomposition, perturbation and crossover make a population of a strategy, which is `memetic`;
-parameters has all that was tuned. Where few UAVs fly long tours, chained_search by candidate_legs on a giant_tour
-follows the first annealing.
+From the bottom up: costs, leg_potentials, problem_data and tours hold the data, and endurance scales costs to what can
+be flown; energy measures tours; ruin, recreate, moves (by concatenation) and local_search change them; annealing under
+a schedule is `ruin_recreate`; decomposition, perturbation and crossover make a population of a strategy, which is
+`memetic`; parameters has all that was tuned. Where few UAVs fly long tours, chained_search by candidate_legs on a
+giant_tour follows the first annealing.
 """

@@ -113,7 +113,8 @@ def subproblem(data: ProblemData, tours: Tours, uavs: Nodes, parameters: Neighbo
     """Return the tours of some UAVs as an instance of their own."""
     nodes = _nodes_of(tours, uavs)
     n_tasks = nodes.size - uavs.size
-    own = problem_data(part_of(data.costs, nodes, uavs), n_tasks, parameters)
+    potentials = np.ascontiguousarray(data.potentials[:, nodes])
+    own = problem_data(part_of(data.costs, nodes, uavs), n_tasks, parameters, potentials)
     empty = empty_tours(n_tasks, uavs.size)
     part = Subproblem(own, tours, empty, empty, nodes)
     ends = np.cumsum(tours.size[uavs])

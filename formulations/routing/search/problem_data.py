@@ -2,7 +2,8 @@
 
 The granular neighbourhood (Toth & Vigo 2003) is every task's nearest tasks and nearest depots, all that a move looks
 at. Near means a small min(c_ij, c_ji): under wind the cheap direction is the one a good tour uses. In a fleet it is
-the least of all classes between tasks, and between task and depot the time of the UAV that starts there.
+the least of all classes between tasks, and between task and depot the time of the UAV that starts there. Between tasks
+what counts is what potentials leave of the costs (leg_potentials.py).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.search.costs import AlikeCosts, Costs, kinds, least
+from formulations.routing.search.leg_potentials import PotentialParameters, left_of, leg_potentials
 from formulations.routing.search.place_costs import PlaceCosts, near_places, place_sites
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
@@ -24,11 +26,15 @@ _LARGEST_WHOLE = 2.0**53
 
 
 class ProblemData(NamedTuple):
-    """Costs, granular neighbourhood, and the site of each depot, shape (m,): the first at that place of such a UAV."""
+    """What all searches of one instance share.
+
+    site (m,): of each depot the first at that place of such a UAV; potentials (2, n+m) [s]: of leg_potentials.py.
+    """
 
     costs: Costs
     near: GranularNeighbourhood
     site: Ints
+    potentials: Floats
 
     @property
     def size(self) -> tuple[int, int]:
@@ -42,14 +48,19 @@ class ProblemData(NamedTuple):
         return n * n / m
 
 
-def problem_data(costs: Costs, n_tasks: int, parameters: NeighbourhoodParameters) -> ProblemData:
-    """Return the ProblemData of an instance's costs."""
+def problem_data(
+    costs: Costs, n_tasks: int, parameters: NeighbourhoodParameters, potentials: Floats | None = None
+) -> ProblemData:
+    """Return the ProblemData of an instance's costs, under potentials of their own where none are given."""
     if isinstance(costs, PlaceCosts):
-        near = GranularNeighbourhood(*near_places(costs, n_tasks, *parameters))
-        return ProblemData(costs, near, place_sites(costs, n_tasks))
+        near = GranularNeighbourhood(*near_places(costs, n_tasks, parameters.tasks, parameters.depots))
+        return ProblemData(costs, near, place_sites(costs, n_tasks), np.zeros((2, costs.x.size)))
     anyones = least(costs)
     site = depot_sites(anyones, n_tasks, kinds(costs, len(anyones.out) - n_tasks))
-    return ProblemData(costs, granular_neighbourhood(anyones, n_tasks, parameters), site)
+    if potentials is None:
+        potentials = leg_potentials(anyones, n_tasks, parameters.potentials)
+    left = left_of(anyones, potentials, n_tasks) if potentials.any() else anyones
+    return ProblemData(costs, granular_neighbourhood(left, n_tasks, parameters), site, potentials)
 
 
 def grain_of(costs: Costs) -> float:
@@ -77,7 +88,7 @@ def depot_sites(costs: AlikeCosts, n_tasks: int, kind: Ints) -> Ints:
 
 
 class NeighbourhoodParameters(NamedTuple):
-    """Lengths of the lists, where there are as many.
+    """Lengths of the lists, where there are as many, and how potentials are found.
 
     tasks: as many as the widest recreation and the largest removal see (strategy.py, annealing.py).
     depots: so many that a UAV far away may still be drawn (recreate.py) and the lists of 5000 tasks take 3 MB.
@@ -85,6 +96,7 @@ class NeighbourhoodParameters(NamedTuple):
 
     tasks: int = 20
     depots: int = 128
+    potentials: PotentialParameters = PotentialParameters()
 
 
 class GranularNeighbourhood(NamedTuple):

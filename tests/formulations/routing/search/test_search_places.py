@@ -43,7 +43,8 @@ def test_legs_sites_and_neighbourhoods_are_those_of_the_matrix(metric):
         assert leg(places, 0, u, w) == pytest.approx(matrix.out[u, w], rel=1e-9, abs=1e-9)
         assert leg_into(places, 0, w, u) == pytest.approx(matrix.out[u, w], rel=1e-9, abs=1e-9)
     parameters = NeighbourhoodParameters(8, M)
-    here, there = (problem_data(costs, N, parameters) for costs in (places, matrix))
+    none = np.zeros((2, N + M))  # of a matrix they would be found, and change what is near
+    here, there = (problem_data(costs, N, parameters, none) for costs in (places, matrix))
     assert here.site.tolist() == there.site.tolist() == [0, 1, 0, 3, 4]
     nearest = np.minimum(matrix.out, matrix.out.T)
     for mine, known in zip(here.near, there.near, strict=True):  # ties may go to others

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from formulations.routing.search.leg_potentials import PotentialParameters
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.strategy import Reheating
 
@@ -25,6 +26,9 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "no pull of the mean over plateaus": replace(FULL, schedule=replace(FULL.schedule, most_weight=0.0)),
     "no equals in the population": replace(FULL, population=replace(FULL.population, apart=1.0)),
     "no chained search across long tours": replace(FULL, chain=FULL.chain._replace(fewest=10**9)),
+    "no potentials: near is what costs least": replace(
+        FULL, neighbourhood=FULL.neighbourhood._replace(potentials=PotentialParameters(most=0))
+    ),
     "no wide recreation": replace(FULL, one_site=replace(FULL.one_site, width=FULL.several_depots.width)),
 }
 OPTIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic

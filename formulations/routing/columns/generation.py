@@ -65,7 +65,8 @@ def generate(
         hardly raises the bound.
     reserve : prices some tours of some UAVs quickly; what it finds needs no other pricer, that it finds none is no
         bound.
-    start : where no centre is known, duals to price first and to seek others near.
+    start : where no centre is known, duals to price first and to seek others near. Known duals allow giving up where
+        the strongest pricer loses labels and hardly brings value and bound together.
     """
     value, at_master, weight = _settled(master, reserve, cap, out_of_time)
     best, trust = DualBound(-np.inf, at_master, np.zeros(pricers[0].n_uavs)), 1.0
@@ -107,6 +108,8 @@ def generate(
             value, at_master, weight = _settled(master, reserve, cap, out_of_time)
             ladder = _Ladder(pricers)
         elif dull:
+            if ladder.at_top and start is not None:
+                return Relaxation(Ended.STUCK, best, weight, rounds)
             ladder.climb()
 
 

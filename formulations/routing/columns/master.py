@@ -160,7 +160,7 @@ class Master:
         """
         lp, index = self._lp, np.arange(self._first, self._first + len(self.columns), dtype=np.int32)
         integer, continuous = (np.full(index.size, kind) for kind in (1, 0))
-        slack, dear = np.arange(1, self._first, dtype=np.int32), 2 * sum(column.cost for column in self.columns)
+        slack, dear = np.arange(1, self._first, dtype=np.int32), max((c.cost for c in self.columns), default=1.0)
         lp.changeColsCost(slack.size, slack, np.full(slack.size, dear))
         lp.changeColsIntegrality(index.size, index, integer.astype(np.uint8))
         lp.setOptionValue("time_limit", time)

@@ -21,7 +21,7 @@ from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan
 
 N, M = 17, 3
-ALWAYS = chained.ChainParameters(fewest=1)
+ALWAYS = chained.ChainParameters(fewest=1, for_each=0)
 FULL = SearchParameters()
 PRESSURE = giant.Pressure(100.0, 40.0)
 seeds = st.integers(0, 10**6)
@@ -168,11 +168,13 @@ def test_it_suits_long_tours_from_one_site_only():
     instance, _ = one_site(2, 30, 2)
     costs = search_costs(instance)
 
-    def suited(costs, fewest):
-        return chained.suits(costs, instance.n_tasks, ALWAYS._replace(fewest=fewest))
+    def suited(costs, fewest, for_each=0):
+        return chained.suits(costs, instance.n_tasks, ALWAYS._replace(fewest=fewest, for_each=for_each))
 
     assert suited(costs, 15)
     assert not suited(costs, 16)
+    assert suited(costs, 1, for_each=7)
+    assert not suited(costs, 1, for_each=8)
     windy = instance.cost * np.random.default_rng(0).uniform(1.0, 1.2, instance.cost.shape)
     assert not suited(both_ways(windy), 15)
     apart = np.array(instance.cost)

@@ -44,7 +44,7 @@ from instances.kernels import njit
 class ChainParameters(NamedTuple):
     """When and how it searches.
 
-    fewest, for_each: mean number of tasks of a tour, at least, whatever m is, and for each of the m UAVs: shorter tours,
+    fewest, for_each: mean number of tasks of a tour, at least, whatever m is and for each of the m UAVs: shorter tours,
     and many of them, are the population's. 30 s, one run, population and chain, gaps in %: d1655_10 (165 tasks a tour)
     0.43 and 1.81, u2152_10 (215) 0.46 and 2.76, pr2392_10 (239) 0.01 and 1.68, rl5915_20 (296) 0.98 and 5.18; but
     pcb3038_10 (304) 0.23 and -0.14, rl5915_10 (591) 7.06 and 3.49.

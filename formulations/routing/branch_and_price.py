@@ -67,7 +67,11 @@ MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
 _MOST_LEGS_BY_CLOCK = 50_000
 """The same where costs change with time: their legs are kept for every bin, which fills about 1 GB."""
-_LONG = 15  # tasks a UAV from which relaxations begin with walks: labels lose their way at the first duals
+_LONG = 15
+"""Tasks a UAV from which relaxations begin with walks, where all UAVs are alike: labels lose their way at first duals.
+
+Where they are not, walks are priced for every one of them and cost more than they save (50/3, 60/4: a third more).
+"""
 _PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end
 _WIDE = 0.02  # gap left after a third of the time above which trials of caps get the next third
 
@@ -179,13 +183,13 @@ class BranchAndPrice(RecordedSolver):
         store, legs = labels_for(instance, self.labels), Legs.of(stateless(instance))
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
         work = Workspace(over, store, self.tours, *efforts(instance.n_tasks, self.bins), far, log=log or ProofLog())
-        if instance.n_tasks >= _LONG * instance.n_depots and not instance.axes & {"time", "states"}:
-            work.walks = work.plain.pricing[0]
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         most = worst_makespan(instance) if instance.restricted else np.inf
         # states may differ where their least legs do not, and certificates know no UAVs that are alike
         kinds = None if log is not None or "states" in instance.axes else legs.kinds()
+        if kinds is not None and not kinds.any() and instance.n_tasks >= _LONG * instance.n_depots:
+            work.walks = None if "time" in instance.axes else work.plain.pricing[0]
         return Tree(legs, _columns(recorder), work, bound, most, kinds)
 
     def destroy(self, recorder: Recorder, patience: Patience, whole: Tree) -> None:

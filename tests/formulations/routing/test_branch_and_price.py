@@ -302,14 +302,16 @@ def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() ->
     assert [tree.pop().bound for _ in range(5)] == [0.0, 100.002, 100.0, 100.001, 200.0]
 
 
-def test_a_node_goes_on_with_its_prices_inside_the_box() -> None:
-    """A task far dearer than a fair share: in a box around nothing, the master of a child would rather pay for it."""
+def test_a_node_goes_on_with_its_prices_inside_the_box(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A task far dearer than a fair share: with the box of the root, the master of a child would rather pay for it."""
+    monkeypatch.setattr("formulations.routing.columns.node.WIDE", 3)
     cost = np.abs(np.subtract.outer(x := np.array([100.0, 1.0, 2.0, 3.0, 4.0, 5.0, 0.0]), x))
     legs = Legs.of(Instance("one far out", cost, 6, 1))
     node = Node.root(legs, 0.0, [Column(0, (5, 0, 4, 3, 2, 1), 200.0)], np.arange(1))
     price = np.array([200.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    node.centre = DualBound(200.0, Duals(price, np.ones(1), np.zeros(1), np.zeros(0)), np.zeros(1))
-    master = node.restricted_master(201.0)
-    assert master.solve()[0] == pytest.approx(200.0)
-    assert not master.penalised
-    assert master.half.max() < 200.0
+    node.centre = DualBound(200.0, duals := Duals(price, np.ones(1), np.zeros(1), np.zeros(0)), np.zeros(1))
+    for near, width in ((None, 400.0), (duals, 6.7)):
+        master = node.restricted_master(201.0, near=near)
+        assert master.solve()[0] == pytest.approx(200.0)
+        assert not master.penalised
+        assert master.half.max() == pytest.approx(width)

@@ -25,6 +25,23 @@ _FIRST_ROOM = 4_000_000  # labels of the first attempt to list the tours
 
 
 @dataclass
+class Tries:
+    """Leaves out tries of what seldom works: after each that failed one more, after one that did not, none."""
+
+    failed: int = 0
+    left_out: int = 0
+
+    def due(self) -> bool:
+        """Say whether to try this time."""
+        self.left_out += 1
+        return self.left_out > self.failed
+
+    def note(self, worked: bool) -> None:
+        """Learn how a try ended."""
+        self.failed, self.left_out = 0 if worked else self.failed + 1, 0
+
+
+@dataclass
 class Workspace:
     """What all nodes share: clock, label store, limits, efforts and the counters of the statistics.
 
@@ -33,6 +50,7 @@ class Workspace:
     walks : how hard to price walks, where relaxations begin with them (`walks.py`), else None.
     better : asked after every relaxation: searches on for better routes, and says whether there are any. It is told
         the tour, if there is one, that alone makes the relaxation as long as it is: routes with it may be optimal.
+    dives : when to look for routes among the columns of a node.
     """
 
     out_of_time: Callable[[], bool]
@@ -45,6 +63,7 @@ class Workspace:
     counts: Counter[str] = field(default_factory=Counter)
     walks: Effort | None = None
     log: ProofLog = field(default_factory=ProofLog)
+    dives: Tries = field(default_factory=Tries)
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""

@@ -106,7 +106,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
             return Improved(routes)
         if work.better(bottleneck_tour(master, best.duals, relaxation.weight)):
             return Overtaken()
-        if not dived and (routes := _dive(master)) is not None:
+        if not dived and (routes := _dive(master, work)) is not None:
             return Improved(routes)
         dived, listed = True, node.pool.listed
         _reduce(node, best, cap, work)
@@ -137,9 +137,9 @@ def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
     node.lighten(cap)
     master = node.restricted_master(cap, apart=True)
     if master.m > 1 and len(node.alike(0)) == master.m:  # whoever takes the task farthest out may be called the first
-        return Branch(0, int(np.argmax(work.far)), _dive(master))
+        return Branch(0, int(np.argmax(work.far)), _dive(master, work))
     pair = choose(master, node.may_visit(), work.far, cap - node.bound, work.out_of_time)
-    routes = _dive(master)
+    routes = _dive(master, work)
     return Stuck(routes) if pair is None else Branch(*pair, routes)
 
 
@@ -180,9 +180,13 @@ def bottleneck_tour(master: Master, duals: Duals, weight: Floats) -> Column | No
     return master.columns[max(used, key=lambda p: float(weight[p]))] if used else None
 
 
-def _dive(master: Master) -> Routes | None:
-    """Return routes made of the columns known, by a short branch and bound over them, or None."""
-    return _routes(master.whole(_DIVE), master)
+def _dive(master: Master, work: Workspace) -> Routes | None:
+    """Return routes made of the columns known, by a short branch and bound over them, or None; where that is due."""
+    if not work.dives.due():
+        return None
+    routes = _routes(master.whole(_DIVE), master)
+    work.dives.note(routes is not None)
+    return routes
 
 
 def _whole_tours(master: Master, weight: Floats) -> Routes | None:

@@ -8,7 +8,7 @@ from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.node import Node, Workspace
+from formulations.routing.columns.node import Node, Tries, Workspace
 from formulations.routing.columns.pricing import Effort, Pricer, efforts
 from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
 from formulations.routing.subset_dp import SubsetDp
@@ -93,3 +93,12 @@ def test_column_generation_says_how_it_ended():
     assert ended(0.7 * best, Effort(4, 100, 10**6)) is Ended.PRUNED
     assert ended(1.2 * best, Effort(0, 1, 1)) is Ended.STUCK
     assert ended(1.2 * best, Effort(4, 100, 10**6), lambda: True) is Ended.INTERRUPTED
+
+
+def test_what_fails_is_tried_ever_less_often_until_it_works() -> None:
+    tries, done = Tries(), list[int]()
+    for step in range(18):
+        if tries.due():
+            done.append(step)
+            tries.note(worked=len(done) == 5)
+    assert done == [0, 2, 5, 9, 14, 15, 17]

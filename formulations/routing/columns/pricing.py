@@ -29,7 +29,7 @@ from instances.arrays import Floats, Ints
 
 _MOST_ENDS = 50_000
 _BOTTLENECK = 0.9
-"""Price σ_k from which UAV k is said to set the relaxation alone."""
+"""Price σ_k above which UAV k is said to set the relaxation alone."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,12 @@ class Duals:
     @property
     def bottleneck(self) -> int | None:
         """The UAV that sets the relaxation nearly alone; None where several do."""
+        return self.ahead(_BOTTLENECK)
+
+    def ahead(self, share: float) -> int | None:
+        """Return the UAV that sets the relaxation most, where its price is more than `share`; else None."""
         k = int(np.argmax(self.sigma))
-        return k if self.sigma[k] >= _BOTTLENECK else None
+        return k if self.sigma[k] > share else None
 
     def towards(self, other: Duals, step: float) -> Duals:
         """Return the point `step` of the way from these duals to `other` (a convex combination, so again duals)."""

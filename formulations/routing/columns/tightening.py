@@ -33,6 +33,7 @@ _LONG = 15  # tasks a UAV above which labels that pay for cuts cost more than br
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
 _USED = 1e-6  # weight of a tour
+_MORE_THAN_HALF = 0.5  # price σ_k of a UAV around whose tour routes are searched for
 _DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
 
 
@@ -174,8 +175,8 @@ def _reduce(node: Node, at: DualBound, cap: float, work: Workspace) -> None:
 
 
 def bottleneck_tour(master: Master, duals: Duals, weight: Floats) -> Column | None:
-    """Return the tour most used by the UAV that sets the relaxation nearly alone; None where several do."""
-    k = duals.bottleneck
+    """Return the tour most used by the UAV that sets the relaxation more than all others; None where none does."""
+    k = duals.ahead(_MORE_THAN_HALF)
     used = [p for p in np.flatnonzero(weight > _USED) if master.columns[p].uav == k]
     return master.columns[max(used, key=lambda p: float(weight[p]))] if used else None
 

@@ -36,7 +36,13 @@ def code_digest(packages: tuple[str, ...] = PACKAGES) -> str:
 
 @cache
 def closure_digest(source: Path) -> str:
-    """Return 12 hexadecimal digits of the SHA-256 of `source`, relative to `ROOT`, and all it imports of our packages.
+    """Return 12 hexadecimal digits of the SHA-256 of `source`, relative to `ROOT`, and its `closure`."""
+    parts = [f"{path} {_digest(path)}" for path in sorted(closure(source.as_posix()))]
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:12]
+
+
+def closure(source: str) -> set[str]:
+    """Return `source`, relative to `ROOT`, and the sources of ours that it imports, directly or not.
 
     Imports are read off the text, those inside functions and those of other imports' packages included: a source too
     many costs a compilation, one too few would keep machine code that is wrong.
@@ -46,24 +52,35 @@ def closure_digest(source: Path) -> str:
         new = _imported(waiting.pop()) - seen
         seen |= new
         waiting += new
-    parts = [f"{path.as_posix()} {hashlib.sha256((ROOT / path).read_bytes()).hexdigest()}" for path in sorted(seen)]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:12]
+    return seen
 
 
 @cache
-def _imported(source: Path) -> frozenset[Path]:
+def _digest(source: str) -> str:
+    return hashlib.sha256((ROOT / source).read_bytes()).hexdigest()
+
+
+@cache
+def _sources() -> frozenset[str]:
+    """Return the sources that kernels may see, relative to `ROOT`: looking them up in a set is quicker than on disk."""
+    found = (path for package in KERNEL_PACKAGES for path in (ROOT / package).rglob("*.py"))
+    return frozenset(path.relative_to(ROOT).as_posix() for path in found)
+
+
+@cache
+def _imported(source: str) -> frozenset[str]:
     """Return the sources of ours that the text of `source` imports, with the ``__init__`` of each package passed."""
     modules = set()
     for package, names, plain in _IMPORT.findall((ROOT / source).read_text(encoding="utf-8")):
         modules |= {package, *(f"{package}.{name}" for name in re.findall(r"\w+", names))} if package else set()
         modules |= set(re.findall(r"[\w.]+", plain))
-    found = set()
+    found: set[str] = set()
     for module in modules:
         parts = module.split(".")
         for end in range(1, len(parts) + 1) if parts[0] in KERNEL_PACKAGES else ():
-            stem = Path(*parts[:end])
-            found |= {path for path in (stem.with_suffix(".py"), stem / "__init__.py") if (ROOT / path).is_file()}
-    return frozenset(found)
+            stem = "/".join(parts[:end])
+            found |= {f"{stem}.py", f"{stem}/__init__.py"}
+    return frozenset(found & _sources())
 
 
 @cache

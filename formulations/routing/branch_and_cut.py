@@ -26,12 +26,12 @@ from formulations.limits import Limits
 from formulations.routing.branch_and_cut_handler import Messenger, Offers, Shared, SubtourHandler, report_bound
 from formulations.routing.branch_and_cut_model import DUALFEASTOL, FEASTOL, ScipModel
 from formulations.routing.model_solver import ModelSolver, cutoff
-from formulations.routing.paper_model import why_too_large
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.ruin_recreate import RuinRecreate
 from formulations.routing.separation import subtours, two_cycles
 from formulations.routing.simple_bounds import SIMPLE
 from formulations.routing.solver import Result
+from formulations.routing.theta_count import why_too_large
 from instances import Instance
 
 MOST_THETA = 80_000

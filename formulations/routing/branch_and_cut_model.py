@@ -20,8 +20,8 @@ from pyscipopt import Model, Variable, quicksum
 from pyscipopt.scip import Solution
 
 from formulations.routing.simple_bounds import ways_between_tasks, ways_from_depot
-from formulations.routing.strengthening import in_order, is_symmetric, neighbours, used_arcs
 from formulations.routing.subtours import Arc
+from formulations.routing.symmetries import in_order, is_symmetric, neighbours, used_arcs
 from instances import Instance, Routes, makespan
 from instances.routes import ENDURANCE_ROUNDING
 

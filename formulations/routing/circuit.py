@@ -39,8 +39,9 @@ from formulations.routing.paper_model import Theta
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import ScaledCosts, scale_costs
 from formulations.routing.solver import Result
-from formulations.routing.strengthening import fly_one_way, in_order, is_symmetric, neighbours, used_arcs
+from formulations.routing.strengthening import fly_one_way
 from formulations.routing.subtours import walk
+from formulations.routing.symmetries import in_order, is_symmetric, neighbours, used_arcs
 from instances import Instance, Routes, as_routes
 
 MOST_LITERALS = 150_000

@@ -7,7 +7,7 @@ no, and any exact method that takes endurance decides (`Decision` ends it at the
 
 * **Monotone**: with K every superset can, and where K cannot no subset can. So when no K of s UAVs can, at least s + 1
   are needed, and nothing smaller need be looked at.
-* **Interchangeable UAVs** (`strengthening.shared_depots`: one depot, class and endurance) are counted, not named: K
+* **Interchangeable UAVs** (`symmetries.shared_depots`: one depot, class and endurance) are counted, not named: K
   takes the first of them. Identical fleets at one depot thus have one K of each size.
 * **Length**: the arcs of any routes cost Σ_k C_k ≥ their cheapest choice, and K flies Σ_{k∈K} min(L, L_k) at most.
 
@@ -29,7 +29,7 @@ from formulations.limits import Limits
 from formulations.routing.recorder import LinkedRecorder, RecordedSolver, Recorder
 from formulations.routing.simple_bounds import least_sum
 from formulations.routing.solver import Status, ignore, refusal
-from formulations.routing.strengthening import shared_depots
+from formulations.routing.symmetries import shared_depots
 from instances import InputError, Instance, Routes, Travel, objective, tour_costs
 
 Uavs = tuple[int, ...]

@@ -21,11 +21,12 @@ from typing import ClassVar
 from formulations.routing import cpsat, strengthening
 from formulations.routing.cpsat import Values
 from formulations.routing.model_solver import ModelSolver, cutoff, too_long
-from formulations.routing.paper_model import PaperModel, why_too_large
+from formulations.routing.paper_model import PaperModel
 from formulations.routing.recorder import Recorder
 from formulations.routing.scaling import scale_costs
 from formulations.routing.solver import Result
 from formulations.routing.subtours import find_subtours, repair, walk
+from formulations.routing.theta_count import why_too_large
 from instances import Instance
 
 MOST_THETA = 60_000

@@ -40,12 +40,6 @@ Theta = dict[tuple[int, int, int], cp_model.IntVar]
 """``theta[i, j, k]``, the paper's θ_ijk; i, j and k are node numbers, k ∈ D."""
 
 
-def why_too_large(instance: Instance, most: int) -> str | None:
-    """Return why a solver that takes at `most` so many θ does not take `instance`, or None where it does."""
-    size = instance.n_tasks * (instance.n_tasks + 1) * instance.n_depots
-    return f"the paper's form would need {size} variables; it takes {most}" if size > most else None
-
-
 class PaperModel:
     """θ, C_max and eqs. const1–const5 of one instance; const6 is added when a set S is found.
 

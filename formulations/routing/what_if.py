@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from formulations.routing.fewest_uavs import of_uavs
-from formulations.routing.strengthening import shared_depots
+from formulations.routing.symmetries import shared_depots
 from instances import Instance, Routes
 
 BATTERIES = 2

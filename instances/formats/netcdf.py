@@ -10,14 +10,17 @@ import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.io import netcdf_file
 
 from instances.arrays import Floats
 from instances.disk import read_bytes, write_aside
 from instances.errors import InputError
 from instances.geodesy import TangentPlane, grid_mapping
+
+if TYPE_CHECKING:  # imported where it is used: most commands read no grids, and it takes longer than they do
+    from scipy.io import netcdf_file
 
 AXES = {
     "x": {"standard_name": "projection_x_coordinate", "units": "m"},
@@ -49,6 +52,8 @@ def write_grids(
 
     time_unit : of the axis "time"; one since an instant where it is to be read as a wind or field that changes.
     """
+    from scipy.io import netcdf_file
+
     buffer = io.BytesIO()
     with netcdf_file(buffer, "w", mmap=False) as data:
         setattr(data, "Conventions", "CF-1.8")  # noqa: B010 - a global attribute of the file
@@ -88,6 +93,8 @@ def read_grids(
 
     expected : variable → its axes; what the file must hold, over finite axes that rise.
     """
+    from scipy.io import netcdf_file
+
     content = read_bytes(path)
     try:
         with netcdf_file(io.BytesIO(content), "r", mmap=False) as data:

@@ -15,7 +15,7 @@ from formulations.routing.clocks import arrival_home, clocks_of, knot_at
 from formulations.routing.fewest_uavs import of_uavs
 from formulations.routing.registry import make_solver
 from formulations.routing.solver import Status
-from formulations.routing.strengthening import shared_depots
+from formulations.routing.symmetries import shared_depots
 from instances import Instance, Routes, Travel, check_routes, makespan, tour_costs
 from instances.arrays import Floats
 from instances.environment.wind_changing import Turning

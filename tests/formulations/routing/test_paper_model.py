@@ -14,8 +14,9 @@ from formulations.routing.paper_model import PaperModel
 from formulations.routing.registry import make_solver
 from formulations.routing.scaling import scale_costs
 from formulations.routing.solver import Status
-from formulations.routing.strengthening import in_order, is_symmetric, shared_depots, shortest_ways, used_arcs
+from formulations.routing.strengthening import shortest_ways
 from formulations.routing.subtours import find_subtours, repair, walk
+from formulations.routing.symmetries import in_order, is_symmetric, shared_depots, used_arcs
 from instances import Instance, Routes, Travel, check_routes, makespan
 from instances.arrays import Floats
 

@@ -65,13 +65,9 @@ def test_an_edit_that_a_kernel_cannot_see_compiles_nothing_again(checkout):
 def test_all_that_a_kernel_imports_is_seen():
     program = (
         "import sys, pathlib, formulations.routing.search.annealing as a, instances.code as c\n"
-        "start = pathlib.Path(a.__file__).relative_to(c.ROOT)\n"
-        "seen, waiting = {start}, [start]\n"
-        "while waiting:\n"
-        "    new = c._imported(waiting.pop()) - seen; seen |= new; waiting += new\n"
-        "files = {pathlib.Path(m.__file__).relative_to(c.ROOT) for name, m in sys.modules.items()\n"
-        "         if name.split('.')[0] in c.KERNEL_PACKAGES}\n"
-        "print(sorted(map(str, files - seen - {pathlib.Path('formulations/__init__.py')})))\n"
+        "def name(module): return pathlib.Path(module.__file__).relative_to(c.ROOT).as_posix()\n"
+        "files = {name(m) for n, m in sys.modules.items() if n.split('.')[0] in c.KERNEL_PACKAGES}\n"
+        "print(sorted(files - c.closure(name(a)) - {'formulations/__init__.py'}))\n"
     )
     assert python(program).strip() == "[]"
 

@@ -122,10 +122,12 @@ def _n_nodes(costs: Any) -> Callable[..., Any]:
 
 def both_ways(cost: Floats) -> AlikeCosts:
     """Return the costs of UAVs that are alike, of the matrix `cost`; an asymmetric one is copied once, transposed."""
-    few = cost[:_FEW]
-    if np.array_equal(few, cost[:, :_FEW].T) and np.array_equal(cost, cost.T):
-        return AlikeCosts(cost, cost)
-    return AlikeCosts(cost, read_only(cost.T))
+    return AlikeCosts(cost, cost if _is_symmetric(cost) else read_only(cost.T))
+
+
+def _is_symmetric(cost: Floats) -> bool:
+    """Return whether a matrix is its own transpose."""
+    return np.array_equal(cost[:_FEW], cost[:, :_FEW].T) and np.array_equal(cost, cost.T)
 
 
 def fleet_costs(cost: Floats, classes: Ints, scale: Floats) -> FleetCosts:
@@ -154,7 +156,10 @@ def forbidden(instance: Instance) -> float:
 
 
 def warm_up(like: Instance, n_tasks: int, n_depots: int) -> Instance:
-    """Return a small instance for which the same kernels are compiled as for `like`; its UAVs can fly all."""
+    """Return a small instance for which the same kernels are compiled as for `like`; its UAVs can fly all.
+
+    Its costs are symmetric where those of `like` are: others have potentials (leg_potentials.py).
+    """
     if like.by_metric is not None:
         some = [
             *(v % like.n_tasks for v in range(n_tasks)),
@@ -163,6 +168,8 @@ def warm_up(like: Instance, n_tasks: int, n_depots: int) -> Instance:
         points = like.by_metric.coordinates[some]
         return Instance.of_metric("warm-up", like.by_metric.metric, points, n_tasks, n_depots)
     cost = 1.0 - np.eye(n_tasks + n_depots)
+    if not all(map(_is_symmetric, like.class_costs)):
+        cost[0, 1] = 1.5
     limits = np.full(n_depots, 1.5 * (n_tasks + 1)) if like.axes else None
     return Instance("warm-up", cost, n_tasks, n_depots, endurance=limits)
 

@@ -3,7 +3,8 @@
 Every task is left and entered once, so a number taken off all legs out of it, or into it, changes no comparison of
 totals; but it changes which legs look cheap. Where costs are asymmetric some tasks are dear to reach from
 everywhere, and are near to nobody though a tour must fly there: of the legs of ft70's best tours a fifth lead to none
-of the eight nearest by cost, and a twentieth to none by what is left of the costs under potentials.
+of the eight nearest by cost, and a twentieth to none by what is left of the costs under potentials. Where costs are
+symmetric, what is near by cost does as well, and there are no potentials.
 
 They are those of the assignment problem, whose cheapest solution every set of tours is at least as dear as, softened:
 
@@ -40,10 +41,13 @@ class PotentialParameters(NamedTuple):
 
 
 def leg_potentials(costs: AlikeCosts, n_tasks: int, parameters: PotentialParameters) -> Floats:
-    """Return f and g [s], (2, n+m): zeros where there are too many nodes, or near ones cost nothing to fly to."""
+    """Return f and g [s], (2, n+m).
+
+    Zeros where costs are symmetric, nodes too many, or near ones cost nothing to fly to.
+    """
     size = len(costs.out)
     near = min(parameters.near, size // 2)
-    if size > parameters.most or near == 0:
+    if costs.out is costs.into or size > parameters.most or near == 0:
         return np.zeros((2, size))
     usual = np.median(np.partition(costs.out, near, axis=1)[:, : near + 1].sum(axis=1)) / near
     if usual <= 0.0:

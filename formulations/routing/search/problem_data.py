@@ -3,7 +3,7 @@
 The granular neighbourhood (Toth & Vigo 2003) is every task's nearest tasks and nearest depots, all that a move looks
 at. Near means a small min(c_ij, c_ji): under wind the cheap direction is the one a good tour uses. In a fleet it is
 the least of all classes between tasks, and between task and depot the time of the UAV that starts there. Between tasks
-what counts is what potentials leave of the costs (leg_potentials.py).
+what counts where costs are asymmetric is what potentials leave of them (leg_potentials.py).
 """
 
 from __future__ import annotations

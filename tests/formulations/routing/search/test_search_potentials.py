@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linear_sum_assignment
 
-from formulations.routing.search.costs import both_ways
+from formulations.routing.search.costs import both_ways, fleet_costs
 from formulations.routing.search.leg_potentials import PotentialParameters, _balanced, left_of, leg_potentials
 from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 
@@ -51,8 +51,8 @@ def test_a_task_dear_to_reach_is_near_those_it_is_dear_to_reach_from_least():
     places = np.arange(20.0)
     cost = np.abs(places[:, None] - places)
     dear = cost.copy()
-    dear[:, 5] += 40.0
-    dear[5, :] += 40.0
+    dear[:, 5] += 50.0
+    dear[5, :] += 30.0
     dear[5, 5] = 0.0
     how = NeighbourhoodParameters(tasks=4)
     plain, found = (problem_data(both_ways(legs), 18, how).near.tasks for legs in (cost, dear))
@@ -73,7 +73,18 @@ def test_a_part_is_searched_under_the_potentials_of_the_whole():
     np.testing.assert_array_equal(plain.near.depots, whole.near.depots)
 
 
-def test_there_are_none_where_nodes_are_too_many_or_legs_cost_nothing():
-    assert not leg_potentials(both_ways(np.zeros((8, 8))), 6, USUAL).any()
-    assert not leg_potentials(both_ways(matrix(1)), N, USUAL._replace(most=N)).any()
+def test_there_are_none_where_costs_are_symmetric_nodes_too_many_or_legs_cost_nothing():
+    some, nothing = matrix(1), np.zeros((8, 8))
+    nothing[6, 0] = 1.0
+    assert leg_potentials(both_ways(some), N, USUAL).any()
+    assert not leg_potentials(both_ways(some + some.T), N, USUAL).any()
+    assert not leg_potentials(both_ways(nothing), 6, USUAL).any()
+    assert not leg_potentials(both_ways(some), N, USUAL._replace(most=N)).any()
     assert not leg_potentials(both_ways(matrix(1, 1)), 0, USUAL).any()
+
+
+def test_a_fleet_of_symmetric_classes_has_none():
+    cost = matrix(2, 8)
+    fleet = np.stack([cost + cost.T, 2.0 * (cost + cost.T)])
+    data = problem_data(fleet_costs(fleet, np.array([0, 1]), np.ones(2)), 6, NeighbourhoodParameters(tasks=4))
+    assert not data.potentials.any()

@@ -3,8 +3,10 @@
 No case fails for taking long: a busy machine is no fault of the code.
 """
 
+import os
 import subprocess
 import sys
+import tempfile
 
 import pytest
 from hypothesis import settings
@@ -25,6 +27,10 @@ def pytest_configure(config):
     whole = config.args_source is config.ArgsSource.TESTPATHS and not config.option.collectonly
     if hasattr(config, "workerinput") or not whole:
         return
+    if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):  # some hundred processes would each compile all they import
+        folder = tempfile.TemporaryDirectory(prefix="byte-code-", ignore_cleanup_errors=True)
+        os.environ["PYTHONPYCACHEPREFIX"] = folder.name
+        config.add_cleanup(folder.cleanup)
     program = [sys.executable, "-c", "from workbench.cli import main; main()", "warmup"]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     for process in [subprocess.Popen([*program, *names], **quiet) for names in KERNELS]:

@@ -17,6 +17,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -76,16 +77,32 @@ def remove_old(parent: Path) -> None:
                 shutil.rmtree(folder, ignore_errors=True)
 
 
+@cache
+def module_folder(parent: Path, source: Path) -> str:
+    """Return the folder below `parent` of machine code of the kernels in `source`; it counts as used from now on."""
+    folder = parent / (MODULE_PREFIX + closure_digest(source))
+    with contextlib.suppress(OSError):  # not there yet
+        os.utime(folder)
+    return str(folder / numba.__version__ / source.parent)
+
+
+@cache
+def try_out(folder: str) -> None:
+    """Raise OSError where files cannot be made in a folder; tried once for all kernels of a module."""
+    tempfile.TemporaryFile(dir=folder).close()
+
+
 class KernelLocator(UserProvidedCacheLocator):
     """Keeps the machine code of a kernel of ours by what its module sees and numba's version, wherever that lies."""
 
     def __init__(self, py_func: Any, py_file: str) -> None:
         super().__init__(py_func, py_file)
-        source = Path(py_file).relative_to(ROOT)
-        folder = Path(self._cache_path).parents[1] / (MODULE_PREFIX + closure_digest(source))
-        with contextlib.suppress(OSError):  # not there yet
-            os.utime(folder)
-        self._cache_path = str(folder / numba.__version__ / source.parent)
+        self._cache_path = module_folder(Path(self._cache_path).parents[1], Path(py_file).relative_to(ROOT))
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder where there is none; raise OSError where it cannot be written to."""
+        os.makedirs(self._cache_path, exist_ok=True)
+        try_out(self._cache_path)
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> KernelLocator | None:

@@ -186,8 +186,8 @@ class BranchAndPrice(RecordedSolver):
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         most = worst_makespan(instance) if instance.restricted else np.inf
-        # states may differ where their least legs do not, and certificates know no UAVs that are alike
-        kinds = None if log is not None or "states" in instance.axes else legs.kinds()
+        # states may differ where their least legs do not
+        kinds = None if "states" in instance.axes else legs.kinds()
         if kinds is not None and not kinds.any() and instance.n_tasks >= _LONG * instance.n_depots:
             work.walks = None if "time" in instance.axes else work.plain.pricing[0]
         return Tree(legs, _columns(recorder), work, bound, most, kinds)

@@ -9,7 +9,9 @@ because every task is visited once and of three tasks at most one tour holds two
 
 * a case is at its end where L > bound;
 * a tour of UAV k with reduced cost above bound − L + min(0, r_k) is in no routes as good, and is put aside;
-* the two cases after a case give a task to some of the UAVs, and to the others: together they miss no routes.
+* the two cases after a case give a task to some of the UAVs, and to the others: together they miss no routes. A UAV may
+  get it in neither where one like it does, of the same legs and endurance and with the same tasks forbidden: exchanging
+  their tours turns routes of the case into others as good. Tours put aside are in neither.
 
 Rounding: a reduced cost sums at most 2n + 2 numbers and the ρ, each partial sum at most U = bound + Σ|π| + Σρ in size;
 `_margin` is above what that can add up to in L, and every comparison leaves it to the doubter's side.
@@ -111,6 +113,7 @@ class _Check:
             for k in range(self.m)
         ]
         self.caps = np.minimum(self.bound, instance.limits * (1 + ENDURANCE_ROUNDING))
+        self.kinds = [next(j for j in range(k + 1) if self._built_alike(j, k)) for k in range(self.m)]
         self.steps: dict[int, list[Step]] = {}
         for step in certificate.steps:
             self._sound(step)
@@ -132,7 +135,7 @@ class _Check:
                 self.closed += 1
                 self.watch(self.closed)
                 continue
-            open_cases += [(child, self._case(child, case)) for child in self._split(number)]
+            open_cases += [(child, self._case(child, case)) for child in self._split(number, case)]
 
     def _sound(self, step: Step) -> None:
         """Refuse prices of other sizes or signs than they must have."""
@@ -146,26 +149,40 @@ class _Check:
         if any(len({*s} & {*range(self.n)}) < 3 for s in prices.sets):
             raise InputError(f"{at}: a set must be of three different tasks")
 
-    def _split(self, number: int) -> list[int]:
+    def _built_alike(self, j: int, k: int) -> bool:
+        pairs = zip(vars(self.legs[j]).values(), vars(self.legs[k]).values(), strict=True)
+        return bool(self.caps[j] == self.caps[k]) and all(np.array_equal(one, other) for one, other in pairs)
+
+    def _alike(self, case: _Case, j: int, k: int) -> bool:
+        """Say whether exchanging the tours of two UAVs turns any routes of a case into routes of it as good."""
+        return self.kinds[j] == self.kinds[k] and np.array_equal(case.forbidden[j], case.forbidden[k])
+
+    def _split(self, number: int, case: _Case) -> list[int]:
         """Return the two cases after one; refute it where they are not all there is."""
         nodes, children = self.certificate.nodes, self.children.get(number, [])
         tasks = {nodes[child].task for child in children}
-        whose = sorted(k for child in children for k in nodes[child].forbidden)
-        if len(children) != 2 or len(tasks) != 1 or None in tasks or whose != list(range(self.m)):
-            raise _RefutedError(f"node {number} is neither closed nor split into two cases that miss no routes")
-        return children
+        if len(children) == 2 and len(tasks) == 1 and None not in tasks:
+            lost = set(nodes[children[0]].forbidden) & set(nodes[children[1]].forbidden)
+            kept = [k for k in range(self.m) if k not in lost]
+            if all(any(self._alike(case, j, k) for j in kept) for k in lost):
+                return children
+        raise _RefutedError(f"node {number} is neither closed nor split into two cases that miss no routes")
 
     def _case(self, number: int, parent: _Case) -> _Case:
         node = self.certificate.nodes[number]
         if node.task is None or not 0 <= node.task < self.n:
             raise _RefutedError(f"node {number}: there is no task {node.task}")
+        if not {*node.forbidden} <= {*range(self.m)}:
+            raise _RefutedError(f"node {number}: UAVs are 0..{self.m - 1}, got {node.forbidden}")
         return parent.child(node.task, list(node.forbidden))
 
     def _closes(self, number: int, case: _Case) -> bool:
         """Take the steps of a case; say whether one of them closes it."""
         for step in self.steps.get(number, []):
             prices, margin = step.prices, self._margin(step.prices)
-            least = np.array([self._least(case, prices, k, margin) for k in range(self.m)])
+            least = np.zeros(self.m)
+            for k, twin in enumerate(self._twins(case, prices)):
+                least[k] = least[twin] if twin < k else self._least(case, prices, k, margin)
             total = float(np.sum(prices.task)) - float(np.sum(prices.rho)) + float(np.minimum(least, 0.0).sum())
             total -= max(0.0, float(np.sum(prices.uav)) - 1.0) * self.bound + margin
             if step.closes and not total > self.bound:
@@ -176,6 +193,17 @@ class _Check:
                 return True
             self._put_aside(case, step, self.bound - total + np.minimum(least, 0.0), margin)
         return False
+
+    def _twins(self, case: _Case, prices: Prices) -> list[int]:
+        """Return for every UAV the first that has the same tours left, at the same prices."""
+
+        def twins(j: int, k: int) -> bool:
+            all_prices = [prices, *(earlier for earlier, _ in case.aside)]
+            same = all(p.uav[j] == p.uav[k] and p.least[j] == p.least[k] for p in all_prices)
+            same = same and all(allowed[j] == allowed[k] for _, allowed in case.aside)
+            return same and (j in case.tours) == (k in case.tours) and self._alike(case, j, k)
+
+        return [next(j for j in range(k + 1) if twins(j, k)) for k in range(self.m)]
 
     def _least(self, case: _Case, prices: Prices, k: int, margin: float) -> float:
         """Return no more than the least reduced cost of the tours left to UAV k [s]."""
@@ -195,8 +223,10 @@ class _Check:
     def _put_aside(self, case: _Case, step: Step, allowed: Floats, margin: float) -> None:
         """Leave only the tours that routes as good as the bound can still use; list those of the UAVs named."""
         allowed = allowed + 2 * margin
-        for k in {*step.listed} - case.tours.keys():
-            case.tours[k] = self._list(case, step.prices, k, float(allowed[k]))
+        twins = self._twins(case, step.prices)
+        for k in sorted({*step.listed} - case.tours.keys()):
+            known = case.tours.get(twins[k])
+            case.tours[k] = known or self._list(case, step.prices, k, float(allowed[k]))
         for k, tours in case.tours.items():
             case.tours[k] = tours.only(tours.reduced(step.prices, k) <= allowed[k])
         case.aside.append((step.prices, allowed))

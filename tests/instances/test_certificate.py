@@ -23,10 +23,16 @@ def drawn(n_tasks: int, n_depots: int, seed: int, **about: object) -> Instance:
     return Instance(f"drawn-{seed}", cost, n_tasks, n_depots, **about)
 
 
+def at_one_site(n_tasks: int, n_depots: int, seed: int) -> Instance:
+    cost = drawn(n_tasks, 1, seed).cost
+    nodes = [*range(n_tasks), *[n_tasks] * n_depots]
+    return Instance(f"at-one-site-{seed}", cost[np.ix_(nodes, nodes)], n_tasks, n_depots)
+
+
 @pytest.fixture(scope="module")
 def proved() -> tuple[Instance, Certificate]:
     """A proof of several cases: in so little room no case ends before tasks are given to UAVs."""
-    instance, start = drawn(12, 3, 5), ((0, 1, 2, 3), (4, 5, 6, 7), (8, 9, 10, 11))
+    instance, start = drawn(10, 3, 0), ((0, 1, 2, 3), (4, 5, 6), (7, 8, 9))
     solver = BranchAndPrice(starts=0, tours=100, labels=1000)
     return instance, certify(instance, limits=Limits(time=60.0), start=start, solver=solver)
 
@@ -43,13 +49,13 @@ def test_a_proof_is_confirmed_also_from_its_file(proved, tmp_path):
 def test_what_is_not_so_is_refuted(proved):
     instance, true = proved
     last = true.steps[-1]
-    free = replace(last.prices, task=(0.0,) * 12, sets=(), rho=())
+    free = replace(last.prices, task=(0.0,) * 10, sets=(), rho=())
     false = {
         "not closed: its bound": replace(true, steps=(*true.steps[:-1], replace(last, prices=free))),
         "neither closed nor split": replace(true, steps=true.steps[:-1]),
         "the routes take": replace(true, objective=true.objective * 0.99),
         "is above the routes": replace(true, bound=true.objective * 1.01),
-        "the routes: Task": replace(true, routes=((0, 1, 2, 3), (3, 4, 5), (6, 7, 8))),
+        "the routes: Task": replace(true, routes=((0, 1, 2, 3), (3, 4, 5), (6, 7, 8, 9))),
     }
     for said, certificate in false.items():
         assert said in " ".join(verify(instance, certificate).problems), said
@@ -63,10 +69,41 @@ def test_cases_must_miss_no_routes():
     assert "miss no routes" in verify(instance, lost).problems[0]
 
 
+def test_uavs_that_are_alike_are_certified_as_one():
+    """A task is given to one of them and forbidden to all, in two cases that between them forget the others."""
+    start = ((0, 1, 2), (3, 4, 5), (6, 7, 8))
+    instance, solver = at_one_site(9, 3, 0), BranchAndPrice(starts=0, tours=100, labels=1000)
+    certificate = certify(instance, limits=Limits(time=60.0), start=start, solver=solver)
+    assert certificate.bound == pytest.approx(SubsetDp().solve(instance, limits=Limits(time=20.0)).objective, rel=1e-6)
+    forgotten = [{*first.forbidden} & {*second.forbidden} for first, second in pairs_of_cases(certificate)]
+    assert any(forgotten)
+    assert verify(instance, certificate).problems == ()
+    third_flies_less = replace(instance, endurance=(1e4, 1e4, 0.999 * certificate.bound))
+    claimed = replace(certificate, digest=third_flies_less.digest, routes=(), objective=None)
+    assert "miss no routes" in " ".join(verify(third_flies_less, claimed).problems)
+
+
+def test_a_task_so_far_out_that_no_tour_holds_it_is_one_step():
+    place = np.array([0.0, 1.0, 2.0, 50.0, 3.0, 3.0])
+    instance = Instance("far", np.abs(place[:, None] - place), 4, 2)
+    certificate = certify(instance, limits=Limits(time=20.0), start=((3,), (0, 1, 2)))
+    assert certificate.bound == pytest.approx(94.0, rel=1e-6)
+    assert len(certificate.steps) == 1
+    assert verify(instance, certificate).problems == ()
+
+
+def pairs_of_cases(certificate: Certificate) -> list[tuple[Node, Node]]:
+    """Return the two cases after each that has any."""
+    after: dict[int, list[Node]] = {}
+    for node in certificate.nodes[1:]:
+        after.setdefault(node.parent, []).append(node)
+    return [(first, second) for first, second in after.values()]
+
+
 def test_what_is_no_certificate_of_it_is_unusable(proved, tmp_path):
     instance, certificate = proved
     with pytest.raises(InputError, match="is the certificate of"):
-        verify(drawn(12, 3, 4), certificate)
+        verify(drawn(10, 3, 4), certificate)
     with pytest.raises(InputError, match="must be finite numbers"):
         verify(instance, replace(certificate, steps=(Step(0, Prices((1.0,), (1.0,), (0.0,))),)))
     negative = replace(certificate.steps[0].prices, uav=(-0.1, 0.6, 0.5))

@@ -27,14 +27,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import Cut
-from formulations.routing.columns.pricing import Column, Duals
+from formulations.routing.columns.pricing import SHY, Column, Duals
 from instances.arrays import Bools, Floats, Ints
 
 _SIMPLEX = 0  # primal where the basis is primal feasible, as it is after new columns: thrice as fast as always dual
 WIDE = 20.0
 """Fair shares of the cap, half width of a box for duals of which nothing is known: tasks of a UAV that sets the
 relaxation alone cost nearly all of the cap."""
-_SHY = 1 - 1e-14  # keeps Σσ ≤ 1 in exact arithmetic
 
 
 class Optimum(NamedTuple):
@@ -130,7 +129,7 @@ class Master:
         price, sigma, rent, rho = np.split(np.asarray(solution.row_dual), parts)
         sigma, rent, rho = (np.maximum(0.0, -part) for part in (sigma[self._kind], rent[self._kind], rho))
         total = float(sigma.sum())
-        sigma = sigma / total * _SHY if total > 0 else np.full(self.m, _SHY / self.m)
+        sigma = sigma / total * SHY if total > 0 else np.full(self.m, SHY / self.m)
         duals = Duals(price.copy(), sigma, rent, rho, tuple(self.cuts))
         weight = np.asarray(solution.col_value)[self._first :].copy()
         return Optimum(float(self._lp.getInfo().objective_function_value), duals, weight)

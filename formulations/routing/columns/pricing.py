@@ -28,6 +28,8 @@ from formulations.routing.columns.legs import Legs
 from instances.arrays import Floats, Ints
 
 _MOST_ENDS = 50_000
+SHY = 1 - 1e-14
+"""Keeps Σσ ≤ 1 in exact arithmetic."""
 _BOTTLENECK = 0.9
 """Price σ_k above which UAV k is said to set the relaxation alone."""
 
@@ -109,6 +111,13 @@ class DualBound:
     value: float
     duals: Duals
     least: Floats
+
+    @classmethod
+    def of_lost_task(cls, task: int, m: int, n: int, cap: float) -> DualBound:
+        """Return a bound above `cap` [s] where no tour of cost ≤ `cap` has the task: a price nobody can earn."""
+        price = np.where(np.arange(n) == task, 2 * cap, 0.0)
+        duals = Duals(price, np.full(m, SHY / m), np.zeros(m), np.zeros(0))
+        return cls(2 * cap - duals.margin(cap, m), duals, np.zeros(m))
 
     def allowed(self, cap: float) -> Floats:
         """Return the reduced costs [s], (m,), above which a tour is in no routes of cost ≤ `cap`: cap − L + r_k."""

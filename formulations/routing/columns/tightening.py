@@ -81,6 +81,10 @@ Outcome = Pruned | Improved | Branch | Stuck | Interrupted | Overtaken
 def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     """Raise the node's bound until it passes `cap` [s], routes are found, or nothing but branching helps."""
     node.legs, node.pool = node.legs.under(cap), node.pool.under(cap)
+    lost = np.flatnonzero(~node.may_visit().any(axis=0))
+    if lost.size > 0:
+        node.raise_bound(DualBound.of_lost_task(int(lost[0]), node.legs.n_uavs, node.legs.n_tasks, cap))
+        return Pruned()
     dived, near = node.centre is not None, _begin(node, cap, work)
     if node.bound > cap:
         return Pruned()

@@ -3,7 +3,7 @@
 A stage anneals one newcomer. The first stages make founders from scratch; later ones search some tours of a member
 alone (decomposition.py), perturb a member (perturbation.py), cross two (crossover.py) or reheat one (strategy.py).
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
-The longer nothing is new, the more annealings are fine (schedule.py).
+The longer nothing is new, the more annealings are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
 Where few UAVs fly long tours there is one founder, and then a chained local search (chained_search.py).
 """
@@ -124,7 +124,7 @@ class Population(Lineage):
             self._chained = ChainedSearch(self.data, begin, self.parameters.chain, self.rng)
             self._begin, self.end = now, 1.0
             return
-        staleness, schedule = self._staleness, self.parameters.schedule
+        staleness, schedule, founder = self._staleness, self.parameters.schedule, None
         reheating = self.strategy.draw_reheating(staleness, schedule, self.rng)
         if reheating is not None:
             self._newcomer, self._schedule = self._reheated(), reheating
@@ -132,6 +132,8 @@ class Population(Lineage):
             founder = self._founder() if self._founding(others) else None
             self._newcomer = founder or self._renewed()
             self._schedule = self.strategy.draw_schedule(self._newcomer.first, staleness, schedule, self.rng)
+        if founder is None and uniform(self.rng) < self.strategy.compact * min(1.0, staleness):
+            self._schedule = replace(self._schedule, compact=True)
         self._steps = self.annealing._replace(strings=self._schedule.final.strings * self.annealing.strings)
         self._fittest = duplicate(self._newcomer.tours)
         self._begin, self.end = now, self._fitting(self._newcomer.length, now)

@@ -4,10 +4,12 @@ The norm is so soft that a tour counts as long which is within a few temperature
 each annealing: a soft norm makes room in crowds of long tours, a sharp one finds optima in which most tours are long.
 In the end what counts is the excess over a cap just below the longest tour of the incumbent, and the annealing goes on
 to temperatures below the small shares of a tour by which good packings differ. A fine annealing has a cap nearer to
-that tour and a colder end. Temperatures are in mean legs, so that they suit instances of any size and unit.
-Where costs are multiples of a grain that is no small part of a leg, whole numbers in most cases, the excess has
-plateaus: it is the mean that tells their points apart and pulls, the more the coarser the grain, and the cap is the
-next longest tour that can be had.
+that tour and a colder end. Neither measure sees tours with time to spare; the more UAVs there are the less does the
+mean, and such tours end up in any order though others need their time. A compact annealing sees them: in the end ε is a
+share of the total. Temperatures are in mean legs, so that they suit instances of any size and unit. Where costs are
+multiples of a grain that is no small part of a leg, whole numbers in most cases, the excess has plateaus: it is the
+mean that tells their points apart and pulls, the more the coarser the grain, and the cap is the next longest tour that
+can be had.
 """
 
 from __future__ import annotations
@@ -47,7 +49,8 @@ class ScheduleParameters:
     founder: the first temperature of a solution from scratch: legs of the mean length are still accepted often.
     child, perturbed: lower ones, at which a child of crossover and a perturbed member keep most of their tours.
     last: the last temperature, at most; the final phase may go lower.
-    mean_weight: share ε of the mean tour in the energy at the temperature of a founder, and in the end.
+    mean_weight: share ε of the mean tour in the energy at the temperature of a founder, and in the end; of a compact
+    annealing the latter is a share of the total.
     softness: p = max_k C_k / (softness · temperature), one of these drawn for each annealing.
     largest_p: a larger p tells lengths apart that differ by less than 0.2 %, which is left to the final phase.
     grain_weight, most_weight: ε is (grain_weight · grain in mean legs)² at least, but most_weight at most.
@@ -84,11 +87,15 @@ class ScheduleParameters:
 
 @dataclass(frozen=True)
 class Schedule:
-    """How one annealing goes: its first temperature in mean legs, its softness and its final phase."""
+    """How one annealing goes.
+
+    first: temperature in mean legs; compact: whether tours below the longest get short too.
+    """
 
     first: float
     softness: float
     final: FinalPhase
+    compact: bool = False
 
     def at(
         self, done: float, tours: Tours, incumbent: float, parameters: ScheduleParameters, grain: float = 0.0
@@ -100,6 +107,8 @@ class Schedule:
         leg = max(float(tours.cost.sum()) / tours.after.size, TINY)  # an empty tour has a leg of 0
         legs = float(tours.cost.max()) / leg
         even, peaked = parameters.mean_weight
+        if self.compact:
+            peaked *= tours.cost.size
         coarseness = parameters.grain_weight * grain / leg
         least = min(parameters.most_weight, coarseness * coarseness)
         even, peaked = max(even, least), max(peaked, least)

@@ -4,8 +4,8 @@ With several depots it is a matter of which UAV serves which crowd of tasks: ind
 sees all crowds whose tours are too long. At one site it is a matter of packing, and tours can be packed tightly:
 individuals are compared by what exceeds the incumbent's longest tour, in which many tours nearly as long as that are no
 fault. The basins of good packings lie near each other: fine annealings begin low there, and where nothing new is found
-many of them are reheatings of a good individual. And a task may have to go to a tour that passes none of its nearest
-tasks: recreations look at all of the granular neighbourhood.
+many of them are reheatings of a good individual, or weigh the total (schedule.py). And a task may have to go to a tour
+that passes none of its nearest tasks: recreations look at all of the granular neighbourhood.
 """
 
 from __future__ import annotations
@@ -45,6 +45,9 @@ class Strategy:
     fine: the final phase of fine annealings; fine_share: their share, at most; fine_first: their first temperature in
     mean legs, at most.
     reheating: where there is any.
+    compact: share of annealings, of founders none, that are compact where nothing was new for long. At one site with
+    0.5 att532.euc2d_10 ends, 30 s, at 0.38 % (four seeds), without at 0.9 %. From the beginning on they lead into traps
+    where the total is small: pr439_10, 12 s: 0.16, 1.85, 1.39, 0.16 %, as it is 0.16, 0.16, 0.16, 0.50 %.
     """
 
     measure: Measure
@@ -55,6 +58,7 @@ class Strategy:
     fine_share: float
     fine_first: float
     reheating: Reheating | None
+    compact: float
 
     def draw_reheating(self, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule | None:
         """Return the schedule of a reheating, with probability staleness / 2 but reheating.share at most, else None."""
@@ -79,6 +83,7 @@ SEVERAL_DEPOTS = Strategy(
     fine_share=1.0,
     fine_first=float("inf"),
     reheating=None,
+    compact=0.0,
 )
 ONE_SITE = Strategy(
     measure=excess(0.0),
@@ -89,4 +94,5 @@ ONE_SITE = Strategy(
     fine_share=0.67,
     fine_first=0.05,
     reheating=Reheating(),
+    compact=0.5,
 )

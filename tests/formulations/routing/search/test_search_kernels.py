@@ -321,6 +321,12 @@ def test_the_norm_sharpens_as_the_temperature_falls_and_in_the_end_a_cap_counts(
     assert (start.mean_weight, end.mean_weight) == pytest.approx(SCHEDULE.mean_weight)
 
 
+def test_in_the_end_a_compact_annealing_weighs_each_tour_as_others_weigh_the_mean():
+    compact = replace(COARSE, compact=True)
+    assert objective_at(0.0, compact, 1000) == objective_at(0.0, COARSE, 1000)
+    assert objective_at(1.0, compact, 1000).mean_weight == pytest.approx(2 * SCHEDULE.mean_weight[1])
+
+
 def test_the_last_temperature_is_low_in_mean_legs_and_in_longest_tours():
     for count, schedule, last in (
         (1000, COARSE, SCHEDULE.last * 0.1),

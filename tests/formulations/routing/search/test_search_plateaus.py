@@ -16,6 +16,7 @@ from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import NeighbourhoodParameters, grain_of, problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.schedule import Schedule, ScheduleParameters
+from formulations.routing.search.strategy import SEVERAL_DEPOTS
 from instances import Instance
 
 N, M = 12, 2
@@ -77,6 +78,26 @@ def test_tours_turned_or_flown_by_another_uav_of_the_site_are_the_same(order, cu
     same = rings.from_routes(costs, (second[::-1], first))
     assert rings.broken_pairs(tours, same, together) == 0
     assert rings.broken_pairs(tours, same, apart) == len({*first[-1:]}) + len({*second[-1:]})
+
+
+@pytest.mark.parametrize(
+    ("barren", "since_restart", "least", "most"), [(0, 9, 0, 0), (12, 9, 10, 40), (99, 9, 30, 70), (99, 0, 0, 0)]
+)
+def test_annealings_are_compact_the_more_often_the_longer_nothing_was_new_but_founders_never(
+    barren, since_restart, least, most
+):
+    data = problem_data(both_ways(FLAT.cost), N, NeighbourhoodParameters())
+    parameters = replace(SearchParameters(), one_site=replace(SEVERAL_DEPOTS, compact=0.5))  # it has no reheatings
+    population = Population(data, Endurance(FLAT, data.costs), parameters, seeded(2), None)
+    population.plan(1e-6)
+    family = population.family
+    family.founders, family.members = 8, [population.best, population.best]
+    family.since_restart, family.barren = since_restart, barren
+    count = 0
+    for _ in range(100):
+        population.begin(0.0)
+        count += population._schedule.compact
+    assert least <= count <= most
 
 
 def test_a_population_keeps_equals_that_differ_and_of_copies_the_one_with_the_smaller_total():

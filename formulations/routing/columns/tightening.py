@@ -89,14 +89,17 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     if node.bound > cap:
         return Pruned()
     master, stalled = node.restricted_master(cap, near=near), 0
+    # not of the node's bound, which in trees under lower caps is known from outside
+    level = -np.inf if node.centre is None else node.centre.value
     while True:
-        gap = cap - node.bound
+        gap = cap - level
         pricers = _pricers(node, master, cap, work)
         reserve = PoolPricer(node.reserve) if node.reserve.size and not node.pool.complete else None
         relaxation = generate(master, pricers, cap, work.out_of_time, node.centre, reserve, near)
-        best, raised = relaxation.best, relaxation.best.value - node.bound
+        best, raised = relaxation.best, relaxation.best.value - level
         stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.raise_bound(best)
+        level = best.value
         node.columns = list(master.columns)
         work.counts["rounds"] += relaxation.rounds
         if relaxation.ended is Ended.PRUNED:
@@ -143,7 +146,8 @@ def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
     master = node.restricted_master(cap, apart=True)
     if master.m > 1 and len(node.alike(0)) == master.m:  # whoever takes the task farthest out may be called the first
         return Branch(0, int(np.argmax(work.far)), _dive(master, work))
-    pair = choose(master, node.may_visit(), work.far, cap - node.bound, work.out_of_time)
+    rise = cap - (node.bound if node.centre is None else node.centre.value)
+    pair = choose(master, node.may_visit(), work.far, rise, work.out_of_time)
     routes = _dive(master, work)
     return Stuck(routes) if pair is None else Branch(*pair, routes)
 

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+import formulations.routing.columns.tightening as tightening
 from formulations.limits import Limits
-from formulations.routing.columns.generation import Ended, generate
+from formulations.routing.columns.generation import Ended, Relaxation, generate
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Tries, Workspace
-from formulations.routing.columns.pricing import Effort, Pricer, efforts
+from formulations.routing.columns.pricing import DualBound, Duals, Effort, Pricer, efforts
 from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan
@@ -62,6 +63,24 @@ def test_an_outcome_says_nothing_false(seed, share, walks):
 def test_a_node_is_pruned_below_the_optimum_and_improved_or_branched_above_it(seed, share, expected):
     instance = random_instance(seed)
     assert isinstance(tighten(fresh(instance), share * optimum(instance), workspace()), expected)
+
+
+@pytest.mark.parametrize("outside", [0.0, 990.0])
+def test_cuts_are_sought_as_long_as_they_raise_the_relaxation_whatever_is_known_from_outside(outside, monkeypatch):
+    """In trees under lower caps a bound from outside lies above the relaxation."""
+    instance, values = random_instance(0, m=3), iter([930.0, 950.0, 970.0, 970.5, 971.0])
+    triples = ([(a, a + 1, a + 2)] for a in range(5))
+
+    def relaxed(master, *_):
+        duals = Duals(np.zeros(N), np.full(3, 0.3), np.zeros(3), np.zeros(len(master.cuts)), tuple(master.cuts))
+        at = DualBound(next(values), duals, np.zeros(3))
+        return Relaxation(Ended.SOLVED, at, np.zeros(len(master.columns)), 1)
+
+    monkeypatch.setattr(tightening, "generate", relaxed)
+    monkeypatch.setattr(tightening, "separate", lambda *_: next(triples))
+    node, work = Node.root(Legs.of(instance), outside, [], np.arange(3)), workspace()
+    assert isinstance(tighten(node, 1000.0, work), Branch | Stuck)
+    assert work.counts["cuts"] == 4
 
 
 def test_a_node_out_of_time_is_interrupted_and_one_overtaken_is_left():

@@ -133,7 +133,7 @@ class BranchAndPrice(RecordedSolver):
         at = DualBound(0.0, duals, np.array([pricer.price(0, duals, 0.0).least]))
         fix_legs(pricer, [0], at)
         relax_by_walks(pricer, np.zeros(1, np.int64), [])
-        pool, _ = list_tours(Pool.empty(1, 6), pricer, at, 10_000, 10_000)
+        pool = list_tours(nothing := Pool.empty(1, 6), pricer, at, 10_000, 10_000, nothing).pool
         pool.needed(at, cap)
 
     def search(self, recorder: Recorder, seed: int) -> Result:

@@ -18,9 +18,12 @@ import numpy as np
 from formulations.routing.columns.completion import Bins, bins_left, completion
 from formulations.routing.columns.label_search import Subproblem
 from formulations.routing.columns.legs import Legs, UavLegs
-from formulations.routing.columns.pricing import DualBound, Pricer, Twin
-from instances.arrays import Floats
+from formulations.routing.columns.pricing import DualBound, Effort, Pricer, Twin
+from instances.arrays import Floats, Ints
 from instances.kernels import njit
+
+_FEWER = 0.9
+"""Part of the legs that thorough fixing must come below to be worth the while."""
 
 
 def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
@@ -40,6 +43,21 @@ def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
         behind = completion(bins, problem.memory, problem.watch, problem.price, problem.sigma)
         _fix(legs.of_uav(k), problem, behind, allowed[k])
     return legs
+
+
+def fix_as_worth(quick: Pricer, thorough: Effort, uavs: Ints, at: DualBound) -> Legs:
+    """Fix legs by a quick pricer, and then thoroughly where that leaves far fewer of the first UAV.
+
+    With ten tasks a tour it leaves a twentieth fewer, for twenty times the work; with twenty, a fifth.
+    """
+
+    def again(legs: Legs, uavs: Ints) -> Legs:
+        return fix_legs(Pricer(legs, quick.cap, thorough, quick.store, quick.out_of_time), uavs, at)
+
+    legs, first = fix_legs(quick, uavs, at), uavs[:1]
+    more = again(legs, first)
+    left, before = (int(np.isfinite(some.between[first]).sum()) for some in (more, legs))
+    return again(more, uavs) if left < _FEWER * before else more
 
 
 @njit(cache=True)

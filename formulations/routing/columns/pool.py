@@ -8,14 +8,14 @@ the cheapest matters. The list of a UAV is given up, not cut, when it does not f
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import TaskCuts
-from formulations.routing.columns.label_search import Found, Labels, Orders, path, search
+from formulations.routing.columns.label_search import Found, Labels, Orders, Subproblem, path, search
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer, Twin
 from formulations.routing.columns.word_sets import has
 from instances.arrays import Bools, Floats, Ints
@@ -125,6 +125,14 @@ class Pool:
         return slice(int(at[0]), int(at[-1]) + 1) if at.size else slice(0, 0)
 
 
+class Lists(NamedTuple):
+    """The tours listed, some of the UAVs that are not, and the number of labels made in vain."""
+
+    pool: Pool
+    reserve: Pool
+    in_vain: int
+
+
 @njit(cache=True)
 def _values(
     visited: NDArray[np.uint64], cost: Floats, price: Floats, sigma: float, cuts: TaskCuts, limit: float, to_least: bool
@@ -205,12 +213,15 @@ class PoolPricer:
         return Priced(least, [tours.column(block.start + int(p)) for p in best], True)
 
 
-def list_tours(pool: Pool, pricer: Pricer, at: DualBound, labels: int, room: int) -> tuple[Pool, int]:
-    """Return `pool` with the tours of more UAVs, those with few legs first, and the number of labels made in vain.
+def list_tours(pool: Pool, pricer: Pricer, at: DualBound, labels: int, room: int, known: Pool) -> Lists:
+    """Return `pool` with the tours of more UAVs, those with few legs first, and some tours of the others in reserve.
 
-    It ends at the first UAV that takes more than `labels` labels, or at `room` tours in all.
+    The first that does not fit into `labels` labels is passed over, and the others after it get no more labels than a
+    reserve; there are never more than `room` tours in all. Of a UAV with too many tours even for the reserve those
+    `known` are kept.
     """
-    allowed = at.allowed(pricer.cap)
+    allowed, in_vain = at.allowed(pricer.cap), 0
+    reserve = Pool.empty(pricer.n_uavs, pricer.legs.n_tasks)
     n_legs = np.isfinite(pricer.legs.between).sum(axis=(1, 2))
     done: dict[Twin, int] = {}
     for k in sorted(np.flatnonzero(~pool.listed).tolist(), key=lambda k: int(n_legs[k])):
@@ -218,41 +229,35 @@ def list_tours(pool: Pool, pricer: Pricer, at: DualBound, labels: int, room: int
         twin = done.setdefault(pricer.twin(k, at.duals, threshold), k)
         if twin != k:
             block = pool.block(twin)
-            if pool.size + block.stop - block.start > room:
-                return pool, 0
-            pool = pool.copying(twin, k, pool)
+            if reserve.listed[twin]:
+                reserve = reserve.copying(twin, k, reserve)
+            elif pool.listed[twin] and pool.size + block.stop - block.start <= room:
+                pool = pool.copying(twin, k, pool)
             continue
         problem, store = pricer.subproblem(k, at.duals), pricer.store.of_uav(k)
-        found = search(problem, store, threshold, pricer.out_of_time, labels=labels, tours=room - pool.size)
-        if not found.complete:
-            return pool, found.labels
-        pool = _listing(pool, k, store, found)
-    return pool, 0
+        most, left = labels if in_vain == 0 else min(labels, _RESERVE_LABELS), room - pool.size
+        found = search(problem, store, threshold, pricer.out_of_time, labels=most, tours=left)
+        if found.complete:
+            pool = _listing(pool, k, store, found)
+            continue
+        in_vain += found.labels
+        reserve = _reserve(reserve, problem, store, pricer, k, at, known)
+    return Lists(pool, reserve, in_vain)
 
 
-def reserve_tours(known: Pool, pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Pool:
-    """Return the tours of `uavs` nearest to routes of the relaxation: as large a share of the gap as fits.
+def _reserve(
+    reserve: Pool, problem: Subproblem, store: Labels, pricer: Pricer, k: int, at: DualBound, known: Pool
+) -> Pool:
+    """Return the reserve with the tours of UAV k nearest to routes of the relaxation: as many as fit.
 
-    They are columns that pricing need not search for; that there are no others is left to the label search. Of a UAV
-    with too many even of the smallest share those `known` are kept.
+    They are columns that pricing need not search for; that there are no others is left to the label search.
     """
-    pool, done = Pool.empty(pricer.n_uavs, pricer.legs.n_tasks), dict[Twin, int]()
-    for k in uavs:
-        twin = done.setdefault(pricer.twin(k, at.duals, float(at.least[k])), k)
-        if twin != k and pool.listed[twin]:
-            pool = pool.copying(twin, k, pool)
-            continue
-        problem, store = pricer.subproblem(k, at.duals), pricer.store.of_uav(k)
-        for share in _SHARES:
-            threshold = float(at.least[k]) + share * (pricer.cap - at.value)
-            found = search(problem, store, threshold, pricer.out_of_time, labels=_RESERVE_LABELS, tours=_RESERVE)
-            if found.complete:
-                pool = _listing(pool, k, store, found)
-                break
-        else:
-            if known.listed[k]:
-                pool = pool.copying(k, k, known)
-    return pool
+    for share in _SHARES:
+        threshold = float(at.least[k]) + share * (pricer.cap - at.value)
+        found = search(problem, store, threshold, pricer.out_of_time, labels=_RESERVE_LABELS, tours=_RESERVE)
+        if found.complete:
+            return _listing(reserve, k, store, found)
+    return reserve.copying(k, k, known) if known.listed[k] else reserve
 
 
 def _listing(pool: Pool, k: int, store: Labels, found: Found) -> Pool:

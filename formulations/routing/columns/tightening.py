@@ -13,11 +13,11 @@ import numpy as np
 
 from formulations.routing.columns.branching import choose
 from formulations.routing.columns.cuts import separate
-from formulations.routing.columns.fixing import fix_legs
+from formulations.routing.columns.fixing import fix_as_worth
 from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
-from formulations.routing.columns.pool import PoolPricer, list_tours, reserve_tours
+from formulations.routing.columns.pool import PoolPricer, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Prices
 from formulations.routing.columns.walks import relax_by_walks
 from instances import Routes
@@ -167,19 +167,19 @@ def _reduce(node: Node, at: DualBound, cap: float, work: Workspace) -> None:
     if others.size == 0:
         return
     gap = cap - at.value
-    thorough = (work.cutting if node.cuts else work.plain).thorough
+    pricing, thorough = work.cutting if node.cuts else work.plain
     if gap < _REFIX * node.fixed_at:
-        node.legs, node.fixed_at = fix_legs(work.pricer(node.legs, cap, thorough), others, at), gap
+        quick = work.pricer(node.legs, cap, pricing[0])
+        node.legs, node.fixed_at = fix_as_worth(quick, thorough, others, at), gap
     if gap > min(_WORTH_LISTING * cap, _RETRY * node.listing_failed):
         return
     pricer = work.pricer(node.legs, cap, thorough)
-    node.pool, in_vain = list_tours(node.pool, pricer, at, node.room, work.tours_room)
+    node.pool, node.reserve, in_vain = list_tours(node.pool, pricer, at, node.room, work.tours_room, node.reserve)
     if node.pool.complete:
         work.counts["pools"] += 1
     else:
         work.counts["labels in vain"] += in_vain
         node.room, node.listing_failed = _MORE_ROOM * node.room, gap
-        node.reserve = reserve_tours(node.reserve, pricer, np.flatnonzero(~node.pool.listed), at)
 
 
 def bottleneck_tour(master: Master, duals: Duals, weight: Floats) -> Column | None:

@@ -102,13 +102,14 @@ def test_with_some_uavs_listed_the_bound_is_valid_and_no_weaker(seed):
         return generate(Master(7, np.arange(3), cap), [prices], cap, lambda: False).best
 
     alone = bound(pricer())
-    pool, in_vain = list_tours(Pool.empty(3, 7), pricer(), alone, 15, 10_000)
+    pool, reserve, in_vain = list_tours(none := Pool.empty(3, 7), pricer(), alone, 15, 10_000, none)
     assert pool.listed[1]
     assert not pool.complete
     assert in_vain > 0
+    assert not (reserve.listed & pool.listed).any()
     mixed = bound(PoolPricer(pool, pricer()))
     assert mixed.value >= alone.value * (1 - 1e-6)
-    whole, in_vain = list_tours(pool, pricer(), alone, 10_000, 10_000)
+    whole, _, in_vain = list_tours(pool, pricer(), alone, 10_000, 10_000, none)
     assert whole.complete
     assert in_vain == 0
     listed = bound(PoolPricer(whole))
@@ -116,6 +117,23 @@ def test_with_some_uavs_listed_the_bound_is_valid_and_no_weaker(seed):
     best = min(longest for giving, longest in longest_tours(instance) if 1 not in giving[:4])
     assert mixed.value <= best * (1 + 1e-9) or best > cap
     assert listed.value <= best * (1 + 1e-9) or best > cap
+
+
+def test_a_uav_of_too_many_tours_is_passed_over_and_some_of_them_are_kept_in_reserve():
+    """UAV 0 does not fit; the others, of which hardly a tour matters, are listed after it."""
+    points = np.random.default_rng(3).uniform(0.0, 1.0, (11, 2))
+    instance = Instance("plane", np.hypot(*(points[:, None] - points).transpose(2, 0, 1)), 8, 3)
+    legs = Legs.of(instance).without(0, [0])
+    pricer = Pricer(legs, 9.0, Effort(3, 50, 10**6), make_store(8, 10_000))
+    duals = Duals(np.zeros(8), np.full(3, 0.3), np.zeros(3), np.zeros(0))
+    at, none = DualBound(0.0, duals, np.array([0.0, -8.9, -8.9])), Pool.empty(3, 8)
+    lists = list_tours(none, pricer, at, 60, 10_000, none)
+    assert lists.pool.listed.tolist() == [False, True, True]
+    assert lists.in_vain > 0
+    assert not (lists.reserve.listed & lists.pool.listed).any()
+    whole = list_tours(none, pricer, at, 10_000, 10_000, none)
+    assert whole.pool.complete
+    assert (whole.reserve.size, whole.in_vain) == (0, 0)
 
 
 def longest_tours(instance):

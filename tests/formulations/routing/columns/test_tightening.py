@@ -5,6 +5,7 @@ import pytest
 
 import formulations.routing.columns.tightening as tightening
 from formulations.limits import Limits
+from formulations.routing.columns.fixing import fix_as_worth, fix_legs
 from formulations.routing.columns.generation import Ended, Relaxation, generate
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
@@ -81,6 +82,23 @@ def test_cuts_are_sought_as_long_as_they_raise_the_relaxation_whatever_is_known_
     node, work = Node.root(Legs.of(instance), outside, [], np.arange(3)), workspace()
     assert isinstance(tighten(node, 1000.0, work), Branch | Stuck)
     assert work.counts["cuts"] == 4
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_fixing_is_thorough_where_that_leaves_far_fewer_legs(seed):
+    instance, uavs = random_instance(seed), np.arange(M)
+    cap, work = 1.02 * optimum(instance), workspace()
+    allowed, blunt, sharp = Legs.of(instance).under(cap), Effort(0, 3, 50), Effort(5, 200, 50)
+    at = generate(Master(N, uavs, cap), [work.pricer(allowed, cap, sharp)], cap, lambda: False).best
+
+    def legs_left(legs):
+        return [int(np.isfinite(legs.between[k]).sum()) for k in uavs]
+
+    roughly, well = (legs_left(fix_legs(work.pricer(allowed, cap, effort), uavs, at)) for effort in (blunt, sharp))
+    either = legs_left(fix_as_worth(work.pricer(allowed, cap, blunt), sharp, uavs, at))
+    assert either[0] <= well[0]
+    assert either[1] <= (well[1] if either[0] < 0.9 * roughly[0] else roughly[1])
+    assert sum(legs_left(fix_as_worth(work.pricer(allowed, cap, sharp), blunt, uavs, at))) <= sum(well)
 
 
 def test_a_node_out_of_time_is_interrupted_and_one_overtaken_is_left():

@@ -21,7 +21,7 @@ from typing import Any, ClassVar
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.budget import Budget, Teller
-from formulations.routing.search.chained_search import ChainedSearch, suits
+from formulations.routing.search.chained_search import ChainedSearch, suits_at_last
 from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.decomposition import merge
 from formulations.routing.search.endurance import Endurance
@@ -116,7 +116,7 @@ class Memetic(RecordedSolver):
         perturb(part.data, part.tours, parameters.perturbation, recreation, population.rng)
         merge(population.data.costs, part.nodes, part.best, population.best)
         chain = parameters.chain
-        if instance.by_metric is None and suits(search_costs(instance), instance.n_tasks, chain):
+        if instance.by_metric is None and suits_at_last(search_costs(instance), instance.n_tasks, chain):
             ChainedSearch(population.data, population.best, chain, population.rng).advance(0.0, 1)
 
     def search(self, recorder: Recorder, seed: int) -> Result:

@@ -5,17 +5,19 @@ alone (decomposition.py), perturb a member (perturbation.py), cross two (crossov
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
-Where few UAVs fly long tours there is one founder, and then a chained local search (chained_search.py).
+Where few UAVs fly long tours there is one founder, and then a chained local search (chained_search.py); where more
+do, and the limit allows for few founders, it goes on from the population's best tours.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.budget import Window
-from formulations.routing.search.chained_search import ChainedSearch, nearest_in_turn, suits
+from formulations.routing.search.chained_search import ChainedSearch, nearest_in_turn, suits, suits_at_last
 from formulations.routing.search.costs import AlikeCosts
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around_longest, merge, subproblem
@@ -67,11 +69,15 @@ class Population(Lineage):
         self.best = duplicate(self._newcomer.tours)
         self.improved = True
         self._long = suits(data.costs, data.size[0], parameters.chain)
+        self._handover = math.inf
         self._chained: ChainedSearch | None = None
 
     def plan(self, step: float) -> None:
-        """Say which part of the limit a step takes; where tours are long the only founder is short."""
+        """Say which part of the limit a step takes, and when chained search begins; the only founder is then short."""
         super().plan(step)
+        chain = self.parameters.chain
+        few = self.family.founder >= chain.founder and suits_at_last(self.data.costs, self.data.size[0], chain)
+        self._handover = chain.after if few else math.inf
         if self._long:
             self.end = self._begin + self.parameters.chain.begin
 
@@ -101,7 +107,7 @@ class Population(Lineage):
 
     def grow_up(self) -> None:
         """End the stage: what the newcomer came to is then whole and its tours' orders are better."""
-        if self._long:
+        if self._long or self._chained is not None:
             return
         grown = self._grown()
         if self.parameters.population.kicks > 0:
@@ -111,17 +117,15 @@ class Population(Lineage):
 
     def take_in(self) -> None:
         """Take the newcomer in that has grown up."""
-        if self._long:
+        if self._long or self._chained is not None:
             self.family.stages += 1
         else:
             self._take_in(self._fittest)
 
     def begin(self, now: float, others: int = 0) -> None:
         """Begin the next stage; `others` are under way in other threads."""
-        if self._long:
-            assert isinstance(self.data.costs, AlikeCosts)
-            begin = nearest_in_turn(self.data.costs, self.data.size[0])
-            self._chained = ChainedSearch(self.data, begin, self.parameters.chain, self.rng)
+        if self._long or now >= self._handover:
+            self._chained = self._chain()
             self._begin, self.end = now, 1.0
             return
         staleness, schedule, founder = self._staleness, self.parameters.schedule, None
@@ -137,6 +141,14 @@ class Population(Lineage):
         self._steps = self.annealing._replace(strings=self._schedule.final.strings * self.annealing.strings)
         self._fittest = duplicate(self._newcomer.tours)
         self._begin, self.end = now, self._fitting(self._newcomer.length, now)
+
+    def _chain(self) -> ChainedSearch:
+        """Return a chained search, from tours of its own where tours are long, else from the best."""
+        chain = self.parameters.chain
+        if not self._long:
+            return ChainedSearch(self.data, self.best, chain._replace(first=chain.reheated), self.rng)
+        assert isinstance(self.data.costs, AlikeCosts)
+        return ChainedSearch(self.data, nearest_in_turn(self.data.costs, self.data.size[0]), chain, self.rng)
 
     def _grown(self) -> Tours:
         """Return the newcomer as its stage left it; a subproblem's tours are merged where they are fitter."""

@@ -12,8 +12,10 @@ from formulations.limits import Limits
 from formulations.routing.search import chained_search as chained
 from formulations.routing.search import giant_tour as giant
 from formulations.routing.search.costs import both_ways, search_costs
+from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.tours import from_routes, to_routes
@@ -162,6 +164,29 @@ def test_a_run_repeats_for_a_seed_and_starts_from_what_is_given():
     start = first.routes
     after = Chained().solve(instance, limits=Limits(time=60.0, iterations=50), seed=5, start=start)
     assert after.objective <= first.objective
+
+
+@pytest.mark.parametrize(
+    ("few", "founder", "now", "chained_then"),
+    [(10, 0.0, 0.7, True), (10, 0.0, 0.5, False), (11, 0.0, 0.7, False), (10, 0.2, 0.7, False)],
+)
+def test_it_takes_over_the_best_tours_of_a_population_late_where_founders_are_few(few, founder, now, chained_then):
+    instance, _ = one_site(9, 40, 4)
+    data = problem_data(search_costs(instance), 40, FULL.neighbourhood)
+    parameters = replace(FULL, chain=chained.ChainParameters(few=few, founder=founder))
+    population = Population(data, Endurance(instance, data.costs), parameters, seeded(1), None)
+    population.plan(1e-5)  # a founder takes a tenth of the limit
+    population.family.members = [population.best, population.best]
+    population.begin(now)
+    assert (population._chained is not None) == chained_then
+    if population._chained is not None:
+        before = population.incumbent
+        assert population._chained.longest == pytest.approx(before)
+        population.advance(0.8, 200)
+        assert population.incumbent < before
+        population.grow_up()
+        population.take_in()
+        assert check_routes(instance, to_routes(population.best)) == []
 
 
 def test_it_suits_long_tours_from_one_site_only():

@@ -167,15 +167,23 @@ def test_a_run_repeats_for_a_seed_and_starts_from_what_is_given():
 
 
 @pytest.mark.parametrize(
-    ("few", "founder", "now", "chained_then"),
-    [(10, 0.0, 0.7, True), (10, 0.0, 0.5, False), (11, 0.0, 0.7, False), (10, 0.2, 0.7, False)],
+    ("many", "few", "founder", "now", "chained_then"),
+    [
+        (40, 10, 0.0, 0.7, True),
+        (40, 10, 0.0, 0.5, False),
+        (41, 10, 0.0, 0.7, False),
+        (40, 11, 0.0, 0.7, False),
+        (40, 10, 0.9, 0.7, False),
+    ],
 )
-def test_it_takes_over_the_best_tours_of_a_population_late_where_founders_are_few(few, founder, now, chained_then):
+def test_it_takes_over_the_best_tours_of_a_population_late_where_founders_are_few(
+    many, few, founder, now, chained_then
+):
     instance, _ = one_site(9, 40, 4)
     data = problem_data(search_costs(instance), 40, FULL.neighbourhood)
-    parameters = replace(FULL, chain=chained.ChainParameters(few=few, founder=founder))
+    parameters = replace(FULL, chain=chained.ChainParameters(many=many, few=few, founder=founder))
     population = Population(data, Endurance(instance, data.costs), parameters, seeded(1), None)
-    population.plan(1e-5)  # a founder takes a tenth of the limit
+    population.plan(1e-5)
     population.family.members = [population.best, population.best]
     population.begin(now)
     assert (population._chained is not None) == chained_then

@@ -45,7 +45,7 @@ from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pool import Pool, list_tours
-from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer, efforts
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer, efforts, walking
 from formulations.routing.columns.proof_log import ProofLog
 from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.state_labelling import StateLabels
@@ -189,7 +189,7 @@ class BranchAndPrice(RecordedSolver):
         # states may differ where their least legs do not
         kinds = None if "states" in instance.axes else legs.kinds()
         if kinds is not None and not kinds.any() and instance.n_tasks >= _LONG * instance.n_depots:
-            work.walks = None if "time" in instance.axes else work.plain.pricing[0]
+            work.walks = None if "time" in instance.axes else walking(instance.n_tasks, self.bins)
         return Tree(legs, _columns(recorder), work, bound, most, kinds)
 
     def destroy(self, recorder: Recorder, patience: Patience, whole: Tree) -> None:

@@ -32,6 +32,8 @@ from formulations.routing.columns.legs import UavLegs
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
+_NEAREST = 0.1
+"""Returns of walks that the nearest task counts for, the second half as many, and so on."""
 _SLACK = 1e-9  # of a bin: far more than rounding errors, in the direction that forbids less
 
 
@@ -46,12 +48,20 @@ class Memory(NamedTuple):
     step: NDArray[np.int16]
 
     @classmethod
-    def nearest(cls, between: Floats, size: int) -> Memory:
-        """Remember at each task the `size` nearest others; `between` (n, n) [s] the cost of any one UAV."""
+    def nearest(cls, between: Floats, size: int, returns: Floats | None = None) -> Memory:
+        """Remember at each task the `size` nearest others; `between` (n, n) [s] the cost of any one UAV.
+
+        returns (n, n) : how often walks came back to a task (second) by way of another (first), which counts for near.
+        """
         n = between.shape[0]
         distance = np.minimum(between, between.T)
         distance = np.where(np.eye(n, dtype=bool), np.inf, distance)
-        near = np.argsort(distance, axis=1, kind="stable")[:, : min(size, n - 1)].astype(np.int64)
+        order = np.argsort(distance, axis=1, kind="stable")
+        if returns is not None:
+            worth = returns + _NEAREST / (1 + np.argsort(order, axis=1))
+            np.fill_diagonal(worth, -np.inf)
+            order = np.argsort(-worth, axis=1, kind="stable")
+        near = order[:, : min(size, n - 1)].astype(np.int64)
         return cls(near, _memory_steps(near))
 
 

@@ -52,7 +52,7 @@ def fix_as_worth(quick: Pricer, thorough: Effort, uavs: Ints, at: DualBound) -> 
     """
 
     def again(legs: Legs, uavs: Ints) -> Legs:
-        return fix_legs(Pricer(legs, quick.cap, thorough, quick.store, quick.out_of_time), uavs, at)
+        return fix_legs(quick.at(thorough, legs), uavs, at)
 
     legs, first = fix_legs(quick, uavs, at), uavs[:1]
     more = again(legs, first)

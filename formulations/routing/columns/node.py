@@ -51,6 +51,7 @@ class Workspace:
     better : asked after every relaxation: searches on for better routes, and says whether there are any. It is told
         the tour, if there is one, that alone makes the relaxation as long as it is: routes with it may be optimal.
     dives : when to look for routes among the columns of a node.
+    returns : how often walks came back to tasks, where there were any: what pricing is to remember.
     """
 
     out_of_time: Callable[[], bool]
@@ -64,10 +65,11 @@ class Workspace:
     walks: Effort | None = None
     log: ProofLog = field(default_factory=ProofLog)
     dives: Tries = field(default_factory=Tries)
+    returns: Floats | None = None
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""
-        return Pricer(legs, cap, effort, self.store, self.out_of_time)
+        return Pricer(legs, cap, effort, self.store, self.out_of_time, self.returns)
 
 
 @dataclass

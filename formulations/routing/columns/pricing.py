@@ -161,22 +161,36 @@ class Pricer:
     """Prices tours of cost ≤ `cap`, and no longer than their UAV flies, over the legs left: one effort, label search.
 
     cap [s] : of the routes, as in `DualBound.allowed`; caps (m,) [s] : of the tours of each UAV.
+    returns : how often walks came back to tasks, as in `Memory.nearest`.
     """
 
     wanted = 40
     """Columns of a UAV worth adding at once."""
 
-    def __init__(self, legs: Legs, cap: float, effort: Effort, store: Labels, out_of_time: Clock = never) -> None:
+    def __init__(
+        self,
+        legs: Legs,
+        cap: float,
+        effort: Effort,
+        store: Labels,
+        out_of_time: Clock = never,
+        returns: Floats | None = None,
+    ) -> None:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
-        self.n_uavs, self.caps = legs.n_uavs, legs.caps(cap)
+        self.returns, self.n_uavs, self.caps = returns, legs.n_uavs, legs.caps(cap)
         self._bins: dict[int, Bins] = {}
         self._watch: tuple[Duals | None, Watch | None] = (None, None)
         self._priced: tuple[Duals | None, dict[Twin, Priced]] = (None, {})
 
+    def at(self, effort: Effort, legs: Legs, returns: Floats | None = None) -> Pricer:
+        """Return the same pricer of another effort, over other legs, with other `returns` if any are given."""
+        known = self.returns if returns is None else returns
+        return Pricer(legs, self.cap, effort, self.store, self.out_of_time, known)
+
     @cached_property
     def memory(self) -> Memory:
         """The ng-neighbourhoods, the same for every UAV."""
-        return Memory.nearest(np.minimum.reduce(self.legs.between), self.effort.near)
+        return Memory.nearest(np.minimum.reduce(self.legs.between), self.effort.near, self.returns)
 
     def bins(self, k: int) -> Bins:
         """Return the time of UAV k's legs in bins (made when first asked for: some never are)."""
@@ -252,3 +266,8 @@ def efforts(n_tasks: int, bins: int) -> tuple[Efforts, Efforts]:
     plain = Efforts((few, more, Effort(4, fine, 20_000), Effort(5, bins, 300_000)), Effort(5, fine, 0))
     watching = (replace(few, watch=1), replace(more, watch=2), Effort(3, middle, 30_000, 2))
     return plain, Efforts((*watching, Effort(4, middle, 300_000, 2)), Effort(4, middle, 0, 2))
+
+
+def walking(n_tasks: int, bins: int) -> Effort:
+    """Return how hard to price walks: few tasks remembered, as which these are is learnt."""
+    return Effort(6 if n_tasks <= 100 else 4, max(1, bins * 6 // 10), 1)

@@ -134,10 +134,11 @@ def _begin(node: Node, cap: float, work: Workspace) -> Duals | None:
         return None
     if node.centre is not None:
         return node.centre.duals
-    relaxation, node.columns = relax_by_walks(work.pricer(node.legs, cap, work.walks), node.kinds, node.columns)
-    work.counts["rounds"] += relaxation.rounds
-    node.raise_bound(relaxation.best)
-    return relaxation.best.duals
+    walked = relax_by_walks(work.pricer(node.legs, cap, work.walks), node.kinds, node.columns)
+    node.columns, work.returns = walked.tours, walked.returns
+    work.counts["rounds"] += walked.rounds
+    node.raise_bound(walked.best)
+    return walked.best.duals
 
 
 def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:

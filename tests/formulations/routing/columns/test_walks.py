@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
+from formulations.routing.columns import walks
+from formulations.routing.columns.completion import Memory
 from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer
-from formulations.routing.columns.walks import WalkPricer, relax_by_walks
+from formulations.routing.columns.walks import WalkPricer, _remembered, _returns, relax_by_walks
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, tour_costs
 from tests.formulations.routing.test_branch_and_price import random_instance
@@ -63,17 +65,53 @@ def test_a_relaxation_over_walks_bounds_that_over_tours(seed: int) -> None:
     pricer = pricer_of(instance, cap)
     costs = tour_costs(instance, best.routes)
     known = [Column(k, route, float(costs[k])) for k, route in enumerate(best.routes) if route]
-    relaxation, tours = relax_by_walks(pricer, pricer.legs.kinds(), known)
-    assert relaxation.ended is Ended.SOLVED
+    walked = relax_by_walks(pricer, pricer.legs.kinds(), known)
     whole = generate(Master(9, pricer.legs.kinds(), cap), [pricer], cap, lambda: False)
-    assert relaxation.best.value <= whole.best.value + 1e-6 * cap
+    assert whole.ended is Ended.SOLVED
+    assert walked.best.value <= whole.best.value + 1e-6 * cap
     assert whole.best.value <= best.objective * (1 + 1e-9)
-    for tour in tours:
+    for tour in walked.tours:
         assert len(set(tour.tasks)) == len(tour.tasks)
         assert tour.cost == pytest.approx(
             tour_costs(instance, [()] * tour.uav + [tour.tasks] + [()] * (2 - tour.uav))[tour.uav]
         )
         assert tour.cost <= cap
+
+
+def test_what_walks_return_to_is_remembered_between() -> None:
+    returns = _returns([(0, 4, 5, 0), (1, 2, 3)], np.array([0.5, 1.0]), 6)
+    assert returns[4, 0] == returns[5, 0] == 0.25
+    assert returns.sum() == 0.5
+    place = np.array([0.0, 1.0, 2.0, 3.0, 9.0, 10.0])
+    between = np.abs(place[:, None] - place)
+    before, after = Memory.nearest(between, 2), Memory.nearest(between, 2, returns)
+    assert _remembered((0, 4, 5, 0), before)
+    assert not _remembered((0, 4, 5, 0), after)
+    assert [set(after.near[i]) for i in (4, 5)] == [{5, 0}, {4, 0}]
+    assert (after.near[:4] == before.near[:4]).all()
+
+
+def clusters(seed: int) -> Instance:
+    """Four clusters of four tasks around a site of two UAVs."""
+    rng = np.random.default_rng(seed)
+    points = np.repeat(rng.uniform(0, 100, (4, 2)), 4, axis=0) + rng.uniform(0, 8, (16, 2))
+    leg = (points := np.vstack([points, [[50.0, 50.0]] * 2]))[None] - points[:, None]
+    return Instance("clusters", np.hypot(leg[..., 0], leg[..., 1]), 16, 2)
+
+
+def test_memories_made_of_returns_raise_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    raised = []
+    for seed in range(4):
+        instance = clusters(seed)
+        cap = float(instance.cost.mean() * 5)
+        pricer = Pricer(Legs.of(instance).under(cap), cap, Effort(3, 300, 1), make_store(16, 1000))
+        with monkeypatch.context() as only:
+            only.setattr(walks, "_DULL", -1)
+            once = relax_by_walks(pricer, pricer.legs.kinds(), []).best.value
+        better = relax_by_walks(pricer, pricer.legs.kinds(), []).best.value
+        assert better >= once
+        raised.append(better / once)
+    assert sorted(raised)[1] > 1.02
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -153,8 +153,11 @@ def _expand(
         fresh, time = seen.copy(), store.cost[label]
         knot = knot_at(courses, time)
         since = time - courses.knots[knot]
+        most = bins_left(cap - time, bins)
         for a in range(degree[here]):
             j = order[here, a]
+            if bins.fewest[here, j] > most:
+                break
             spent = (time + on_course(courses, here, j, knot, since)) * courses.rounded
             if has(seen, j) or not spent <= cap:
                 continue

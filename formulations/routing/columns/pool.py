@@ -95,10 +95,10 @@ class Pool:
 
     def may_visit(self, n_tasks: int) -> Bools:
         """Say which UAV has a tour with which task, shape (m, n)."""
-        may = np.zeros((self.listed.size, n_tasks), np.bool_)
-        for i in range(n_tasks):
-            may[self.uav[self.holds(i)], i] = True
-        return may
+        tasks = np.arange(n_tasks)
+        blocks = [self.block(k) for k in range(self.listed.size)]
+        of_any = np.array([np.bitwise_or.reduce(self.visited[block], axis=0) for block in blocks])
+        return (of_any[:, tasks >> 6] >> (tasks & 63).astype(np.uint64)) & np.uint64(1) != 0
 
     def without(self, task: int, uavs: list[int]) -> Pool:
         """Drop the tours in which one of `uavs` visits `task`."""
@@ -142,29 +142,39 @@ def _values(
     Cuts, which never lower it, are looked at only where that matters; for the least of all, if asked `to_least`, also
     above the limit.
     """
-    value, least = np.empty(cost.size), np.inf
+    value, least, of_bytes = np.empty(cost.size), np.inf, _sums_of_bytes(price, 64 * visited.shape[1])
     for p in range(cost.size):
-        total = sigma * cost[p] - _earned(visited[p], price)
+        total = sigma * cost[p] - _earned(visited[p], of_bytes)
         if total < limit or (to_least and total < least):
-            total += _paid(visited[p], cuts)
+            total += _paid(visited[p], cuts, (max(limit, least) if to_least else limit) - total)
             least = min(least, total)
         value[p] = total if total < limit else np.inf
     return value, least
 
 
+@njit(cache=True)
+def _sums_of_bytes(price: Floats, bits: int) -> Floats:
+    """Return the sum of prices [s] for every byte of a set and each of its values, (bits / 8, 256)."""
+    sums = np.zeros((bits // 8, 256))
+    for i in range(price.size):
+        low = 1 << (i & 7)
+        for value in range(low):
+            sums[i >> 3, low + value] = sums[i >> 3, value] + price[i]
+    return sums
+
+
 @njit(cache=True, inline="always")
-def _earned(words: NDArray[np.uint64], price: Floats) -> float:
+def _earned(words: NDArray[np.uint64], of_bytes: Floats) -> float:
     total = 0.0
     for w in range(words.size):
-        rest = words[w]
-        while rest != np.uint64(0):
-            total += price[64 * w + _lowest(rest)]
-            rest &= rest - np.uint64(1)
+        for b in range(8):
+            total += of_bytes[8 * w + b, (words[w] >> np.uint64(8 * b)) & np.uint64(255)]
     return total
 
 
 @njit(cache=True)
-def _paid(words: NDArray[np.uint64], cuts: TaskCuts) -> float:
+def _paid(words: NDArray[np.uint64], cuts: TaskCuts, enough: float) -> float:
+    """Return what a tour pays for cuts [s], or part of it that is `enough`."""
     partners, rho = cuts.partners, cuts.rho
     total = 0.0
     for w in range(words.size):
@@ -179,6 +189,8 @@ def _paid(words: NDArray[np.uint64], cuts: TaskCuts) -> float:
                 # the first two members of a cut that a tour holds pay for it, once
                 if (j < i and has(words, j)) != (k < i and has(words, k)):
                     total += rho[i, q]
+            if total >= enough:
+                return total
     return total
 
 

@@ -21,7 +21,7 @@ from formulations.routing.columns.proof_log import ProofLog
 from instances.arrays import Bools, Floats, Ints
 
 _NARROW = 0.2  # fair shares of the cap: half width of the box that duals begin in where something is known of them
-_FIRST_ROOM = 4_000_000  # labels of the first attempt to list the tours
+_FIRST_ROOM = 4_000_000  # labels of the first attempt to list the tours where cuts do no more
 
 
 @dataclass
@@ -78,8 +78,8 @@ class Node:
 
     number : the node's place in the proof that is kept; proof : the prices at which `bound` holds.
     centre : the best bound of the last relaxation solved here or above.
-    room : labels to list the tours with next time.
     listing_failed : gap [s] at which the tours did not fit a list.
+    room, last_failed : labels to list the tours with where cuts do no more, and the gap [s] at which that failed.
     fixed_at : gap [s] at which legs were fixed away last, here or above.
     kinds : UAVs of one number are alike: any permutation of them turns routes allowed here into such routes.
     reserve : some tours of UAVs that are not listed, to look for columns in first.
@@ -95,6 +95,7 @@ class Node:
     centre: DualBound | None = None
     room: int = _FIRST_ROOM
     listing_failed: float = np.inf
+    last_failed: float = np.inf
     fixed_at: float = np.inf
     number: int = 0
     proof: DualBound | None = None

@@ -24,11 +24,12 @@ from instances import Routes
 from instances.arrays import Floats
 
 _WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not listed, nor cuts sought
-_MORE_ROOM = 4  # times the labels, after an attempt to list the tours that failed
+_QUICK_ROOM = 2_000_000  # labels of a UAV to list its tours with while cuts raise the bound: lists shrink with the gap
+_MORE_ROOM = 4  # times the labels, after an attempt to list the tours that failed where cuts did no more
 _CUTS_A_ROUND = 50
 _STALLED = 0.05  # of the gap: cuts that close less of it
 _ROUNDS_STALLED = 2
-_DEAR = 0.15  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
+_DEAR = 0.08  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
 _LONG = 15  # tasks a UAV above which labels that pay for cuts cost more than branches
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
@@ -80,15 +81,10 @@ Outcome = Pruned | Improved | Branch | Stuck | Interrupted | Overtaken
 
 def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     """Raise the node's bound until it passes `cap` [s], routes are found, or nothing but branching helps."""
-    node.legs, node.pool = node.legs.under(cap), node.pool.under(cap)
-    lost = np.flatnonzero(~node.may_visit().any(axis=0))
-    if lost.size > 0:
-        node.raise_bound(DualBound.of_lost_task(int(lost[0]), node.legs.n_uavs, node.legs.n_tasks, cap))
-        return Pruned()
     dived, near = node.centre is not None, _begin(node, cap, work)
     if node.bound > cap:
         return Pruned()
-    master, stalled = node.restricted_master(cap, near=near), 0
+    master, stalled, rounds = node.restricted_master(cap, near=near), 0, 0
     # not of the node's bound, which in trees under lower caps is known from outside
     level = -np.inf if node.centre is None else node.centre.value
     while True:
@@ -118,18 +114,30 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
             return Improved(routes)
         dived, listed = True, node.pool.listed
         _reduce(node, best, cap, work)
-        work.log.put_aside(node.number, best, node.pool.listed & ~listed)
         cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
         wide = cap - best.value > _WORTH_LISTING * cap  # then a branch does more than cuts, and sooner
-        dear = not node.pool.complete and (raised < _DEAR * gap or master.n > _LONG * master.m)
-        if not cuts or wide or dear or stalled >= _ROUNDS_STALLED:
+        # what the first relaxation rises above the one before is the branch's doing, and says nothing of cuts
+        dull = rounds > 0 and raised < _DEAR * gap
+        dear = not node.pool.complete and (dull or master.n > _LONG * master.m)
+        done = wide or not cuts or stalled >= _ROUNDS_STALLED or (dear and not _list_at_last(node, best, cap, work))
+        work.log.put_aside(node.number, best, node.pool.listed & ~listed)
+        if done:
             return _branch(node, cap, work)
         master.cut_off(cuts)
         work.counts["cuts"] += len(cuts)
+        rounds += 1
 
 
 def _begin(node: Node, cap: float, work: Workspace) -> Duals | None:
-    """Return duals that those of long tours are near: of the relaxation above, else of one over walks; else None."""
+    """Drop the tours beyond `cap`; raise the bound above it where a task is lost with them, else by walks if asked.
+
+    Return duals that those of long tours are near: of the relaxation above, else of one over walks; else None.
+    """
+    node.legs, node.pool = node.legs.under(cap), node.pool.under(cap)
+    lost = np.flatnonzero(~node.may_visit().any(axis=0))
+    if lost.size > 0:
+        node.raise_bound(DualBound.of_lost_task(int(lost[0]), node.legs.n_uavs, node.legs.n_tasks, cap))
+        return None
     if work.walks is None:
         return None
     if node.centre is not None:
@@ -172,15 +180,26 @@ def _reduce(node: Node, at: DualBound, cap: float, work: Workspace) -> None:
     if gap < _REFIX * node.fixed_at:
         quick = work.pricer(node.legs, cap, pricing[0])
         node.legs, node.fixed_at = fix_as_worth(quick, thorough, others, at), gap
-    if gap > min(_WORTH_LISTING * cap, _RETRY * node.listing_failed):
-        return
-    pricer = work.pricer(node.legs, cap, thorough)
-    node.pool, node.reserve, in_vain = list_tours(node.pool, pricer, at, node.room, work.tours_room, node.reserve)
-    if node.pool.complete:
-        work.counts["pools"] += 1
-    else:
-        work.counts["labels in vain"] += in_vain
-        node.room, node.listing_failed = _MORE_ROOM * node.room, gap
+    if gap <= min(_WORTH_LISTING * cap, _RETRY * node.listing_failed) and not _list(node, at, cap, work, _QUICK_ROOM):
+        node.listing_failed = gap
+
+
+def _list_at_last(node: Node, at: DualBound, cap: float, work: Workspace) -> bool:
+    """List the tours where there is much room for it, and nothing else to do but branching; return whether they fit."""
+    if cap - at.value > _RETRY * node.last_failed:
+        return False
+    if _list(node, at, cap, work, node.room):
+        return True
+    node.room, node.last_failed = _MORE_ROOM * node.room, cap - at.value
+    return False
+
+
+def _list(node: Node, at: DualBound, cap: float, work: Workspace, labels: int) -> bool:
+    """List the tours, of each UAV with up to so many `labels`; return whether they fit."""
+    pricer = work.pricer(node.legs, cap, (work.cutting if node.cuts else work.plain).thorough)
+    node.pool, node.reserve, in_vain = list_tours(node.pool, pricer, at, labels, work.tours_room, node.reserve)
+    work.counts["pools" if node.pool.complete else "labels in vain"] += 1 if node.pool.complete else in_vain
+    return node.pool.complete
 
 
 def bottleneck_tour(master: Master, duals: Duals, weight: Floats) -> Column | None:

@@ -31,6 +31,7 @@ from formulations.routing.columns.pricing import SHY, Column, Duals
 from instances.arrays import Bools, Floats, Ints
 
 _SIMPLEX = 0  # primal where the basis is primal feasible, as it is after new columns: thrice as fast as always dual
+_ONE_BY_ONE = 6  # times that the box is opened only where it binds
 WIDE = 20.0
 """Fair shares of the cap, half width of a box for duals of which nothing is known: tasks of a UAV that sets the
 relaxation alone cost nearly all of the cap."""
@@ -63,6 +64,7 @@ class Master:
         self.half = np.tile(np.broadcast_to(half, n_tasks), 2)
         self.centre = np.outer((1.0, -1.0), np.broadcast_to(centre, n_tasks)).ravel()
         self._known: dict[tuple[int, tuple[int, ...]], int] = {}
+        self._widened = 0
         self._first = 1 + 2 * n_tasks
         n_kinds = self.uavs.size
         self._cuts_from = n_tasks + 2 * n_kinds
@@ -178,10 +180,17 @@ class Master:
         return bool((np.asarray(self._lp.getSolution().col_value)[1 : self._first] > 1e-9).any())
 
     def widen(self, largest: float) -> bool:
-        """Open the box of the duals where it binds, up to `largest` either way; return whether it did anywhere."""
+        """Open the box of the duals where it binds, up to `largest` either way; return whether it did anywhere.
+
+        After a few times everywhere: where one UAV sets the relaxation alone it would bind at one task after the other.
+        """
         slack = np.asarray(self._lp.getSolution().col_value)[1 : self._first]
-        held = np.flatnonzero((slack > 1e-9) & (self.half < largest))
-        self.half[held] = np.minimum(2 * self.half[held], largest)
-        for i in held:
-            self._lp.changeColCost(1 + int(i), float(self.centre[i] + self.half[i]))
-        return held.size > 0
+        held = (slack > 1e-9) & (self.half < largest)
+        if not held.any():
+            return False
+        self._widened += 1
+        self.half[held | (self._widened > _ONE_BY_ONE)] *= 2
+        self.half = np.minimum(self.half, largest)
+        box = np.arange(1, self._first, dtype=np.int32)
+        self._lp.changeColsCost(box.size, box, self.centre + self.half)
+        return True

@@ -25,7 +25,9 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "no reheating": replace(FULL, one_site=replace(FULL.one_site, reheating=NO_REHEATING)),
     "no pull of the mean over plateaus": replace(FULL, schedule=replace(FULL.schedule, most_weight=0.0)),
     "no compact annealings": replace(FULL, one_site=replace(FULL.one_site, compact=0.0)),
-    "no equals in the population": replace(FULL, population=replace(FULL.population, apart=1.0)),
+    "members as near as they come": replace(
+        FULL, several_depots=replace(FULL.several_depots, apart=0.0), one_site=replace(FULL.one_site, apart=0.0)
+    ),
     "no chained search across long tours": replace(FULL, chain=FULL.chain._replace(fewest=10**9, few=10**9)),
     "no chained search in the end": replace(FULL, chain=FULL.chain._replace(few=10**9)),
     "no potentials: near is what costs least": replace(

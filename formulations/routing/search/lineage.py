@@ -1,7 +1,8 @@
 """Lineage: what populations share, with and without a clock: members, their selection, and when stages begin and end.
 
-A newcomer that is no copy of a member replaces the worst member where it is better. What brings forth nothing new for a
-while keeps its best member and restarts with fresh founders, annealed twice as long.
+A newcomer near members competes with them, any other with the worst: members stay apart, as a population of nearly the
+same solutions has nothing left to cross (crowding, De Jong 1975). What brings forth nothing new for a while keeps its
+best member and restarts with fresh founders, annealed twice as long.
 Lineages in several threads are of one family: each has a stage of its own under way, the members are those of all.
 """
 
@@ -64,10 +65,10 @@ class Lineage:
         self._step_length = step
         parameters = self.parameters.population
         least = max(parameters.least, min(parameters.enough, parameters.per_task * self.data.size[0]))
-        founder = step * max(least, parameters.depth * self.data.crowding)
+        founder = step * max(least, parameters.depth * self.strategy.depth * self.data.crowding)
         if founder <= family.longest:
             family.founder = founder
-            family.founders = min(parameters.size, max(2, int(0.5 * family.threads / founder)))
+            family.founders = min(self.strategy.size, max(2, int(0.5 * family.threads / founder)))
             self.end = self._begin + founder
 
     @property
@@ -113,29 +114,26 @@ class Lineage:
     def _select(self, newcomer: Tours) -> bool:
         """Add a copy of `newcomer` where it is better than a member; return whether it is new and in.
 
-        An equal of members takes the place of that most like it, unless there is room for an equal that is no copy;
-        new it is not: the best of equals may change without end.
+        Near members are all replaced by a newcomer better than the best of them, and keep every other out: members
+        stay apart. No equal of a member is new: the best of equals may change without end.
         """
         measure, same = self.measure, self.parameters.population.same * self.incumbent
-        value = fitness(newcomer.cost, measure)
-        members = self.family.members
+        value, members = fitness(newcomer.cost, measure), self.family.members
         values = [fitness(member.cost, measure) for member in members]
-        equals = [i for i, other in enumerate(values) if abs(value - other) <= same]
-        full = len(values) >= max(2, self.family.founders)
-        worst = int(np.argmax(values)) if values else -1
-        if equals:
-            change, nearest = min((broken_pairs(newcomer, members[i], self.data.site), i) for i in equals)
-            copy = change <= self.parameters.population.apart * self.data.size[0]
-            if copy or (full and value + same >= values[worst]):
-                if value <= values[nearest]:
-                    members[nearest] = duplicate(newcomer)
+        equal = any(abs(value - other) <= same for other in values)
+        apart = self.strategy.apart * self.data.size[0]
+        near = [i for i, member in enumerate(members) if broken_pairs(newcomer, member, self.data.site) <= apart]
+        if near:
+            if value > min(values[i] for i in near):
                 return False
-        elif full and value >= values[worst]:
-            return False
-        if full:
-            del members[worst]
-        members.append(duplicate(newcomer))
-        return not equals
+            rivals = near
+        else:
+            rivals = [int(np.argmax(values))] if len(values) >= max(2, self.family.founders) else []
+            if rivals and value + (same if equal else 0.0) >= values[rivals[0]]:
+                return False
+        self.family.members = [member for i, member in enumerate(members) if i not in rivals]
+        self.family.members.append(duplicate(newcomer))
+        return not equal
 
     def _parents(self) -> tuple[Tours, Tours]:
         """Return a copy of a random member, to become a child, and another member."""

@@ -50,12 +50,13 @@ class Memetic(RecordedSolver):
     cuts : share of steps that cut and rejoin long segments of one or two tours (0 to 1).
     powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, 30, ∞, the recreation draws from; 1 is the total (1 to
         6).
-    focuses : share of the population's later stages that search the longest tour and a few others alone (0 to 1).
+    focuses : share of the population's later stages that search the longest tour and a few others alone, where all
+        UAVs fly from one site (0 to 1).
     reliefs : share of the remaining ones that send a UAV elsewhere; the others are crossovers (0 to 1).
     kicks : of each tour's order at the end of a stage, for each of its tasks; 0 leaves orders to the annealing (0
         to 1000).
-    depth : a founder's annealing takes depth · n² / m steps, no fewer than 10 000 to 25 000, doubled at each new
-        start (at least 0.01).
+    depth : a founder's annealing takes depth · n² / m steps, with several depots a quarter of them, no fewer than
+        10 000 to 25 000, doubled at each new start (at least 0.01).
     decoupled : where nodes have several states, take the routes of straight legs with the best states put in
         afterwards: what a plan that ignores them comes to (true or false).
     static : where costs change with time, plan for those of take-off as if they stayed: what a plan that ignores the

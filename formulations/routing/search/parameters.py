@@ -24,25 +24,23 @@ from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS, Strat
 
 @dataclass(frozen=True)
 class PopulationParameters:
-    """Members, and the stages that renew them.
+    """Stages that renew members; one long annealing instead of a population gives 0.28 and 0.14.
 
     Figures: mean gaps in % with several depots and with one (README of routing); with all of them 0.07 and 0.00.
 
-    size: members at most; one long annealing instead of a population gives 0.28 and 0.14.
-    decompositions: share of the later stages that search a subproblem.
+    decompositions: share of the later stages that search a subproblem, where the strategy has such.
     perturbations: share of the remaining ones that perturb a member; the others are children of crossover.
     kicks: double bridges of each tour at the end of a stage, for each of its tasks.
-    depth: a founder's annealing takes depth · n² / m steps: long tours need more than their number of tasks says.
+    depth: a founder's annealing takes depth · n² / m steps, or the share of them that the strategy says: long tours
+    need more than their number of tasks says.
     least, per_task, enough: steps of a founder at least, `least` or `per_task` for each task up to `enough`; small
     instances gain more by new starts.
     child, perturbed: lengths of the stages of a child and of a perturbed member, in those of a founder: both keep most
     of their tours.
     same: solutions whose fitness differs by less than this share of the incumbent's longest tour are equals; a total
     tells less (energy.py).
-    apart: share of the tasks that must have other neighbours for an equal of a member to be no copy of it.
     """
 
-    size: int = 8
     decompositions: float = 0.6
     perturbations: float = 0.5
     kicks: float = 1.0
@@ -53,7 +51,6 @@ class PopulationParameters:
     child: float = 0.5
     perturbed: float = 0.15
     same: float = 2e-7
-    apart: float = 0.05
 
 
 @dataclass(frozen=True)

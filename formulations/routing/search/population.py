@@ -180,7 +180,8 @@ class Population(Lineage):
     def _renewed(self) -> Newcomer:
         """Return a newcomer made from members."""
         parameters, schedule = self.parameters.population, self.parameters.schedule
-        if self.data.size[1] > 2 and uniform(self.rng) < parameters.decompositions:
+        focused = self.strategy.focused and self.data.size[1] > 2
+        if focused and uniform(self.rng) < parameters.decompositions:
             part, how = self.decomposed(), self.parameters.decomposition
             tours, length = duplicate(part.tours), self._step_length * max(how.least, how.depth * part.data.crowding)
             if uniform(self.rng) < how.perturbed:

@@ -1,5 +1,7 @@
 """Crossover, and what a population does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -98,6 +100,7 @@ def new_population(seed, positions, decompositions=0.0, perturbations=0.0):
     instance, data = plane(seed, positions)
     stages = PopulationParameters(decompositions=decompositions, perturbations=perturbations, depth=1.0)
     parameters = SearchParameters(annealing=AnnealingParameters(removals=6, guides=4), population=stages)
+    parameters = replace(parameters, several_depots=replace(SEVERAL_DEPOTS, size=8, focused=True))
     return instance, Population(data, Endurance(instance, data.costs), parameters, seeded(seed), None)
 
 
@@ -149,7 +152,7 @@ def test_a_population_that_may_run_once_only_does_not_split_its_time():
 
 def test_where_all_start_at_one_site_fitness_is_measured_by_the_incumbent_and_recreations_look_at_all_near_tasks():
     together, apart = (new_population(6, positions)[1] for positions in ([(0, 0)] * 3, SPREAD))
-    assert (together.strategy, apart.strategy) == (ONE_SITE, SEVERAL_DEPOTS)
+    assert (together.strategy, apart.strategy.measure) == (ONE_SITE, SEVERAL_DEPOTS.measure)
     assert together.measure.cap == together.best.cost.max()
     assert apart.measure == SEVERAL_DEPOTS.measure
     assert together.annealing.recreate.width == NeighbourhoodParameters().tasks > apart.annealing.recreate.width

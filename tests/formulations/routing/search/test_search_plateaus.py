@@ -100,26 +100,60 @@ def test_annealings_are_compact_the_more_often_the_longer_nothing_was_new_but_fo
     assert least <= count <= most
 
 
+def choosing(cost, founders=3, apart=0.3):
+    """Return a population of no members, and what gives it routes and says whether they are new and in."""
+    data = problem_data(both_ways(cost), N, NeighbourhoodParameters())
+    strategy = replace(SEVERAL_DEPOTS, apart=apart)
+    parameters = replace(SearchParameters(), several_depots=strategy, one_site=strategy)
+    population = Population(data, Endurance(FLAT, data.costs), parameters, seeded(1), None)
+    population.family.founders, population.family.members = founders, []
+    return population, lambda *routes: population._select(rings.from_routes(data.costs, routes))
+
+
+def members(population):
+    return [rings.to_routes(member) for member in population.family.members]
+
+
+LONG, SHORT = (2, 3, 4, 5, 6, 7, 8), (0, 9, 1, 10, 11)
+
+
 def test_a_population_keeps_equals_that_differ_and_of_copies_the_one_with_the_smaller_total():
     cost = FLAT.cost.copy()
     cost[0, 1] = 2.0
-    data = problem_data(both_ways(cost), N, NeighbourhoodParameters())
-    members = replace(SearchParameters().population, apart=0.3)
-    parameters = replace(SearchParameters(), population=members)
-    population = Population(data, Endurance(FLAT, data.costs), parameters, seeded(1), None)
-    population.family.founders, population.family.members = 3, []
-
-    def select(*routes):
-        return population._select(rings.from_routes(data.costs, routes))
-
-    long, short = (2, 3, 4, 5, 6, 7, 8), (0, 9, 1, 10, 11)
-    assert select(long, short)
-    assert not select(long[::-1], short)
-    assert not select(long, (9, 0, 1, 10, 11))
-    assert [rings.to_routes(member) for member in population.family.members] == [(long, (9, 0, 1, 10, 11))]
-    assert not select(long, short)
+    population, select = choosing(cost)
+    assert select(LONG, SHORT)
+    assert not select(LONG[::-1], SHORT)
+    assert not select(LONG, (9, 0, 1, 10, 11))
+    assert members(population) == [(LONG, (9, 0, 1, 10, 11))]
+    assert not select(LONG, SHORT)
     assert population.family.members[0].cost.sum() == 3.0 * (N + M) - 1.0
     assert not select((5, 0, 7, 2, 10, 3, 8), (4, 9, 6, 1, 11))
     assert len(population.family.members) == 2
     assert select((2, 0, 1, 3, 4, 5, 6), (7, 8, 9, 10, 11))
     assert len(population.family.members) == 3
+
+
+def test_a_newcomer_near_members_replaces_all_of_them_or_none():
+    cost = FLAT.cost.copy()
+    cost[2, 3], cost[2, 4] = 2.0, 1.0
+    population, select = choosing(cost, apart=0.5)
+    stranger = (5, 0, 7, 2, 10, 3, 8), (4, 9, 6, 1, 11)
+    one, other = (LONG, (0, 1, 9, 10, 11)), ((2, 3, 5, 4, 6, 7, 8), (0, 1, 9, 11, 10))
+    select(*stranger)
+    select(*one)
+    population.family.members.append(rings.from_routes(population.data.costs, other))
+    assert not select((3, 2, 5, 4, 6, 7, 8), (0, 1, 9, 10, 11))  # near both, and worse than either
+    assert len(population.family.members) == 3
+    better = (2, 4, 3, 5, 6, 7, 8), (0, 1, 9, 10, 11)
+    assert select(*better)
+    assert members(population) == [stranger, better]
+
+
+def test_a_newcomer_near_no_member_replaces_the_worst_of_a_full_population_where_it_is_better():
+    population, select = choosing(FLAT.cost, founders=2, apart=0.0)
+    worst, better = ((*range(10),), (10, 11)), ((*range(9),), (9, 10, 11))
+    assert select(*worst)
+    assert select(*better)
+    assert not select((*range(11),), (11,))
+    assert select((7, 6, 0, 3, 1, 5, 2, 4), (11, 8, 10, 9))
+    assert members(population) == [better, ((7, 6, 0, 3, 1, 5, 2, 4), (11, 8, 10, 9))]

@@ -2,6 +2,7 @@
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,10 +15,11 @@ from formulations.routing.search.budget import Budget, BudgetParameters, Window
 from formulations.routing.search.costs import search_costs
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.lineage import Family
-from formulations.routing.search.parameters import PopulationParameters, SearchParameters
+from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.population import Population, next_stages, share_best
 from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
+from formulations.routing.search.strategy import SEVERAL_DEPOTS
 from formulations.routing.solver import ignore
 from instances import Instance, check_routes, tour_costs
 
@@ -31,7 +33,7 @@ def plane(seed, endurance=None):
 
 
 def family_of_two(instance, seed=1):
-    parameters = SearchParameters(population=PopulationParameters(size=FOUNDERS, decompositions=0.0))
+    parameters = SearchParameters(several_depots=replace(SEVERAL_DEPOTS, size=FOUNDERS))
     endurance = Endurance(instance, search_costs(instance))
     endurance.refer(endurance.most)
     data, family = problem_data(endurance.costs, N, parameters.neighbourhood), Family(threads=2)

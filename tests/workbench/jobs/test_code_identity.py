@@ -47,6 +47,7 @@ def test_a_changed_constant_in_an_imported_kernel_takes_effect(checkout):
     )
     for step in (1, 2, 1):
         inner.write_text(KERNEL.replace("STEP", str(step)))
+        os.utime(inner, (step, step))  # Python takes files of one size and one second for the same
         assert python("from formulations.outer import outer; print(outer(1))").strip() == str(10 * (1 + step))
     kept = list((checkout.parent / "machine-code").glob("kernels-of-*/*/formulations/outer.*.nbc"))
     assert len(kept) == 2  # the third time is the first again

@@ -52,7 +52,8 @@ def test_other_winds_agree_with_an_integrator(wind):
         def slowness(s, _, a=a, e=tangent):
             return 1 / ground_speeds(wind([a + s * e]), e[None], AIRSPEED)
 
-        flown = solve_ivp(slowness, (0, length), [0.0], rtol=1e-8, atol=1e-8, max_step=length / 200)  # kinks of the grid
+        # the steps meet the kinks of the grid
+        flown = solve_ivp(slowness, (0, length), [0.0], rtol=1e-8, atol=1e-8, max_step=length / 200)
         assert time == pytest.approx(flown.y[0, -1], rel=1e-6)
 
 

@@ -28,6 +28,10 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "members as near as they come": replace(
         FULL, several_depots=replace(FULL.several_depots, apart=0.0), one_site=replace(FULL.one_site, apart=0.0)
     ),
+    "eight members, with several depots": replace(FULL, several_depots=replace(FULL.several_depots, size=8)),
+    "searches of some tours alone, with several depots": replace(
+        FULL, several_depots=replace(FULL.several_depots, focused=True)
+    ),
     "no chained search across long tours": replace(FULL, chain=FULL.chain._replace(fewest=10**9, few=10**9)),
     "no chained search in the end": replace(FULL, chain=FULL.chain._replace(few=10**9)),
     "no potentials: near is what costs least": replace(

@@ -52,7 +52,7 @@ def test_other_winds_agree_with_an_integrator(wind):
         def slowness(s, _, a=a, e=tangent):
             return 1 / ground_speeds(wind([a + s * e]), e[None], AIRSPEED)
 
-        # the steps meet the kinks of the grid
+        # short steps: over kinks of the grid those of length / 40 err by up to 1.3e-6
         flown = solve_ivp(slowness, (0, length), [0.0], rtol=1e-8, atol=1e-8, max_step=length / 200)
         assert time == pytest.approx(flown.y[0, -1], rel=1e-6)
 

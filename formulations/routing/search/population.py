@@ -1,7 +1,8 @@
 """Population: a few good solutions, renewed by annealed founders and annealed offspring.
 
-A stage anneals one newcomer. The first stages make founders from scratch; later ones search some tours of a member
-alone (decomposition.py), perturb a member (perturbation.py), cross two (crossover.py) or reheat one (strategy.py).
+A stage anneals one newcomer. The first stages make founders from scratch; later ones perturb a member
+(perturbation.py), cross two (crossover.py) or, at one site, search some tours of one alone (decomposition.py) or reheat
+it (strategy.py).
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from instances.files import write_routes
 from reports.figures.svg import Drawn
+from tests.workbench.mission.small import SMALL
 from workbench.cli import COMMANDS
 
 PAGE = (Path(__file__).parents[3] / "docs/json.md").read_text(encoding="utf-8")
@@ -24,7 +25,7 @@ TYPED = {
     "select": "select small.json --endurance 900 --information --method subset-dp",
     "place": "place --tasks 2 --method greedy --tests 4x4",
     "place --study": "place --study n=2..3 --method greedy --tests 4x4",
-    "place --polish": "place --polish wind.toml",
+    "place --polish": "place --polish small.toml",
     "costs": "costs wind.toml --option samples=300 --out wind.json",
     "bound": "bound small.json --routes a.sol",
     "certify": "certify small.json --routes a.sol --time-limit 20",
@@ -48,12 +49,14 @@ ELSEWHERE = {"paper", "watch"}
 
 @pytest.fixture
 def ready(cli, instance, instance_file, tmp_path, monkeypatch):
-    """Files that the commands read; figures that are empty, as drawing takes seconds."""
+    """Files that the commands read; figures that are empty and searches that are brief, as both take seconds."""
     write_routes([[0, 1], [2, 3]], instance, tmp_path / "a.sol")
+    (tmp_path / "small.toml").write_text(SMALL.replace('no_fly = "zones.geojson"', ""))
     for kind, name in (("scenario", "wind.toml"), ("mission", "m.toml")):
         cli("init", kind, name)
     for name in ("random_paths", "sensing"):
         monkeypatch.setattr(f"workbench.commands.figures.{name}", lambda seed: Drawn("a", "A", "b", Figure()))
+    monkeypatch.setattr("workbench.commands.place_polish.QUICKLY", 0.5)
     return cli
 
 

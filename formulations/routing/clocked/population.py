@@ -13,7 +13,7 @@ import numpy as np
 from formulations.routing.clocked.annealing import anneal_by_clock
 from formulations.routing.clocked.problem import ClockedProblem
 from formulations.routing.clocked.recreate import recreate
-from formulations.routing.search.crossover import inherit_some
+from formulations.routing.search.crossover import inherit_some, some_tours
 from formulations.routing.search.energy import p_norm
 from formulations.routing.search.lineage import Family, Lineage
 from formulations.routing.search.parameters import SearchParameters
@@ -75,7 +75,8 @@ class ClockedPopulation(Lineage):
     def _child(self) -> Tours:
         """Return the child of two random members."""
         child, other = self._parents()
-        left = inherit_some(self.data.costs, self.data.site, child, other, self.rng)
+        given = some_tours(self.data.size[1], self.rng)
+        left = inherit_some(self.data.costs, self.data.site, child, other, given, self.rng)
         self._insert(child, left)
         return child
 

@@ -71,15 +71,15 @@ def _task_on(tours: Tours, k: int, rng: Rng) -> int:
 
 
 @njit(cache=True, nogil=True)
-def around_longest(
-    near: GranularNeighbourhood, tours: Tours, wanted: int, parameters: DecompositionParameters, rng: Rng
+def around(
+    near: GranularNeighbourhood, tours: Tours, first: int, wanted: int, parameters: DecompositionParameters, rng: Rng
 ) -> Nodes:
-    """Return the longest tour and up to `wanted` − 1 others: near those chosen already, or short ones from anywhere."""
+    """Return tour `first` and up to `wanted` − 1 others: near those chosen already, or short ones from anywhere."""
     m = tours.cost.size
     n = tours.after.size - m
     chosen = np.empty(wanted, np.int32)
     taken = np.zeros(m, np.uint8)
-    chosen[0] = np.argmax(tours.cost)
+    chosen[0] = first
     taken[chosen[0]] = 1
     count = 1
     for _ in range(parameters.draws * wanted):

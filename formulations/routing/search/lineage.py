@@ -25,7 +25,7 @@ class Family:
 
     members: the solutions kept; founder: the length of a founder's stage, as a fraction of the limit; founders: how
     many there are; stages: newcomers taken in, of them since_restart since the last restart and barren since the last
-    that was new.
+    that was new; in_long: what all long founders (strategy.py) took, as a fraction of the limit.
     """
 
     threads: int = 1
@@ -35,6 +35,7 @@ class Family:
     stages: int = 0
     since_restart: int = 0
     barren: int = 0
+    in_long: float = 0.0
 
     @property
     def longest(self) -> float:

@@ -2,7 +2,7 @@
 
 A stage anneals one newcomer. The first stages make founders from scratch; later ones perturb a member
 (perturbation.py), cross two (crossover.py) or, at one site, search some tours of one alone (decomposition.py) or reheat
-it (strategy.py).
+it (strategy.py); where few UAVs fly long tours from several depots most of the time goes to long founders.
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
@@ -21,7 +21,7 @@ from formulations.routing.search.budget import Window
 from formulations.routing.search.chained_search import ChainedSearch, nearest_in_turn, suits, suits_at_last
 from formulations.routing.search.costs import AlikeCosts
 from formulations.routing.search.crossover import crossover
-from formulations.routing.search.decomposition import Subproblem, around_longest, merge, subproblem
+from formulations.routing.search.decomposition import Subproblem, around, merge, subproblem
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.lineage import Family, Lineage
@@ -129,19 +129,37 @@ class Population(Lineage):
             self._chained = self._chain()
             self._begin, self.end = now, 1.0
             return
-        staleness, schedule, founder = self._staleness, self.parameters.schedule, None
-        reheating = self.strategy.draw_reheating(staleness, schedule, self.rng)
-        if reheating is not None:
-            self._newcomer, self._schedule = self._reheated(), reheating
-        else:
-            founder = self._founder() if self._founding(others) else None
-            self._newcomer = founder or self._renewed()
-            self._schedule = self.strategy.draw_schedule(self._newcomer.first, staleness, schedule, self.rng)
-        if founder is None and uniform(self.rng) < self.strategy.compact * min(1.0, staleness):
-            self._schedule = replace(self._schedule, compact=True)
+        self._newcomer, self._schedule = self._long_founder(now, others) or self._drawn(others)
         self._steps = self.annealing._replace(strings=self._schedule.final.strings * self.annealing.strings)
         self._fittest = duplicate(self._newcomer.tours)
         self._begin, self.end = now, self._fitting(self._newcomer.length, now)
+
+    def _long_founder(self, now: float, others: int) -> tuple[Newcomer, Schedule] | None:
+        """Return a long founder and its schedule where the time has come for one, after the usual founders."""
+        how, family = self.strategy.long, self.family
+        if how is None or not how.suits(self.data) or self._founding(others):
+            return None
+        length = min(how.longest, how.depth * self.data.crowding * self._step_length)
+        if now + length > 1.0 or family.in_long > how.share * family.threads * now:
+            return None
+        family.in_long += length
+        softness = how.softness[below(self.rng, len(how.softness))]
+        schedule = Schedule(how.first, softness, self.parameters.schedule.final)
+        return Newcomer(self._constructed(), how.first, length), schedule
+
+    def _drawn(self, others: int) -> tuple[Newcomer, Schedule]:
+        """Return the next newcomer and its schedule; `others` are under way in other threads."""
+        staleness, parameters, founder = self._staleness, self.parameters.schedule, None
+        schedule = self.strategy.draw_reheating(staleness, parameters, self.rng)
+        if schedule is not None:
+            newcomer = self._reheated()
+        else:
+            founder = self._founder() if self._founding(others) else None
+            newcomer = founder or self._renewed()
+            schedule = self.strategy.draw_schedule(newcomer.first, staleness, parameters, self.rng)
+        if founder is None and uniform(self.rng) < self.strategy.compact * min(1.0, staleness):
+            schedule = replace(schedule, compact=True)
+        return newcomer, schedule
 
     def _chain(self) -> ChainedSearch:
         """Return a chained search, from tours of its own where tours are long, else from the best."""
@@ -207,7 +225,7 @@ class Population(Lineage):
         """Return some tours of a random member, to be searched alone."""
         how, whole = self.parameters.decomposition, self._member()
         wanted = 2 + below(self.rng, min(how.most, self.data.size[1] - 1) - 1)
-        uavs = around_longest(self.data.near, whole, wanted, how, self.rng)
+        uavs = around(self.data.near, whole, int(whole.cost.argmax()), wanted, how, self.rng)
         return subproblem(self.data, whole, uavs, self.parameters.neighbourhood)
 
     def perturbed(self) -> Tours:
@@ -219,7 +237,7 @@ class Population(Lineage):
     def child(self) -> Tours:
         """Return the child of two random members."""
         child, other = self._parents()
-        crossover(self.data, child, other, self.parameters.annealing.recreate, self.rng)
+        crossover(self.data, child, other, self.strategy.regions, self.parameters.annealing.recreate, self.rng)
         return child
 
     def _member(self) -> Tours:

@@ -77,7 +77,10 @@ def test_inheriting_a_tour_copies_it_and_names_the_removed(seed):
     assert child.cost == pytest.approx(tour_costs(instance, found))
 
 
-@pytest.mark.parametrize("positions", [SPREAD, SHARED, [(0, 0)]])
+MANY = [(8 * k, 100 * (k % 2)) for k in range(12)]
+
+
+@pytest.mark.parametrize("positions", [SPREAD, SHARED, [(0, 0)], MANY])
 @given(seed=st.integers(0, 10**6))
 @settings(deadline=None, max_examples=30)
 def test_a_child_visits_every_task_once_and_books_its_costs(positions, seed):
@@ -85,10 +88,30 @@ def test_a_child_visits_every_task_once_and_books_its_costs(positions, seed):
     m = len(positions)
     child = rings.from_routes(field.costs, random_routes(seed, m))
     donor = rings.from_routes(field.costs, random_routes(seed + 1, m))
-    mixing.crossover(field, child, donor, RecreateParameters(), seeded(seed))
+    mixing.crossover(field, child, donor, 0.5, RecreateParameters(), seeded(seed))
     routes = rings.to_routes(child)
     assert check_routes(instance, routes) == []
     assert child.cost == pytest.approx(tour_costs(instance, routes))
+
+
+def test_many_tours_are_inherited_from_one_region():
+    """Crowds of five tasks on a circle, each flown round by one UAV one way, in the other parent the other way."""
+    m, angle = 12, np.repeat(np.arange(12), 6) * np.pi / 6 + np.tile(np.linspace(0, 0.3, 6), 12)
+    xy = np.column_stack([np.cos(angle), np.sin(angle)]).reshape(m, 6, 2)
+    xy = np.vstack([xy[:, :5].reshape(-1, 2), xy[:, 5]])
+    cost = np.hypot(*(xy[:, None] - xy).transpose(2, 0, 1))
+    field = problem_data(both_ways(cost), 60, NeighbourhoodParameters())
+    ahead = tuple(tuple(range(5 * k, 5 * k + 5)) for k in range(m))
+    back = tuple(tour[::-1] for tour in ahead)
+    lengths = set()
+    for seed in range(30):
+        child, donor = (rings.from_routes(field.costs, routes) for routes in (ahead, back))
+        mixing.crossover(field, child, donor, 1.0, RecreateParameters(), seeded(seed))
+        given = [k for k, tour in enumerate(rings.to_routes(child)) if tour == back[k]]
+        gaps = [(b - a) % m for a, b in zip(given, given[1:] + given[:1], strict=True)]
+        assert sorted(gaps)[:-1] == [1] * (len(given) - 1), given
+        lengths.add(len(given))
+    assert len(lengths) > 3
 
 
 STEP = 1e-5

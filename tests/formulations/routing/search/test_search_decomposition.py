@@ -27,7 +27,7 @@ def prepared(case):
 @settings(deadline=None, max_examples=40)
 def test_the_longest_tour_and_different_others_are_chosen(random_case, seed, wanted):
     _, data, tours = prepared(random_case(seed, N, M))
-    uavs = decomposition.around_longest(data.near, tours, wanted, HOW, seeded(seed))
+    uavs = decomposition.around(data.near, tours, int(tours.cost.argmax()), wanted, HOW, seeded(seed))
     assert uavs[0] == np.argmax(tours.cost)
     assert len(set(uavs.tolist())) == len(uavs) <= wanted
 
@@ -39,7 +39,9 @@ def test_a_subproblem_takes_tours_that_touch_before_distant_ones():
     data = problem_data(both_ways(cost), 8, NEAR)
     near = data.near._replace(tasks=data.near.tasks[:, :3].copy())
     tours = rings.from_routes(data.costs, ((0, 3), (1, 2), (4, 6), (5, 7)))
-    partners = [int(decomposition.around_longest(near, tours, 2, HOW, seeded(seed))[1]) for seed in range(200)]
+    partners = [
+        int(decomposition.around(near, tours, int(tours.cost.argmax()), 2, HOW, seeded(seed))[1]) for seed in range(200)
+    ]
     assert partners.count(1) > 2 * (partners.count(2) + partners.count(3)) > 0
 
 
@@ -47,7 +49,7 @@ def test_a_subproblem_takes_tours_that_touch_before_distant_ones():
 @settings(deadline=None, max_examples=40)
 def test_a_subproblem_is_an_instance_with_the_same_tours_and_goes_back_as_found(random_case, seed):
     instance, data, tours = prepared(random_case(seed, N, M))
-    uavs = decomposition.around_longest(data.near, tours, 3, HOW, seeded(seed))
+    uavs = decomposition.around(data.near, tours, int(tours.cost.argmax()), 3, HOW, seeded(seed))
     part = decomposition.subproblem(data, tours, uavs, NEAR)
     assert part.tours.cost == pytest.approx(tours.cost[uavs])
     assert part.data.size == (int(tours.size[uavs].sum()), uavs.size)

@@ -13,8 +13,9 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 3. At a node the relaxation by column generation, at the root begun with walks; legs fixed away by reduced cost; a
    UAV's tours listed when they fit; subset-row cuts.
         `columns/tightening.py`, `walks.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
-4. Where the gap stays wide: trees under lower caps. One that ends without routes makes its cap a bound (Klein &
-   Scholl, Eur. J. Oper. Res. 112, 1999: destructive improvement).
+4. Where the root leaves a gap of 2 to 5 %: its relaxation under lower caps, whose long tours lead to routes.
+5. Where the gap stays wide to the end: trees under lower caps. One that ends without routes makes its cap a bound
+   (Klein & Scholl, Eur. J. Oper. Res. 112, 1999: destructive improvement).
 
 Where nodes have several states, labels keep the least cost of each state of their last task; what bounds them knows
 legs at their least over states (`columns/state_labelling.py`).
@@ -73,7 +74,7 @@ _LONG = 15
 Where they are not, walks are priced for every one of them and cost more than they save (50/3, 60/4: a third more).
 """
 _PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end
-_WIDE = 0.02  # gap left after a third of the time above which trials of caps get the next third
+_WIDE = 0.02  # gap left after two thirds of the time above which trials of caps get the last third
 
 
 @dataclass(frozen=True)
@@ -162,13 +163,20 @@ class BranchAndPrice(RecordedSolver):
         limits, patience = recorder.limits, Patience(recorder)
         tree = self.tree(recorder, seed, patience.over, bound=recorder.bound)
         work = tree.work
+
+        def wide() -> bool:
+            return limits.iterations is None and tree.bound(np.inf) < (1 - _WIDE) * recorder.objective
+
         nodes = np.inf if limits.iterations is None else limits.iterations
-        patience.share(1 / 3)
+        tree.probing = True
+        patience.share(2 / 3)
+        work.out_of_time = lambda: patience.over() and (wide() or recorder.remaining <= 0)
         ended = tree.grow(recorder, TOLERANCE, nodes)
+        work.out_of_time = patience.over
         if ended is not StoppedBy.PROOF:
-            if limits.iterations is None and recorder.bound < (1 - _WIDE) * recorder.objective:
+            if wide():
                 # the tree has far to go from a gap as wide as this
-                patience.share(1 / 2)
+                patience.share(1)
                 self.destroy(recorder, patience, tree)
             patience.share(1)
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])

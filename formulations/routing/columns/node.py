@@ -6,7 +6,7 @@ A node holds the legs of a UAV while its tours are too many to list, and lists t
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -49,7 +49,8 @@ class Workspace:
     far : the cheapest way to each task and back [s].
     walks : how hard to price walks, where relaxations begin with them (`walks.py`), else None.
     better : asked after every relaxation: searches on for better routes, and says whether there are any. It is told
-        the tour, if there is one, that alone makes the relaxation as long as it is: routes with it may be optimal.
+        the bound [s] and the longest tours of the UAVs that make the relaxation as long as it is: routes with one of
+        them may be optimal.
     dives : when to look for routes among the columns of a node.
     returns : how often walks came back to tasks, where there were any: what pricing is to remember.
     """
@@ -60,7 +61,7 @@ class Workspace:
     plain: Efforts
     cutting: Efforts
     far: Floats
-    better: Callable[[Column | None], bool] = lambda _: False
+    better: Callable[[float, Sequence[Column]], bool] = lambda *_: False
     counts: Counter[str] = field(default_factory=Counter)
     walks: Effort | None = None
     log: ProofLog = field(default_factory=ProofLog)

@@ -1,13 +1,15 @@
 """The search beside the tree: routes are wanted as much as bounds, and each helps the other.
 
-It goes on from new seeds as long as a gap is left, with about a fifth of the work. Where one UAV alone makes the
-relaxation as long as it is, its tour there may well be the longest tour of the best routes, and one the memetic search
-does not light on by itself: then that tour is kept and the other UAVs are searched for.
+It goes on from new seeds as long as a gap is left, with about a tenth of the work. Where few UAVs make the relaxation
+as long as it is, and that is nearly as long as the routes known, the longest tour of one of them there may well be the
+longest tour of the best routes, and one the memetic search does not light on by itself: then that tour is kept and the
+other UAVs are searched for.
 """
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -22,8 +24,8 @@ STEPS = 125
 """Steps of a search, for each pair of tasks."""
 _STEPS_AROUND = 50  # the same, of a search around a given tour
 _STEPS_A_ROUND = 50  # of the search while a gap is left, for each task and round of column generation
+_NEAR = 0.01  # share of the best routes' longest tour below which relaxations say nothing of tours
 _STEPS_A_LABEL = 0.05  # and for each label made in vain
-_DEPTHS = (0.5, 3.0, 1.0, 10.0)  # of one search after the other: which is best differs from instance to instance
 
 
 class Search:
@@ -37,22 +39,26 @@ class Search:
         self.steps = 0
         self._tried: set[tuple[int, frozenset[int]]] = set()
 
-    def better(self, tour: Column | None) -> bool:
+    def better(self, level: float, tours: Sequence[Column]) -> bool:
         """Search on where that is due; return whether there are better routes. Counts work, not time: repeatable.
 
-        Around a new `tour` it searches before it is due, by one search at most, and every other time it is due.
+        Around the first of the `tours` of a relaxation of `level` [s] that is new it searches before it is due, by one
+        search at most, and around the first every other time it is due.
         """
         n, before = self.recorder.instance.n_tasks, self.recorder.objective
         due = _STEPS_A_ROUND * n * self.counts["rounds"] + _STEPS_A_LABEL * self.counts["labels in vain"]
         steps, time = int(due) - self.steps, self.recorder.remaining / 3
-        if tour is not None and steps > -STEPS * n**2 and (tour.uav, frozenset(tour.tasks)) not in self._tried:
-            self._tried.add((tour.uav, frozenset(tour.tasks)))
+        if level < (1 - _NEAR) * before:
+            tours = ()
+        new = next((tour for tour in tours if (tour.uav, frozenset(tour.tasks)) not in self._tried), None)
+        if new is not None and steps > -STEPS * n**2:
+            self._tried.add((new.uav, frozenset(new.tasks)))
             self.steps += _STEPS_AROUND * n**2
-            search_around(self.recorder, tour, _STEPS_AROUND * n**2, self.seed, time)
+            search_around(self.recorder, new, _STEPS_AROUND * n**2, self.seed, time)
         elif steps >= STEPS * n**2 / 2:
             self.steps += steps
-            if tour is not None and self.run % 2:
-                search_around(self.recorder, tour, steps, self.seed + self.run, time)
+            if tours and self.run % 2:
+                search_around(self.recorder, tours[0], steps, self.seed + self.run, time)
             else:
                 search(self.recorder, steps, self.seed, self.run, time)
             self.run += 1
@@ -61,7 +67,7 @@ class Search:
 
 def search(recorder: Recorder, steps: int, seed: int, run: int, time: float) -> None:
     """Run the memetic search for the `run`-th time, where it takes the instance: the tree needs no routes to begin."""
-    memetic = Memetic(depth=_DEPTHS[run % len(_DEPTHS)])
+    memetic = Memetic()
     if time > 0 and refusal(memetic, recorder.instance) is None:
         found = memetic.solve(recorder.instance, limits=Limits(time=time, iterations=steps), seed=seed + run)
         if found.routes is not None:

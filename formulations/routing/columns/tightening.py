@@ -6,7 +6,7 @@ they fit; then it is cut and solved again. What ends this is one of the outcomes
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +34,7 @@ _LONG = 15  # tasks a UAV above which labels that pay for cuts cost more than br
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
 _USED = 1e-6  # weight of a tour
-_MORE_THAN_HALF = 0.5  # price σ_k of a UAV around whose tour routes are searched for
+_MUCH = 0.2  # price σ_k of a UAV around whose tour routes are searched for
 _DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
 
 
@@ -79,8 +79,13 @@ class Overtaken:
 Outcome = Pruned | Improved | Branch | Stuck | Interrupted | Overtaken
 
 
-def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
-    """Raise the node's bound until it passes `cap` [s], routes are found, or nothing but branching helps."""
+def tighten(
+    node: Node, cap: float, work: Workspace, after: Callable[[Node], Outcome | None] = lambda _: None
+) -> Outcome:
+    """Raise the node's bound until it passes `cap` [s], routes are found, or nothing but branching helps.
+
+    after : asked after every relaxation that leaves a gap: what to end with, or None to go on.
+    """
     dived, near = node.centre is not None, _begin(node, cap, work)
     if node.bound > cap:
         return Pruned()
@@ -108,8 +113,10 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         routes = _whole_tours(master, relaxation.weight) if relaxation.ended is Ended.SOLVED else None
         if routes is not None:
             return Improved(routes)
-        if work.better(bottleneck_tour(master, best.duals, relaxation.weight)):
+        if work.better(best.value, long_tours(master, best.duals, relaxation.weight)):
             return Overtaken()
+        if (outcome := after(node)) is not None:
+            return outcome
         if not dived and (routes := _dive(master, work)) is not None:
             return Improved(routes)
         dived, listed = True, node.pool.listed
@@ -202,11 +209,12 @@ def _list(node: Node, at: DualBound, cap: float, work: Workspace, labels: int) -
     return node.pool.complete
 
 
-def bottleneck_tour(master: Master, duals: Duals, weight: Floats) -> Column | None:
-    """Return the tour most used by the UAV that sets the relaxation more than all others; None where none does."""
-    k = duals.ahead(_MORE_THAN_HALF)
-    used = [p for p in np.flatnonzero(weight > _USED) if master.columns[p].uav == k]
-    return master.columns[max(used, key=lambda p: float(weight[p]))] if used else None
+def long_tours(master: Master, duals: Duals, weight: Floats) -> list[Column]:
+    """Return, of each UAV that sets much of the relaxation, the longest tour in use; the UAV that sets most first."""
+    used = [master.columns[p] for p in np.flatnonzero(weight > _USED)]
+    uavs = [k for k in np.argsort(-duals.sigma, kind="stable").tolist() if duals.sigma[k] > _MUCH]
+    flown = ([column for column in used if column.uav == k] for k in uavs)
+    return [max(tours, key=lambda tour: tour.cost) for tours in flown if tours]
 
 
 def _dive(master: Master, work: Workspace) -> Routes | None:

@@ -15,7 +15,7 @@ from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool, PoolPricer, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer
 from formulations.routing.columns.searching import search_around
-from formulations.routing.columns.tightening import bottleneck_tour
+from formulations.routing.columns.tightening import long_tours
 from formulations.routing.recorder import Recorder
 from formulations.routing.solver import ignore
 from formulations.routing.subset_dp import SubsetDp
@@ -169,14 +169,14 @@ def test_a_search_around_a_tour_keeps_it():
     assert recorder.routes[1] == (4, 2, 7)
 
 
-def test_the_tour_that_sets_the_relaxation_is_the_one_most_used_of_a_uav_that_does_so_alone():
+def test_the_tours_to_search_around_are_the_longest_of_the_uavs_that_set_the_relaxation():
     master = Master(2, np.arange(2), 100.0)
     master.add([Column(0, (0,), 50.0), Column(0, (0, 1), 60.0), Column(1, (1,), 20.0)])
 
     def found(sigma):
         duals = Duals(np.zeros(2), np.array([sigma, 1 - sigma]), np.zeros(2), np.zeros(0))
-        return bottleneck_tour(master, duals, np.array([0.3, 0.7, 0.9]))
+        return long_tours(master, duals, np.array([0.7, 0.3, 0.9]))
 
-    assert found(0.95) == master.columns[1]
-    assert found(0.5) is None
-    assert found(0.05) == master.columns[2]
+    assert found(0.95) == [master.columns[1]]
+    assert found(0.4) == [master.columns[2], master.columns[1]]
+    assert found(0.05) == [master.columns[2]]

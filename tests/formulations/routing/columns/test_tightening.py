@@ -106,7 +106,7 @@ def test_a_node_out_of_time_is_interrupted_and_one_overtaken_is_left():
     cap = 1.3 * optimum(instance)
     assert tighten(fresh(instance), cap, workspace(lambda: True)) == Interrupted()
     work = workspace()
-    work.better = lambda _: True
+    work.better = lambda *_: True
     assert tighten(fresh(instance), cap, work) == Overtaken()
 
 

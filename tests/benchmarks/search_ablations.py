@@ -32,6 +32,8 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "searches of some tours alone, with several depots": replace(
         FULL, several_depots=replace(FULL.several_depots, focused=True)
     ),
+    "no long founders": replace(FULL, several_depots=replace(FULL.several_depots, long=None)),
+    "children inherit tours from anywhere": replace(FULL, several_depots=replace(FULL.several_depots, regions=0.0)),
     "no chained search across long tours": replace(FULL, chain=FULL.chain._replace(fewest=10**9, few=10**9)),
     "no chained search in the end": replace(FULL, chain=FULL.chain._replace(few=10**9)),
     "no potentials: near is what costs least": replace(

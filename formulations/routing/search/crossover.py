@@ -19,8 +19,8 @@ from formulations.routing.search.tours import Tours, clear, link, sum_costs, unl
 from instances.arrays import Ints
 from instances.kernels import njit
 
-_MANY = 10
-"""Tours of which a region is a part: five (md4, md20) all border on each other, and mixing any of them finds more."""
+_MANY = 5
+"""Tours of which a region is a part; of fewer all border on each other."""
 _REGION = DecompositionParameters(anywhere=0.0)
 
 

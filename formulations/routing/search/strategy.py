@@ -2,12 +2,12 @@
 
 With several depots it is a matter of which UAV serves which crowd of tasks: individuals are compared by a norm, which
 sees all crowds whose tours are too long, and crossing whole tours of many quick founders that differ finds it; where
-few UAVs fly long tours long annealings find it more often. At one
-site it is a matter of packing, and tours can be packed tightly: individuals are compared by what exceeds the
-incumbent's longest tour, in which many tours nearly as long as that are no fault. The basins of good packings lie near
-each other: fine annealings begin low there, some tours are searched alone, and where nothing new is found many
-annealings are reheatings of a good individual, or weigh the total (schedule.py). And a task may have to go to a tour
-that passes none of its nearest tasks: recreations look at all of the granular neighbourhood.
+few UAVs fly long tours long annealings find it more often. At one site it is a matter of packing, and tours can be
+packed tightly: individuals are compared by what exceeds the incumbent's longest tour, in which many tours nearly as
+long as that are no fault. The basins of good packings lie near each other: fine annealings begin low there, some tours
+are searched alone, and where nothing new is found many annealings are reheatings of a good individual, or weigh the
+total (schedule.py). And a task may have to go to a tour that passes none of its nearest tasks: recreations look at all
+of the granular neighbourhood.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class LongFounder:
 
     Which tasks such tours share is settled while an annealing is hot, and crossing quick founders settles it no more.
     md22 (250 tasks, 3 UAVs), 30 s: 0.31 % from each of three seeds, without 0.66 and twice 0.78 %. With more UAVs
-    crossing finds more: md4 (5 UAVs) ends, half of the time theirs, at 0.83 and 0.54 %, without at 0.12 and 0.33 %.
+    they are no gain (README of routing).
 
     share: of the time; uavs: of the fleet at most; tasks: of a tour, in the mean at least; depth: steps are
     depth · n² / m; longest: length as a fraction of the limit at most; first: temperature in mean legs; softness: one

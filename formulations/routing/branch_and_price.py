@@ -174,11 +174,10 @@ class BranchAndPrice(RecordedSolver):
         ended = tree.grow(recorder, TOLERANCE, nodes)
         work.out_of_time = patience.over
         if ended is not StoppedBy.PROOF:
+            patience.share(1)
             if wide():
                 # the tree has far to go from a gap as wide as this
-                patience.share(1)
                 self.destroy(recorder, patience, tree)
-            patience.share(1)
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])
         recorder.raise_bound(tree.bound(min(recorder.objective * (1 - TOLERANCE), most)) * (1 - 1e-12))
         return ended.value, dict(work.counts)

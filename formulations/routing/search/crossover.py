@@ -2,8 +2,8 @@
 
 The child is the first parent with some of the second parent's tours instead of its own at the same depots; tasks of the
 replaced tours that are then on no tour are inserted again (recreate.py). Tours inherited are any, or those of a region,
-which then fit each other as they did in the other parent (selective route exchange, Nagata & Braysy 2009, chooses
-them side by side too).
+which then fit each other as they did in the other parent: selective route exchange (Nagata & Kobayashi 2010), as PyVRP
+has it, begins with tours side by side, too.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from instances.arrays import Ints
 from instances.kernels import njit
 
 _MANY = 5
-"""Tours of which a region is a part; of fewer all border on each other."""
+"""Tours from which on regions are inherited: of fewer, nearly all border on each other."""
 _REGION = DecompositionParameters(anywhere=0.0)
 
 

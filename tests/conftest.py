@@ -11,6 +11,10 @@ import tempfile
 import pytest
 from hypothesis import settings
 
+from workbench.threads import keep_to_one
+
+keep_to_one()  # as the command line does: with BLAS on two threads two workers on two cores wait for each other
+
 settings.register_profile("explore", deadline=None)
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from shapely.geometry import Polygon
-from threadpoolctl import threadpool_info
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from formulations.kernel import SquaredExponential
 from formulations.limits import Limits
@@ -144,16 +144,22 @@ def test_a_hop_puts_two_tasks_elsewhere_in_the_region(region):
 
 
 def test_methods_run_with_one_blas_thread():
+    def blas_threads():
+        return [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
+
     class Looking(PlacementMethod):
         status = PlacementStatus.HEURISTIC
 
         def search(self, problem, progress, seed):
-            threads.extend(pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas")
+            threads.extend(blas_threads())
             progress.offer(problem.region.sample(problem.n_tasks, np.random.default_rng(0)), 0.0)
             return self.status
 
     threads: list[int] = []
-    place(problem(SQUARE, 3), Looking(), "looking")
+    with threadpool_limits(2, user_api="blas"):  # the suite itself keeps to one
+        assert 2 in (given := blas_threads())  # a library that was built without threads has one
+        place(problem(SQUARE, 3), Looking(), "looking")
+        assert blas_threads() == given
     assert threads
     assert set(threads) == {1}
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import itertools
 import sys
+from functools import cache
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -169,11 +170,27 @@ class KernelCompiler(CompilerBase):
         return compiled
 
 
+@cache
+def load_arrays() -> None:
+    """Have numba load what it knows of arrays, but not scipy's linear algebra only to see whether it is there.
+
+    That takes longer than most kernels' machine code. It is, and where a kernel calls it numba loads it then.
+    """
+    linalg = vars(import_module("numba.np.linalg"))
+    look = linalg["ensure_blas"]
+    linalg["ensure_blas"] = lambda: None
+    try:
+        import_module("numba.np.arraymath")
+    finally:
+        linalg["ensure_blas"] = look
+
+
 class KernelCache(FunctionCache):
     """numba's machine code on disk; what calls another compilation than is kept counts as not there."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what is kept for these types, or None."""
+        load_arrays()
         try:
             return super().load_overload(sig, target_context)
         except StaleError:

@@ -10,7 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numba.np import arraymath, linalg
 
+from instances.kernel_compiler import load_arrays
 from instances.kernels import njit
 
 LARGE = "".join(f"    total += x[{i}] * x[{i}] if x[{i}] < {i}.5 else x[{i + 1}]\n" for i in range(40))
@@ -38,6 +40,7 @@ told = []
 with compilation.told_to(told.append):
     import planned
     print(getattr(planned, sys.argv[1])(np.arange(41.0)), sum(told))
+assert "scipy.linalg" not in sys.modules
 """
 RIGHT = float(np.sum(np.arange(40.0) ** 2))
 
@@ -61,6 +64,12 @@ def test_a_large_kernel_is_called_by_kept_machine_code_unless_it_is_another(tmp_
         path.unlink()
     assert run("another") == (2.0 + RIGHT, 1)  # and with it `large`, under another name than `caller` knows
     assert run("caller") == (1.0 + RIGHT, 1)
+
+
+def test_numba_looks_for_linear_algebra_where_it_is_called() -> None:
+    load_arrays()
+    assert linalg.ensure_blas.__module__ == linalg.__name__
+    assert arraymath._HAVE_BLAS
 
 
 class Two(NamedTuple):

@@ -15,7 +15,6 @@ import sys
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import distributions
 from inspect import cleandoc
 from typing import Any, Generic, TypeVar
 
@@ -162,6 +161,8 @@ def _third_party(group: str) -> tuple[dict[str, str], int]:
 @cache
 def _registered(group: str, path: tuple[str, ...]) -> tuple[dict[str, str], int]:
     """Look through the packages on `path`, which takes a tenth of a second: once for each."""
+    from importlib.metadata import distributions  # here: it takes its time, and what is built in needs none
+
     found: dict[str, str] = {}
     damaged = 0
     for package in distributions(path=list(path)) if group else ():

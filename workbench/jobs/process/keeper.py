@@ -12,6 +12,7 @@ processor time of them all.
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import resource
 import select
@@ -62,6 +63,7 @@ def _work(messages: int, keeper: int) -> None:
     if os.getppid() != keeper:  # it was killed before we asked
         os._exit(1)
     be_first_to_free_memory()
+    gc.disable()  # of what is imported nothing becomes garbage; `worker` enables it
     from workbench.jobs.process.worker import main as work  # here: numpy and all it takes are not the keeper's
 
     work(messages)

@@ -6,6 +6,7 @@ method prints on standard output or error is a log and cannot disturb this. The 
 
 from __future__ import annotations
 
+import gc
 import math
 import os
 import pickle
@@ -77,11 +78,14 @@ def main(descriptor: int) -> None:
         traceback.print_exc()
         words = text(error) if isinstance(error, InputError) else text(f"{type(error).__name__}: {error}")
         channel.say(Failed(words))
+    gc.freeze()  # what is left goes with the process: looking through all that was imported takes longer than its end
 
 
 def _carry_out(assignment: Assignment, channel: Channel) -> None:
     problem, item = assignment.problem, assignment.item
     method = problem.methods.make(assignment.method, assignment.options)
+    gc.freeze()
+    gc.enable()
     channel.say(Started(bool(getattr(method, "proves", False))))
     said: list[Message] = []
 

@@ -20,6 +20,7 @@ from reports.pages.blocks import Section
 from reports.pages.page import Page, embedded, write_page
 from reports.pages.study import write_report
 from reports.tables import run_table, write_latex, write_markdown
+from tests.reports.pages.outline import check_outline
 from workbench.terminal import TextTable, print_table, say
 
 HOSTILE = "=[/b] \x1b[31m\a <!--<script>alert(1)</script> $x_{ |`a` \\ \u202e\ud800\n* [l](u)"
@@ -81,6 +82,11 @@ def test_a_page_has_its_own_scripts_only_and_names_them_in_its_policy(page):
     assert f"script-src 'sha256-{digests[0]}' 'sha256-{digests[1]}';" in found.policy
     assert "default-src 'none'" in found.policy
     assert "unsafe" not in found.policy.replace("style-src 'unsafe-inline'", "")
+
+
+def test_a_page_with_all_figures_is_whole_and_loads_nothing(page):
+    assert page.count("<svg role") >= 10
+    check_outline(page)
 
 
 def test_nothing_in_the_data_of_a_page_is_read_as_html():

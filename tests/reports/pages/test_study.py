@@ -2,7 +2,6 @@
 
 import json
 import re
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -10,40 +9,13 @@ import pytest
 from instances import Instance
 from reports.pages.page import embedded
 from reports.pages.study import write_report
-
-
-class Outline(HTMLParser):
-    """Notes what a page loads and whether its tags balance."""
-
-    VOID = ("meta", "link", "br", "input", "img")
-    SHORT = ("td", "tr")
-    """Elements that HTML lets end without a tag, as the long lists do."""
-
-    def __init__(self):
-        super().__init__()
-        self.open, self.loaded = [], []
-
-    def handle_starttag(self, tag, attrs):
-        if tag not in self.VOID:
-            self.open.append(tag)
-        self.loaded += [v for k, v in attrs if k in ("src", "href", "xlink:href") and not v.startswith(("#", "data:"))]
-
-    def handle_endtag(self, tag):
-        while tag not in self.SHORT and self.open[-1] in self.SHORT:
-            self.open.pop()
-        while tag == "tr" and self.open[-1] == "td":
-            self.open.pop()
-        assert self.open.pop() == tag
+from tests.reports.pages.outline import check_outline
 
 
 def write(root, target):
     write_report([root], target)
     html = target.read_text()
-    outline = Outline()
-    outline.feed(html)
-    assert outline.open == []
-    assert outline.loaded == []
-    assert "@import" not in html
+    check_outline(html)
     data = re.search(r'<script type="application/json" id="data">(.*?)</script>', html, flags=re.S).group(1)
     return html, json.loads(data)
 
@@ -108,6 +80,7 @@ def test_a_large_store_embeds_only_so_much_and_says_so(make_store, tmp_path, mon
     assert len(set(held)) == min(len(held), len(best))  # one of each method and instance before a second of any
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_lists_hold_every_run_and_instance_with_units_in_their_heads(make_store, tmp_path):
     html, data = write(make_store().study(count=2, seeds=3), tmp_path / "page.html")
     runs, instances = listed(html, "run-list"), listed(html, "instance-list")

@@ -51,7 +51,8 @@ ELSEWHERE = {"paper", "watch"}
 def ready(cli, instance, instance_file, tmp_path, monkeypatch):
     """Files that the commands read; figures that are empty and searches that are brief, as both take seconds."""
     write_routes([[0, 1], [2, 3]], instance, tmp_path / "a.sol")
-    (tmp_path / "small.toml").write_text(SMALL.replace('no_fly = "zones.geojson"', ""))
+    smaller = SMALL.replace('no_fly = "zones.geojson"', "").replace("tasks = 8", "tasks = 3")
+    (tmp_path / "small.toml").write_text(smaller)
     for kind, name in (("scenario", "wind.toml"), ("mission", "m.toml")):
         cli("init", kind, name)
     for name in ("random_paths", "sensing"):

@@ -77,6 +77,8 @@ def bent(travel: Travel, stops: list[int], limit: float) -> float | None:
             if arrival(low, legs) < knot < arrival(high, legs):
                 for _ in range(80):
                     middle = (low + high) / 2
+                    if middle in (low, high):  # nothing lies between them
+                        break
                     low, high = (middle, high) if arrival(middle, legs) < knot else (low, middle)
                 bends |= {low, high}
     all_legs = len(stops) - 1

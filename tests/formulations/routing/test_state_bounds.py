@@ -23,6 +23,7 @@ def optimum(instance: Instance) -> float:
 
 def test_no_bound_is_above_the_optimum(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bounds, "straight_bound", lambda *given: 0.0)  # compiles branch-and-price: the next test
+    monkeypatch.setattr(state_bounds, "LAST", 64)
     instance = generate("dense-survey", 6, 2, 0, spacing=6.0, headings=32)
     best, found = optimum(instance), {each.name: each for each in lower_bounds(instance, time_limit=10.0)}
     assert list(found) == [*SIMPLE, "total", "relaxation", "straight", "headings"]

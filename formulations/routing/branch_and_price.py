@@ -13,8 +13,7 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 3. At a node the relaxation by column generation, at the root begun with walks; legs fixed away by reduced cost; a
    UAV's tours listed when they fit; subset-row cuts.
         `columns/tightening.py`, `walks.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
-4. Where the root leaves a gap of 2 to 5 %: its relaxation under lower caps, whose long tours lead to routes.
-5. Where the gap stays wide to the end: trees under lower caps. One that ends without routes makes its cap a bound
+4. Where the gap stays wide to the end: trees under lower caps. One that ends without routes makes its cap a bound
    (Klein & Scholl, Eur. J. Oper. Res. 112, 1999: destructive improvement).
 
 Where nodes have several states, labels keep the least cost of each state of their last task; what bounds them knows
@@ -168,7 +167,6 @@ class BranchAndPrice(RecordedSolver):
             return limits.iterations is None and tree.bound(np.inf) < (1 - _WIDE) * recorder.objective
 
         nodes = np.inf if limits.iterations is None else limits.iterations
-        tree.probing = True
         patience.share(2 / 3)
         work.out_of_time = lambda: patience.over() and (wide() or recorder.remaining <= 0)
         ended = tree.grow(recorder, TOLERANCE, nodes)

@@ -6,7 +6,7 @@ they fit; then it is cut and solved again. What ends this is one of the outcomes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,13 +79,8 @@ class Overtaken:
 Outcome = Pruned | Improved | Branch | Stuck | Interrupted | Overtaken
 
 
-def tighten(
-    node: Node, cap: float, work: Workspace, after: Callable[[Node], Outcome | None] = lambda _: None
-) -> Outcome:
-    """Raise the node's bound until it passes `cap` [s], routes are found, or nothing but branching helps.
-
-    after : asked after every relaxation that leaves a gap: what to end with, or None to go on.
-    """
+def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
+    """Raise the node's bound until it passes `cap` [s], routes are found, or nothing but branching helps."""
     dived, near = node.centre is not None, _begin(node, cap, work)
     if node.bound > cap:
         return Pruned()
@@ -115,8 +110,6 @@ def tighten(
             return Improved(routes)
         if work.better(best.value, long_tours(master, best.duals, relaxation.weight)):
             return Overtaken()
-        if (outcome := after(node)) is not None:
-            return outcome
         if not dived and (routes := _dive(master, work)) is not None:
             return Improved(routes)
         dived, listed = True, node.pool.listed

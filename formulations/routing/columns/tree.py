@@ -12,32 +12,17 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from enum import StrEnum
-from functools import partial
 
 import numpy as np
 
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pricing import Column
-from formulations.routing.columns.tightening import (
-    Branch,
-    Improved,
-    Interrupted,
-    Overtaken,
-    Pruned,
-    Stuck,
-    tighten,
-)
+from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
 from formulations.routing.recorder import Recorder
 from instances.arrays import Ints
 
-_WIDE, _HOPELESS, _PRECISION = 0.02, 0.05, 5e-3
-"""Gaps of the root's relaxation between which lower caps are tried, and at which their bisection ends.
-
-Beyond (seed 4 of 80/8 and 9 of 100/10, both 7 %) they led to no better proof, for 3 to 5 s.
-"""
 _EQUAL = 1e-4
 """Bounds count as equal within this share."""
 
@@ -75,8 +60,6 @@ class Tree:
         """A heap by (class of equal bounds, newest first)."""
         self._count = 0
         self.kinds = np.arange(self.m) if kinds is None else kinds
-        self.probing = False
-        """Whether the root is still to be relaxed under lower caps."""
         self._at: Node | None = None
         """The node that is worked on."""
         self._stuck = math.inf
@@ -108,32 +91,6 @@ class Tree:
         for _, _, node in self._open:
             self.work.log.close(node.number, node.proof)
 
-    def _probe(self, recorder: Recorder, tolerance: float, root: Node) -> Overtaken | None:
-        """Relax the root under lower caps, once, where it leaves a wide gap; say where there are better routes.
-
-        The lower the cap, the stronger the relaxation: where it has no solution there are no routes. Bisection finds
-        the least cap under which it has one, and that is near the best routes: its long tours are hints to them.
-        """
-        if not self.probing:
-            return None
-        self.probing, before = False, recorder.objective
-        low, high = root.bound, self.cap(recorder, tolerance)
-        end = _PRECISION if _WIDE < 1 - low / high < _HOPELESS else math.inf
-        while high - low > end * high and not self.work.out_of_time():
-            node, cap = replace(root, bound=low, centre=None), (low + high) / 2
-            outcome = tighten(node, cap, self.work, lambda _: Interrupted())
-            if isinstance(outcome, Improved):
-                recorder.incumbent(outcome.routes)
-            low, high = min(cap, node.bound), high if isinstance(outcome, Pruned) else cap
-            recorder.raise_bound(low)
-            if recorder.objective < before * (1 - tolerance):
-                return Overtaken()
-        return None
-
-    def cap(self, recorder: Recorder, tolerance: float) -> float:
-        """Return the cost [s] that no tour to come may pass."""
-        return min(recorder.objective * (1 - tolerance), self.most)
-
     def grow(self, recorder: Recorder, tolerance: float, nodes: float) -> StoppedBy:
         """Improve the recorder's routes and bound until they meet, or time is up, or `nodes` are done.
 
@@ -142,7 +99,9 @@ class Tree:
         tolerance : share by which routes must be better to count: the cap, ever lower, on the tours to come.
         """
 
-        cap = partial(self.cap, recorder, tolerance)
+        def cap() -> float:
+            return min(recorder.objective * (1 - tolerance), self.most)
+
         while self._open and self.bound(math.inf) <= cap() > 0:
             if nodes <= 0 or self.work.out_of_time():
                 limit = StoppedBy.TIME if self.work.out_of_time() else StoppedBy.ITERATIONS
@@ -152,7 +111,7 @@ class Tree:
                 self.work.log.close(node.number, node.proof)
                 continue
             self._at = node
-            outcome = tighten(node, cap(), self.work, partial(self._probe, recorder, tolerance))
+            outcome = tighten(node, cap(), self.work)
             self._at = None
             if not isinstance(outcome, Overtaken):
                 self.work.counts["nodes"] += 1

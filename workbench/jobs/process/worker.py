@@ -84,7 +84,7 @@ def main(descriptor: int) -> None:
 def _carry_out(assignment: Assignment, channel: Channel) -> None:
     problem, item = assignment.problem, assignment.item
     method = problem.methods.make(assignment.method, assignment.options)
-    gc.freeze()
+    gc.freeze()  # what is imported by now is never looked through again
     gc.enable()
     channel.say(Started(bool(getattr(method, "proves", False))))
     said: list[Message] = []

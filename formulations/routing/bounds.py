@@ -6,10 +6,12 @@ total          the least sum of all tours in the linear relaxation, ÷ m (``tota
 relaxation     the linear relaxation with subtour cuts (``relaxation.py``)
 branch-and-cut, branch-and-price
                the bounds of these solvers at the root of their trees (see there)
+capped-total   the total of tours that cost no more than the best routes known, cut by the sets of tasks that need
+               several UAVs (``capped_total.py``)
 capped-tours   the relaxation over whole tours that cost no more than the best routes known
 destructive    the largest cap found at which that relaxation is impossible (``columns/destructive.py``)
 straight, headings
-               in place of the last four where nodes have several states (``state_bounds.py``)
+               in place of the last five where nodes have several states (``state_bounds.py``)
 
 Without a matrix of costs there are those of ``metric_bounds.py`` alone.
 
@@ -29,6 +31,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from formulations.limits import Limits
+from formulations.routing import capped_total as capped
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.destructive import destructive_bounds
 from formulations.routing.greedy import Greedy, greedy_routes
@@ -53,7 +56,7 @@ STEPS = 20_000
 ROOTS = ("branch-and-cut", "branch-and-price")
 """Solvers whose bound at the root of their tree is shown."""
 
-_TINY = Instance("warm-up", np.ones((2, 2)) - np.eye(2), 1, 1)
+_TINY = Instance("warm-up", np.ones((5, 5)) - np.eye(5), 3, 2)
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,7 @@ def lower_bounds(instance: Instance, *, time_limit: float = 60.0, seed: int = 0)
         root, found = _root(solver, given, upper, time_limit, seed)
         upper = found if given is instance else upper
         yield root
+    yield _capped_total(plain, upper, time_limit)
     if refusal(BranchAndPrice(), instance) is None:
         yield from _columns(instance, upper, price, time_limit)
 
@@ -149,10 +153,20 @@ def _of_states(instance: Instance, upper: float, time_limit: float, seed: int) -
 
 def _total(instance: Instance, upper: float, time_limit: float) -> tuple[Bound, Floats]:
     """Return the bound of all tours together, and the prices of tasks found with it [s], (n,)."""
-    total(_TINY, 2.0, 60.0)
+    total(_TINY, 4.0, 60.0)
     began = time.perf_counter()
     value, complete, price = total(instance, upper, time_limit)
     return Bound("total", value, time.perf_counter() - began, "" if complete else "stopped by time"), price
+
+
+def _capped_total(instance: Instance, upper: float, time_limit: float) -> Bound:
+    """Return the bound of all tours together, each within the cost of the routes known."""
+    if instance.n_tasks > capped.MOST_TASKS:
+        return Bound("capped-total", 0.0, 0.0, f"takes at most {capped.MOST_TASKS} tasks")
+    capped.capped_total(_TINY, 4.0, 60.0)
+    began = time.perf_counter()
+    value, complete, _ = capped.capped_total(instance, upper, time_limit)
+    return Bound("capped-total", value, time.perf_counter() - began, "" if complete else "stopped by time")
 
 
 def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
@@ -160,7 +174,7 @@ def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:
     size = instance.n_depots * (instance.n_tasks + 1) ** 2
     if size > MOST_THETA:
         return Bound("relaxation", 0.0, 0.0, f"would need {size} variables; it takes {MOST_THETA}")
-    relax(_TINY, 2.0)
+    relax(_TINY, 4.0)
     began = time.perf_counter()
     relaxed = relax(instance, upper, time_limit)
     message = "" if relaxed.complete else f"stopped after {relaxed.rounds} rounds"

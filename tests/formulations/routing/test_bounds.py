@@ -129,6 +129,7 @@ def test_all_bounds_in_order_and_below_the_optimum(monkeypatch: pytest.MonkeyPat
         "total",
         "relaxation",
         "branch-and-cut",
+        "capped-total",
         "capped-tours",
         "destructive",
     ]
@@ -167,7 +168,15 @@ def test_all_bounds_of_a_fleet(
     optimum = held_karp(instance)[0]
     limited = replace(instance, endurance=np.minimum(instance.limits, share * optimum))
     found = {bound.name: bound for bound in lower_bounds(limited, time_limit=60.0)}
-    assert list(found) == [*SIMPLE, "total", "relaxation", "branch-and-price", "capped-tours", "destructive"]
+    assert list(found) == [
+        *SIMPLE,
+        "total",
+        "relaxation",
+        "branch-and-price",
+        "capped-total",
+        "capped-tours",
+        "destructive",
+    ]
     assert (found["branch-and-price"].message == "proved that there are no routes") == (share < 1.0)
     if share == 1.0:
         assert 0.9 * optimum < max(bound.value for bound in found.values()) <= optimum

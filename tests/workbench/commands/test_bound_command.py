@@ -12,7 +12,7 @@ from instances.best_known import BestKnown
 from instances.files import write_instance, write_routes
 from workbench.commands import bound as bound_command
 
-NAMES = [*bounds.SIMPLE, "total", "relaxation", "branch-and-cut", "capped-tours", "destructive"]
+NAMES = [*bounds.SIMPLE, "total", "relaxation", "branch-and-cut", "capped-total", "capped-tours", "destructive"]
 
 
 @pytest.fixture(autouse=True)

@@ -25,6 +25,7 @@ import numpy as np
 from formulations.limits import Limits
 from formulations.routing.branch_and_cut_handler import Messenger, Offers, Shared, SubtourHandler, report_bound
 from formulations.routing.branch_and_cut_model import DUALFEASTOL, FEASTOL, ScipModel
+from formulations.routing.capped_total import capped_total
 from formulations.routing.model_solver import ModelSolver, cutoff
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.ruin_recreate import RuinRecreate
@@ -33,12 +34,16 @@ from formulations.routing.simple_bounds import SIMPLE
 from formulations.routing.solver import Result
 from formulations.routing.theta_count import why_too_large
 from instances import Instance
+from instances.arrays import Bools
 
 MOST_THETA = 80_000
 """Beyond this building the model and its first relaxation alone take minutes."""
 _MEMORY = 3500.0  # MB
 _STEPS_A_TASK = 1000
+_SHARE = 0.1  # of the time left, at most, for the arcs that are left out
 _STOPPED = {"nodelimit": "iterations", "totalnodelimit": "iterations", "timelimit": "time", "memlimit": "memory"}
+
+_TINY = Instance("warm-up", np.ones((5, 5)) - np.eye(5), 3, 2)
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,7 @@ class BranchAndCut(ModelSolver):
     symmetry : order UAVs that share a depot by their smallest task; with symmetric costs, fly each tour one way only.
     reach : C_max ≥ the way to each task and back from the UAV that visits it; drop θ that no tour within the
         incumbent can use.
+    arcs : drop θ of arcs that the total bound of tours within the incumbent shows to be in no better routes.
     warm_start : begin from a short ruin-and-recreate search, not from greedy routes alone.
     """
 
@@ -62,6 +68,7 @@ class BranchAndCut(ModelSolver):
     branch_on_visits: bool = True
     symmetry: bool = True
     reach: bool = True
+    arcs: bool = True
     warm_start: bool = True
 
     def accepts(self, instance: Instance) -> str | None:
@@ -74,6 +81,7 @@ class BranchAndCut(ModelSolver):
         RuinRecreate().prepare(instance)
         subtours(np.zeros((2, 2)), 0.0)
         two_cycles(np.zeros((2, 2)), 0.0)
+        capped_total(_TINY, 4.0, 60.0)
 
     def improve(self, recorder: Recorder, seed: int) -> Result:
         """Raise the bound by simple means, look for better routes, then `prove`."""
@@ -94,7 +102,8 @@ class BranchAndCut(ModelSolver):
         instance = recorder.instance
         # twice what no routes exceed: a proof that there are none must not hang by it
         upper = recorder.objective if recorder.routes is not None else 2 * cutoff(recorder)
-        model = ScipModel(instance, upper, reach=self.reach)
+        arcs = _arcs(recorder) if self.arcs and recorder.routes is not None else None
+        model = ScipModel(instance, upper, reach=self.reach, arcs=arcs)
         margin = 2 * model.seconds(model.slack)
         shared = Shared(model, recorder, margin)
         self._set_up(shared, seed)
@@ -155,6 +164,13 @@ class BranchAndCut(ModelSolver):
         if recorder.routes is not None:
             model.fill(solution, recorder.routes)
             scip.addSol(solution)
+
+
+def _arcs(recorder: Recorder) -> Bools:
+    """Raise the bound to the capped total, within a tenth of the time left; return the arcs it leaves, (N, N)."""
+    found = capped_total(recorder.instance, recorder.objective, _SHARE * recorder.remaining)
+    recorder.raise_bound(found.bound)
+    return found.arcs
 
 
 def _warm_start(recorder: Recorder, seed: int) -> None:

@@ -23,6 +23,7 @@ from formulations.routing.simple_bounds import ways_between_tasks, ways_from_dep
 from formulations.routing.subtours import Arc
 from formulations.routing.symmetries import in_order, is_symmetric, neighbours, used_arcs
 from instances import Instance, Routes, makespan
+from instances.arrays import Bools
 from instances.routes import ENDURANCE_ROUNDING
 
 _BITS = 10  # the incumbent costs less than 2^10 in SCIP's unit
@@ -41,7 +42,7 @@ class ScipModel:
     exponent : a cost in SCIP is 2^exponent times that in seconds.
     """
 
-    def __init__(self, instance: Instance, incumbent: float, *, reach: bool) -> None:
+    def __init__(self, instance: Instance, incumbent: float, *, reach: bool, arcs: Bools | None = None) -> None:
         self.instance = instance
         self.exponent = min(_BITS - math.frexp(incumbent)[1], 1000)
         self.upper = math.ldexp(incumbent, self.exponent) * (1 + _ROUNDING)
@@ -58,7 +59,7 @@ class ScipModel:
             k: ways_from_depot(self.cost[k], between[g], k) for k, g in zip(self.D, instance.classes, strict=True)
         }
         self.theta: list[dict[Arc, Variable]] = [
-            {(i, j): self.scip.addVar(f"theta_{i}_{j}_{k}", "B") for i, j in self.edges(k, reach)} for k in self.D
+            {(i, j): self.scip.addVar(f"theta_{i}_{j}_{k}", "B") for i, j in self.edges(k, reach, arcs)} for k in self.D
         ]
         self.y = {(i, k): self.scip.addVar(f"y_{i}_{k}", "B") for i in self.T for k in self.D}
         self.C_max = self.scip.addVar("C_max", lb=0.0, ub=self.upper)
@@ -78,17 +79,20 @@ class ScipModel:
         if reach:
             self.reach()
 
-    def edges(self, k: int, reach: bool) -> list[Arc]:
+    def edges(self, k: int, reach: bool, arcs: Bools | None) -> list[Arc]:
         """Return the arcs of E that UAV k can use within the cost of the routes known and its endurance.
 
-        reach : count the cheapest ways to the arc and back too, not the arc alone.
+        reach : count the cheapest ways to the arc and back too, not the arc alone; arcs (N, N) : those to choose from.
         """
         n = self.instance.n_tasks
         out, back = (np.append(way, 0.0) if reach else np.zeros(n + 1) for way in self.ways[k])
         nodes = np.array([*self.T, k])
         length = out[:, None] + self.cost[k][np.ix_(nodes, nodes)] + back[None, :]
         np.fill_diagonal(length, np.inf)
-        return [(int(nodes[i]), int(nodes[j])) for i, j in np.argwhere(length <= self.limit(k))]
+        used = length <= self.limit(k)
+        if arcs is not None:
+            used &= arcs[np.ix_(nodes, nodes)]
+        return [(int(nodes[i]), int(nodes[j])) for i, j in np.argwhere(used)]
 
     def limit(self, k: int) -> float:
         """Return the longest tour of the UAV at depot k in SCIP's unit."""

@@ -190,7 +190,7 @@ def test_a_recorder_that_runs_out_of_time_stops_the_search() -> None:
     instance = random_instance(12, 2, 5)
     recorder = Impatient(instance, LIMITS, lambda event: None)
     recorder.incumbent(greedy_routes(instance))
-    result = BranchAndCut().prove(recorder, 0)
+    result = BranchAndCut(arcs=False).prove(recorder, 0)
     assert result.stopped_by == "time"
     assert result.status is Status.FEASIBLE
     assert result.statistics["nodes"] <= 1

@@ -10,7 +10,8 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 
 1. Incumbent: the memetic search, for a while, and again while a gap is left.                  `columns/searching.py`
 2. A tree, branching on who takes which task.                                    `columns/tree.py`, `branching.py`
-3. At a node the relaxation by column generation, at the root begun with walks; legs fixed away by reduced cost; a
+3. Where tours are long, arcs left out by the capped total.                                          `capped_total.py`
+   At a node the relaxation by column generation, at the root begun with walks; legs fixed away by reduced cost; a
    UAV's tours listed when they fit; subset-row cuts.
         `columns/tightening.py`, `walks.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
 4. Where the gap stays wide to the end: trees under lower caps. One that ends without routes makes its cap a bound
@@ -38,6 +39,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from formulations.routing.capped_total import capped_total
 from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.label_search import Clock, Labels
@@ -68,10 +70,12 @@ _MOST_LEGS = 4_000_000
 _MOST_LEGS_BY_CLOCK = 50_000
 """The same where costs change with time: their legs are kept for every bin, which fills about 1 GB."""
 _LONG = 15
-"""Tasks a UAV from which relaxations begin with walks, where all UAVs are alike: labels lose their way at first duals.
+"""Tasks a UAV from which relaxations begin with the capped total and with walks, where all UAVs are alike: labels lose
+their way at first duals.
 
 Where they are not, walks are priced for every one of them and cost more than they save (50/3, 60/4: a third more).
 """
+_FOR_ARCS = 0.2  # share of the time, at most, for the capped total
 _PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end
 _WIDE = 0.02  # gap left after two thirds of the time above which trials of caps get the last third
 
@@ -123,6 +127,7 @@ class BranchAndPrice(RecordedSolver):
         circle = Instance("circle", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 6, 1)
         if instance.axes & {"fleet", "endurance"}:
             Memetic().prepare(circle)  # part of a fleet may be alike, for which other kernels are compiled
+        capped_total(circle, 10.0, 60.0)
         if "time" in instance.axes:
             travel = Travel(np.repeat(circle.cost[None, None], 2, axis=1), np.array([0]), np.array([0.0, 1.0]))
             circle = Instance.of_travel("circle", travel, 6)
@@ -159,8 +164,13 @@ class BranchAndPrice(RecordedSolver):
             recorder.raise_bound(simple_bound(plain, upper))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
             return StoppedBy.PROOF.value, {}
+        legs = Legs.of(least)
+        if _long(instance, legs) and recorder.routes is not None:
+            found = capped_total(plain, recorder.objective, _FOR_ARCS * recorder.remaining)
+            recorder.raise_bound(found.bound)
+            legs = legs.among(found.arcs)
         limits, patience = recorder.limits, Patience(recorder)
-        tree = self.tree(recorder, seed, patience.over, bound=recorder.bound)
+        tree = self.tree(recorder, seed, patience.over, legs, bound=recorder.bound)
         work = tree.work
 
         def wide() -> bool:
@@ -175,17 +185,27 @@ class BranchAndPrice(RecordedSolver):
             patience.share(1)
             if wide():
                 # the tree has far to go from a gap as wide as this
-                self.destroy(recorder, patience, tree)
+                self.destroy(recorder, patience, tree, legs)
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])
         recorder.raise_bound(tree.bound(min(recorder.objective * (1 - TOLERANCE), most)) * (1 - 1e-12))
         return ended.value, dict(work.counts)
 
     def tree(
-        self, recorder: Recorder, seed: int, over: Clock, *, bound: float = 0.0, log: ProofLog | None = None
+        self,
+        recorder: Recorder,
+        seed: int,
+        over: Clock,
+        legs: Legs,
+        *,
+        bound: float = 0.0,
+        log: ProofLog | None = None,
     ) -> Tree:
-        """Return the tree before it grows: `over` says when it must stop, `bound` [s] what is known before."""
+        """Return the tree before it grows: `over` says when it must stop, `bound` [s] what is known before.
+
+        legs : all of the instance but those that no routes shorter than the recorder's use.
+        """
         instance = recorder.instance
-        store, legs = labels_for(instance, self.labels), Legs.of(stateless(instance))
+        store = labels_for(instance, self.labels)
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
         work = Workspace(over, store, self.tours, *efforts(instance.n_tasks, self.bins), far, log=log or ProofLog())
         if self.starts > 0:
@@ -193,18 +213,18 @@ class BranchAndPrice(RecordedSolver):
         most = worst_makespan(instance) if instance.restricted else np.inf
         # states may differ where their least legs do not
         kinds = None if "states" in instance.axes else legs.kinds()
-        if kinds is not None and not kinds.any() and instance.n_tasks >= _LONG * instance.n_depots:
-            work.walks = None if "time" in instance.axes else walking(instance.n_tasks, self.bins)
+        if _long(instance, legs):
+            work.walks = walking(instance.n_tasks, self.bins)
         return Tree(legs, _columns(recorder), work, bound, most, kinds)
 
-    def destroy(self, recorder: Recorder, patience: Patience, whole: Tree) -> None:
+    def destroy(self, recorder: Recorder, patience: Patience, whole: Tree, legs: Legs) -> None:
         """Raise the bound by trees under caps below the incumbent: where one ends without routes, its cap is a bound.
 
         A tree whose cap is half-way to the incumbent is far smaller than half the tree. The next cap is half-way
         between the highest proved and the lowest not proved in its share of the time. Each begins with the columns of
-        the `whole` tree.
+        the `whole` tree, and with its `legs`.
         """
-        high, end, legs = min(recorder.objective, whole.most), patience.until, Legs.of(stateless(recorder.instance))
+        high, end = min(recorder.objective, whole.most), patience.until
         while high - recorder.bound > _PRECISION * high and recorder.remaining - end > _PRECISION * recorder.remaining:
             cap = (recorder.bound + high) / 2
             patience.share(1 / 2, end)
@@ -222,6 +242,12 @@ class BranchAndPrice(RecordedSolver):
         for run in range(runs):
             share = recorder.remaining / (3 * (runs - run))
             search(recorder, STEPS * instance.n_tasks**2, seed, run, share)
+
+
+def _long(instance: Instance, legs: Legs) -> bool:
+    """Say whether tours are long and all UAVs alike, at costs that neither time nor the state of a node changes."""
+    plain = not instance.axes & {"time", "states"}
+    return plain and instance.n_tasks >= _LONG * instance.n_depots and not legs.kinds().any()
 
 
 def labels_for(instance: Instance, most: int) -> Labels:

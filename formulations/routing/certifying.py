@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from formulations.limits import Limits
 from formulations.routing.branch_and_price import TOLERANCE, BranchAndPrice
+from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.proof_log import KeptProof
 from formulations.routing.recorder import Recorder
 from formulations.routing.solver import ignore, refusal
@@ -40,7 +41,7 @@ def certify(
     recorder, log = Recorder(instance, limits, ignore, start), KeptProof()
     if start is None:
         solver.improve(recorder, 1000 * seed, solver.starts)
-    tree = solver.tree(recorder, seed, lambda: recorder.remaining <= 0, log=log)
+    tree = solver.tree(recorder, seed, lambda: recorder.remaining <= 0, Legs.of(instance), log=log)
     tree.grow(recorder, TOLERANCE, float("inf") if limits.iterations is None else limits.iterations)
     tree.close()
     bound = min(log.bound, recorder.objective * (1 - TOLERANCE), tree.most) * (1 - _BELOW)

@@ -105,6 +105,13 @@ class Legs:
             home[there + home > limit] = np.inf
         return left
 
+    def among(self, arcs: Bools) -> Legs:
+        """Forbid every leg but those of `arcs` (n + m, n + m), depots last."""
+        n, left = self.n_tasks, self.copy()
+        left.between[:, ~arcs[:n, :n]] = np.inf
+        left.out[~arcs[n:, :n]] = left.home[~arcs[:n, n:].T] = np.inf
+        return left
+
     def kinds(self) -> Ints:
         """Return for every UAV the first that nothing in these legs tells it apart from, (m,)."""
         kinds = np.arange(self.n_uavs)

@@ -120,7 +120,7 @@ def test_trials_of_lower_caps_raise_the_bound_to_the_optimum_and_no_further(seed
     legs, patience = Legs.of(instance), Patience(recorder)
     work = Workspace(patience.over, make_store(8, 10_000), 1000, *efforts(8, 50), np.ones(8))
     patience.share(1 / 2)
-    solver.destroy(recorder, patience, Tree(legs, [], work))
+    solver.destroy(recorder, patience, Tree(legs, [], work), legs)
     assert 0.99 * oracle <= recorder.bound <= oracle * (1 + 1e-9)
 
 

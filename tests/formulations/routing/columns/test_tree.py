@@ -8,6 +8,7 @@ import pytest
 import formulations.routing.columns.tree as trees
 from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
+from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.tightening import tighten
 from formulations.routing.recorder import Recorder
 from formulations.routing.solver import ignore
@@ -24,7 +25,7 @@ def test_the_bound_holds_while_a_node_is_worked_on(seed, monkeypatch):
     best = makespan(instance, SubsetDp().solve(instance, limits=Limits(time=60)).routes)
     recorder, solver = Recorder(instance, Limits(time=60), ignore, None), BranchAndPrice(starts=0)
     recorder.incumbent((tuple(range(4)), (4, 5, 6), (7, 8, 9)))
-    tree, seen = solver.tree(recorder, 0, lambda: False), []
+    tree, seen = solver.tree(recorder, 0, lambda: False, Legs.of(recorder.instance)), []
 
     def watched(*given):
         seen.append(tree.bound(math.inf))

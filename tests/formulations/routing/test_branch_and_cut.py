@@ -90,7 +90,7 @@ def test_without_the_handler_there_are_subtours_and_with_it_there_are_none() -> 
 
 
 @pytest.mark.parametrize(
-    "off", ["fractional", "two_cycles", "branch_on_visits", "symmetry", "reach", "warm_start", "all"]
+    "off", ["fractional", "two_cycles", "branch_on_visits", "symmetry", "reach", "arcs", "warm_start", "all"]
 )
 @pytest.mark.parametrize("shared", [False, True])
 def test_no_option_changes_the_optimum(off: str, shared: bool) -> None:
@@ -99,7 +99,7 @@ def test_no_option_changes_the_optimum(off: str, shared: bool) -> None:
         xy = np.array(instance.coordinates)
         xy[7] = xy[6]
         instance = Instance("shared", np.linalg.norm(xy[:, None] - xy[None], axis=-1), 6, 2, xy)
-    names = ["fractional", "two_cycles", "branch_on_visits", "symmetry", "reach", "warm_start"]
+    names = ["fractional", "two_cycles", "branch_on_visits", "symmetry", "reach", "arcs", "warm_start"]
     equals_oracle(instance, solved(instance, **{name: off not in (name, "all") for name in names}))
 
 

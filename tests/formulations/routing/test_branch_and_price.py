@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
+from formulations.routing import branch_and_price
 from formulations.routing.branch_and_price import BranchAndPrice, Patience
 from formulations.routing.columns.branching import choose
 from formulations.routing.columns.generation import generate
@@ -109,6 +110,21 @@ def test_a_uav_is_like_others_until_a_task_is_given_to_it() -> None:
     given = Node.root(legs, 0.0, [], legs.kinds()).giving(2, 1, 1)
     assert [given.alike(k) for k in range(4)] == [[0, 2], [1], [0, 2], [3]]
     assert given.may_visit()[:, 2].tolist() == [False, True, False, False]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_without_the_arcs_that_no_better_routes_use_the_optimum_is_the_same(
+    monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    """As where tours are long: walks begin on what the capped total leaves, whatever the routes known."""
+    monkeypatch.setattr(branch_and_price, "_LONG", 2)
+    instance = with_shared_depots(8, [0] * (1 + seed % 3), seed)
+    oracle = SubsetDp().solve(instance, limits=LIMITS)
+    assert oracle.objective is not None
+    assert oracle.routes is not None
+    everything_to_one = (tuple(range(8)), *[()] * (seed % 3))
+    for start in (oracle.routes, everything_to_one):
+        agrees(instance, BranchAndPrice(starts=0), start, oracle.objective)
 
 
 @pytest.mark.parametrize("seed", range(4))

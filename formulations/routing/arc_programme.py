@@ -45,7 +45,8 @@ class ArcProgramme:
     sum : the highest bound so far [s]; solved : whether there was a first one.
     flow : x of the arcs; need : r of the `cuts` (c, n).
     reduced : reduced costs of all arcs at the last duals, whose bound is `last`; entering (n,), leaving (n,) and
-        charge (c,) : duals of tasks and cuts; of_uav : what each UAV in use adds, ≤ 0 [s].
+        charge (c,) : duals of tasks and cuts; of_uav : what each UAV in use adds at least, ≤ 0 [s].
+    below, margin [s] : the negative reduced costs together, ≤ 0, and more than rounding can come to.
     """
 
     def __init__(self, cost: Floats, n_tasks: int, fleet: int, upper: float) -> None:
@@ -64,6 +65,19 @@ class ArcProgramme:
                 self.add_row(low, high)
         self._begin()
         self._add(np.argwhere(self._first()))
+
+    def solve_all(self, end: float, enough: float = np.inf) -> bool:
+        """Solve until no arc is missing and no set is entered less than once, or the bound passes `enough` [s].
+
+        Return whether that was before `end`.
+        """
+        while self.solve(end):
+            if self.sum > enough:
+                return True
+            cut, grown = self.cut(), self.grow()
+            if not grown and not cut:
+                return True
+        return False
 
     def add_row(self, low: float, high: float) -> int:
         """Add a row without entries and return its number."""

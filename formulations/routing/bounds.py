@@ -166,7 +166,7 @@ def _capped_total(instance: Instance, upper: float, time_limit: float) -> Bound:
     capped.capped_total(_TINY, 4.0, 60.0)
     began = time.perf_counter()
     value, complete, _ = capped.capped_total(instance, upper, time_limit)
-    return Bound("capped-total", value, time.perf_counter() - began, "" if complete else "stopped by time")
+    return Bound("capped-total", value, time.perf_counter() - began, "" if complete else "there may be more to cut off")
 
 
 def _relaxation(instance: Instance, upper: float, time_limit: float) -> Bound:

@@ -22,7 +22,7 @@ from formulations.routing.arc_programme import ArcProgramme
 from formulations.routing.needs import Needs
 from formulations.routing.simple_bounds import least_costs, ways_between_tasks, ways_from_depot
 from formulations.routing.timed_arcs import TimedArcs
-from formulations.routing.total import arc_costs, solve_all
+from formulations.routing.total import arc_costs
 from instances import Instance
 from instances.arrays import Bools, Floats
 
@@ -64,12 +64,13 @@ def capped_total(instance: Instance, upper: float, time_limit: float) -> CappedT
         return programme
 
     needs, dull, complete = Needs((whole, timed), alone, cap), 0, False
-    solved = solve_all(whole, end)
+    solved = whole.solve_all(end)
     while solved and dull < _DULL and not complete:
         before = timed.sum
-        solved = solve_all(timed, end)
+        solved = timed.solve_all(end)
         if timed.solved:
-            arcs &= timed.last + timed.reduced + excess <= cap * weight * (1 + _ROUNDING)
+            # what is no number excludes nothing
+            arcs &= ~(timed.last + timed.reduced + excess > cap * weight * (1 + _ROUNDING))
         dull = dull + 1 if timed.sum - before < _GAIN * cap * weight else 0
         sets, need = needs.find(timed.entered(), end) if solved else (timed.cuts[:0], timed.need[:0])
         timed.add_sets(sets, need)

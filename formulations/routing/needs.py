@@ -115,20 +115,11 @@ class Needs:
             if time.perf_counter() > end:
                 break
             q = int(found.uavs[c])
-            enough = self._too_few(self.alone(found.sets[c], q), q, end)
-            self._proved[found.sets[c].tobytes(), q] = enough
-            certain += [c] if enough else []
+            alone = self.alone(found.sets[c], q)
+            alone.solve_all(end, enough=q * self.cap)
+            proved = self._proved[found.sets[c].tobytes(), q] = alone.sum > q * self.cap
+            certain += [c] if proved else []
         return np.array(certain, dtype=np.int64)
-
-    def _too_few(self, alone: ArcProgramme, q: int, end: float) -> bool:
-        """Say whether the bound of a set alone shows that q UAVs cannot fly it."""
-        while alone.solve(end):
-            if alone.sum > q * self.cap:
-                return True
-            cut, grown = alone.cut(), alone.grow()
-            if not cut and not grown:
-                return False
-        return False
 
 
 @njit(cache=True)

@@ -38,7 +38,7 @@ def total(instance: Instance, upper: float, time_limit: float) -> Total:
     end = time.perf_counter() + time_limit
     cost, weight = arc_costs(instance, upper)
     programme = ArcProgramme(cost, instance.n_tasks, instance.n_depots, upper)
-    complete = solve_all(programme, end)
+    complete = programme.solve_all(end)
     return Total(min(upper, programme.sum / weight), complete, programme.price / weight)
 
 
@@ -48,12 +48,3 @@ def arc_costs(instance: Instance, upper: float) -> tuple[Floats, float]:
     np.fill_diagonal(cost, np.inf)
     cost[instance.n_tasks :, instance.n_tasks :] = np.inf
     return cost, weight
-
-
-def solve_all(programme: ArcProgramme, end: float) -> bool:
-    """Solve until no arc and no set is missing that is entered less than once; say whether that was before `end`."""
-    while programme.solve(end):
-        cut, grown = programme.cut(), programme.grow()
-        if not grown and not cut:
-            return True
-    return False

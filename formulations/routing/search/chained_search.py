@@ -36,7 +36,7 @@ from formulations.routing.search.giant_tour import (
 )
 from formulations.routing.search.problem_data import Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
-from formulations.routing.search.tours import Tours, empty_tours, fill, sum_costs
+from formulations.routing.search.tours import Tours
 from instances.arrays import Bools, Ints
 from instances.kernels import njit
 
@@ -305,39 +305,36 @@ def chain_kicks(
     return longest
 
 
-def nearest_in_turn(costs: AlikeCosts, n_tasks: int) -> Tours:
-    """Return one tour that flies on to the nearest task again and again, cut into parts that cost about the same.
+@njit(cache=True, nogil=True)
+def descend_everywhere(chain: Chain, least: float, parameters: ChainParameters, pressure: Pressure) -> None:
+    """Make the best moves of all nodes until there is none worth more than `least` [s]."""
+    order, size = chain.tour.order, chain.queue.size
+    made = chain.log.shape[0]
+    while made == chain.log.shape[0]:
+        for i in range(size):
+            chain.queue[i] = order[i]
+            chain.queued[i] = True
+        chain.ring[0], chain.ring[1] = 0, size
+        made = _descend(chain, 0, least, parameters, pressure)
 
-    It leaves a cluster when that is done. From an annealed founder kicks end far worse where tasks lie in clusters:
-    fl3795_3, 60 s, one run: 0.21 % above the best known from here, 3.89 % from the founder.
-    """
-    n, m = n_tasks, len(costs.out) - n_tasks
-    left, order, sums = np.ones(n, np.bool_), [n], [0.0]
-    for _ in range(n):
-        row = np.where(left, costs.out[order[-1], :n], np.inf)
-        v = int(np.argmin(row))
-        left[v] = False
-        order.append(v)
-        sums.append(sums[-1] + float(row[v]))
-    cuts = np.searchsorted(sums[1:], sums[-1] * np.arange(1, m) / m)
-    tours = empty_tours(n, m)
-    for k, part in enumerate(np.split(np.array(order[1:], np.int32), cuts)):
-        fill(costs, tours, k, part)
-    sum_costs(tours)
-    return tours
+
+def chain_legs(costs: AlikeCosts, n_tasks: int, parameters: ChainParameters) -> CandidateLegs:
+    """Return the candidate legs of its moves."""
+    return candidate_legs(costs.out, n_tasks, parameters.nearest, parameters.layers, parameters.most)
 
 
 class ChainedSearch:
     """A chained local search under way, from tours of its own."""
 
-    def __init__(self, data: ProblemData, tours: Tours, parameters: ChainParameters, rng: Rng) -> None:
+    def __init__(
+        self, data: ProblemData, tours: Tours, parameters: ChainParameters, rng: Rng, near: CandidateLegs | None = None
+    ) -> None:
         costs = data.costs
         assert isinstance(costs, AlikeCosts)
         tour, nodes = giant_tour(costs, tours), tours.after.size
         room = np.zeros(nodes, np.int32), np.zeros(nodes, np.bool_), np.zeros(2, np.int64)
         log = np.zeros((parameters.log, 4), np.int64)
-        legs = parameters.nearest, parameters.layers, parameters.most
-        near = candidate_legs(costs.out, data.size[0], *legs)
+        near = near or chain_legs(costs, data.size[0], parameters)
         self._chain = Chain(costs, near, tour, np.zeros(4, np.int64), log, *room)
         self._parameters = parameters._replace(second=min(parameters.second, near.nodes.shape[1]))
         self._rng = rng
@@ -351,6 +348,18 @@ class ChainedSearch:
         temperature, before = max(TINY, self._leg * first * (last / first) ** done), self.longest
         self.longest = chain_kicks(self._chain, self._best, before, self._rng, kicks, temperature, self._parameters)
         return self.longest < before
+
+    def settle(self, scale: float) -> None:
+        """Descend from all nodes, s of the energy in mean legs; `best` and `longest` do not follow."""
+        sums, m = self.ring.sums, self.ring.starts.size - 1
+        leg = float(sums[-1]) / self._chain.queue.size
+        pressure = Pressure(float(sums[-1]) / m, scale * leg)
+        descend_everywhere(self._chain, self._parameters.gain * leg, self._parameters, pressure)
+
+    @property
+    def ring(self) -> GiantTour:
+        """The ring it works on."""
+        return self._chain.tour
 
     def best(self) -> Tours:
         """Return the tours whose longest was shortest so far."""

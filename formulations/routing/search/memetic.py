@@ -24,6 +24,7 @@ from formulations.routing.search.budget import Budget, Teller
 from formulations.routing.search.chained_search import ChainedSearch, suits_at_last
 from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.decomposition import merge
+from formulations.routing.search.edge_assembly import EdgeAssembly
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.lineage import Family
 from formulations.routing.search.parameters import SearchParameters
@@ -119,6 +120,9 @@ class Memetic(RecordedSolver):
         chain = parameters.chain
         if instance.by_metric is None and suits_at_last(search_costs(instance), instance.n_tasks, chain):
             ChainedSearch(population.data, population.best, chain, population.rng).advance(0.0, 1)
+            assembly = EdgeAssembly(population.data, chain, parameters.assembly, population.rng)
+            for done in (*(0.5,) * parameters.assembly.fewest, 0.9):
+                assembly.advance(done, 1)
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Search until a limit; one annealing step is one iteration, counted in one of the `threads` threads."""

@@ -15,6 +15,7 @@ from formulations.routing.search.annealing import AnnealingParameters
 from formulations.routing.search.budget import BudgetParameters
 from formulations.routing.search.chained_search import ChainParameters
 from formulations.routing.search.decomposition import DecompositionParameters
+from formulations.routing.search.edge_assembly import AssemblyParameters
 from formulations.routing.search.local_search import LocalSearchParameters
 from formulations.routing.search.perturbation import PerturbationParameters
 from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData
@@ -65,6 +66,7 @@ class SearchParameters:
     schedule: ScheduleParameters = field(default_factory=ScheduleParameters)
     population: PopulationParameters = field(default_factory=PopulationParameters)
     chain: ChainParameters = field(default_factory=ChainParameters)
+    assembly: AssemblyParameters = field(default_factory=AssemblyParameters)
     budget: BudgetParameters = field(default_factory=BudgetParameters)
     several_depots: Strategy = SEVERAL_DEPOTS
     one_site: Strategy = ONE_SITE

@@ -6,8 +6,9 @@ it (strategy.py); where few UAVs fly long tours from several depots most of the 
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
-Where few UAVs fly long tours there is one founder, and then a chained local search (chained_search.py); where more
-do, and the limit allows for few founders, it goes on from the population's best tours.
+Where few UAVs fly long tours there is one founder, and then edge assembly (edge_assembly.py), which a chained local
+search ends (chained_search.py); where more do, and the limit allows for few founders, that goes on from the
+population's best tours.
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ from dataclasses import dataclass, replace
 
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.budget import Window
-from formulations.routing.search.chained_search import ChainedSearch, nearest_in_turn, suits, suits_at_last
-from formulations.routing.search.costs import AlikeCosts
+from formulations.routing.search.chained_search import ChainedSearch, suits, suits_at_last
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around, merge, subproblem
+from formulations.routing.search.edge_assembly import EdgeAssembly
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.lineage import Family, Lineage
@@ -71,7 +72,7 @@ class Population(Lineage):
         self.improved = True
         self._long = suits(data.costs, data.size[0], parameters.chain)
         self._handover = math.inf
-        self._chained: ChainedSearch | None = None
+        self._chained: ChainedSearch | EdgeAssembly | None = None
 
     def plan(self, step: float) -> None:
         """Say which part of the limit a step takes, and when chained search begins; the only founder is then short."""
@@ -161,13 +162,12 @@ class Population(Lineage):
             schedule = replace(schedule, compact=True)
         return newcomer, schedule
 
-    def _chain(self) -> ChainedSearch:
-        """Return a chained search, from tours of its own where tours are long, else from the best."""
+    def _chain(self) -> ChainedSearch | EdgeAssembly:
+        """Return an edge assembly where tours are long, else a chained search from the best."""
         chain = self.parameters.chain
-        if not self._long:
-            return ChainedSearch(self.data, self.best, chain._replace(first=chain.reheated), self.rng)
-        assert isinstance(self.data.costs, AlikeCosts)
-        return ChainedSearch(self.data, nearest_in_turn(self.data.costs, self.data.size[0]), chain, self.rng)
+        if self._long:
+            return EdgeAssembly(self.data, chain, self.parameters.assembly, self.rng)
+        return ChainedSearch(self.data, self.best, chain._replace(first=chain.reheated), self.rng)
 
     def _grown(self) -> Tours:
         """Return the newcomer as its stage left it; a subproblem's tours are merged where they are fitter."""

@@ -14,6 +14,7 @@ from formulations.routing.search import giant_tour as giant
 from formulations.routing.search.costs import both_ways, search_costs
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.memetic import Memetic
+from formulations.routing.search.nearest_in_turn import nearest_in_turn
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import problem_data
@@ -137,7 +138,7 @@ def test_a_search_never_gets_worse_and_keeps_all_tasks():
 
 def test_the_first_tours_fly_on_to_the_nearest_task_and_are_about_as_long():
     instance, _ = one_site(7, 90, 3)
-    tours = chained.nearest_in_turn(search_costs(instance), 90)
+    tours = nearest_in_turn(search_costs(instance), 90)
     routes = to_routes(tours)
     assert check_routes(instance, routes) == []
     assert makespan(instance, routes) == pytest.approx(tours.cost.max())

@@ -45,7 +45,7 @@ _ROUNDING = 1e-9
 class AssemblyParameters(NamedTuple):
     """How many rings, and for how long.
 
-    size: of the population at most; fewest: at least; made, mated: shares of the stage after which no more rings are
+    size: of the population at most; fewest: without which none is crossed; made, mated: shares of the stage after which no more rings are
     made, and after which they are crossed no more; kids: children of a pair at most; barren: orders in a row without a
     better ring after which crossing ends; first, last: s of the energy in mean legs, falling geometrically; chosen: s
     by which the ring is chosen that chained search goes on from; most: legs that a child exchanges at most.
@@ -197,14 +197,19 @@ class EdgeAssembly:
             share = (done - self._from) / max(1.0 - self._from, 1e-9)
             self._chained.advance(share, steps)
             self.longest = min(self.longest, self._chained.longest)
-        elif len(self._rings) < how.fewest or (len(self._rings) < how.size and done < how.made):
+        elif self.making and len(self._rings) < how.size and done < how.made:
             self._rings.append(self._made())
             self._remember(self._rings[-1])
-        elif done < how.mated and self._barren <= how.barren:
+        elif len(self._rings) >= how.fewest and done < how.mated and self._barren <= how.barren:
             self._cross(done, max(1, steps // how.kids))
         else:
             self._chained, self._from = self._chain(), done
         return self.longest < before
+
+    @property
+    def making(self) -> bool:
+        """Whether it still makes rings, each of which takes as long as very many steps."""
+        return self._mating is None and self._chained is None
 
     def best(self) -> Tours:
         """Return the tours whose longest was shortest so far."""

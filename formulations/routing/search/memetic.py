@@ -121,7 +121,7 @@ class Memetic(RecordedSolver):
         if instance.by_metric is None and suits_at_last(search_costs(instance), instance.n_tasks, chain):
             ChainedSearch(population.data, population.best, chain, population.rng).advance(0.0, 1)
             assembly = EdgeAssembly(population.data, chain, parameters.assembly, population.rng)
-            for done in (*(0.5,) * parameters.assembly.fewest, 0.9):
+            for done in (*(0.0,) * parameters.assembly.fewest, 0.5, 0.9):
                 assembly.advance(done, 1)
 
     def search(self, recorder: Recorder, seed: int) -> Result:

@@ -86,11 +86,16 @@ class Population(Lineage):
     def run(self, now: float, window: Window, step: float) -> int:
         """Advance while the window lasts; return the steps taken, each so much of the limit."""
         done = 0
-        while done == 0 or (done < window.steps and not window.over):
+        while done == 0 or (done < window.steps and not window.over and not self._making):
             steps = min(window.level, window.steps - done)
             self.advance(now + done * step, steps)
             done += steps
         return done
+
+    @property
+    def _making(self) -> bool:
+        """Whether the next advance takes far longer than its steps say, so that limits are to be looked at before."""
+        return isinstance(self._chained, EdgeAssembly) and self._chained.making
 
     def advance(self, now: float, steps: int) -> None:
         """Anneal the newcomer by `steps` steps at the temperature that belongs to `now`, or kick so often."""

@@ -45,10 +45,11 @@ _ROUNDING = 1e-9
 class AssemblyParameters(NamedTuple):
     """How many rings, and for how long.
 
-    size: of the population at most; fewest: without which none is crossed; made, mated: shares of the stage after which no more rings are
-    made, and after which they are crossed no more; kids: children of a pair at most; barren: orders in a row without a
-    better ring after which crossing ends; first, last: s of the energy in mean legs, falling geometrically; chosen: s
-    by which the ring is chosen that chained search goes on from; most: legs that a child exchanges at most.
+    size: of the population at most; fewest: without which none is crossed; made, mated: shares of the stage after
+    which no more rings are made, and after which they are crossed no more; kids: children of a pair at most;
+    barren: orders in a row without a better ring after which crossing ends; first, last: s of the energy in mean
+    legs, falling geometrically; chosen: s by which the ring is chosen that chained search goes on from; most: legs
+    that a child exchanges at most.
     """
 
     size: int = 100

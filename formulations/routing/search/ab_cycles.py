@@ -138,7 +138,7 @@ def find_cycles(a: GiantTour, b: GiantTour, cycles: AbCycles, rng: Rng) -> int:
         start = (first + shift) % total
         while cycles.count_a[start] > 0:
             v, length, by_a = start, 0, True
-            while length > 0 or by_a:
+            while True:
                 walk[length] = v
                 left, count = (cycles.left_a, cycles.count_a) if by_a else (cycles.left_b, cycles.count_b)
                 w = left[v, below(rng, count[v]) if count[v] > 1 else 0]

@@ -9,25 +9,39 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.routing.search.costs import AlikeCosts
+from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.tours import Tours, empty_tours, fill, sum_costs
+from instances.arrays import Floats
+from instances.kernels import njit
 
 
-def nearest_in_turn(costs: AlikeCosts, n_tasks: int, first: int | None = None) -> Tours:
-    """Return one tour that flies on to the nearest task again and again, cut into parts that cost about the same.
+@njit(cache=True, nogil=True)
+def _visited(cost: Floats, n: int, first: int) -> tuple[Nodes, Floats]:
+    """Return all n tasks in turn, and what it costs to fly to each from the site [s]."""
+    order, sums, left = np.empty(n, np.int32), np.empty(n), np.arange(n)
+    v, at, so_far = n, first, 0.0
+    for i in range(n):
+        w = left[at]
+        so_far += cost[v, w]
+        order[i], sums[i], v = w, so_far, w
+        left[at] = left[n - 1 - i]
+        row, at = cost[v], 0
+        for j in range(1, n - 1 - i):
+            if row[left[j]] < row[left[at]]:
+                at = j
+    return order, sums
 
-    It begins with the task `first`, or the one nearest to the site.
+
+def nearest_in_turn(costs: AlikeCosts, n_tasks: int, first: int) -> Tours:
+    """Return a tour that flies on to the nearest task again and again, from the task `first` on.
+
+    It is cut into parts that cost about the same.
     """
     n, m = n_tasks, len(costs.out) - n_tasks
-    left, order, sums = np.ones(n, np.bool_), [n], [0.0]
-    for _ in range(n):
-        row = np.where(left, costs.out[order[-1], :n], np.inf)
-        v = int(np.argmin(row)) if first is None or len(order) > 1 else first
-        left[v] = False
-        order.append(v)
-        sums.append(sums[-1] + float(row[v]))
-    cuts = np.searchsorted(sums[1:], sums[-1] * np.arange(1, m) / m)
+    order, sums = _visited(costs.out, n, first)
+    cuts = np.searchsorted(sums, sums[-1] * np.arange(1, m) / m)
     tours = empty_tours(n, m)
-    for k, part in enumerate(np.split(np.array(order[1:], np.int32), cuts)):
+    for k, part in enumerate(np.split(order, cuts)):
         fill(costs, tours, k, part)
     sum_costs(tours)
     return tours

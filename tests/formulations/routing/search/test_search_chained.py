@@ -138,8 +138,9 @@ def test_a_search_never_gets_worse_and_keeps_all_tasks():
 
 def test_the_first_tours_fly_on_to_the_nearest_task_and_are_about_as_long():
     instance, _ = one_site(7, 90, 3)
-    tours = nearest_in_turn(search_costs(instance), 90)
+    tours = nearest_in_turn(search_costs(instance), 90, 17)
     routes = to_routes(tours)
+    assert routes[0][0] == 17
     assert check_routes(instance, routes) == []
     assert makespan(instance, routes) == pytest.approx(tours.cost.max())
     for route in routes:

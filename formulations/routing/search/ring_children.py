@@ -148,6 +148,12 @@ def put_in(child: RingChild, v: int, w: int) -> None:
 
 
 @njit(cache=True, nogil=True)
+def _is_between(i: int, first: int, last: int) -> bool:
+    """Return whether position i is in first..last, across the ring's end where last < first."""
+    return first <= i <= last if first <= last else (i >= first or i <= last)
+
+
+@njit(cache=True, nogil=True)
 def join_rings(costs: AlikeCosts, near: CandidateLegs, tour: GiantTour, child: RingChild, rings: int) -> bool:
     """Join the smallest ring to another by the best exchange of two legs; return whether there is one."""
     small, total, top = int(child.size[:rings].argmin()), tour.order.size - 1, -math.inf
@@ -155,17 +161,21 @@ def join_rings(costs: AlikeCosts, near: CandidateLegs, tour: GiantTour, child: R
     for s in range(child.counts[0]):
         if child.ring[s] != small:
             continue
-        for x in range((child.right[s] - child.left[s]) % total + 1):
-            u = tour.order[(child.left[s] + x) % total]
-            for side in range(4):
-                u2 = _beside(tour, child, u, side // 2)
-                removed = leg(costs, 0, u, u2)
-                for j in range(near.nodes.shape[1]):
-                    v = near.nodes[u, j]
-                    if v < 0 or child.ring[_part_at(child, tour.position[v])] == small:
-                        continue
-                    v2 = _beside(tour, child, v, side % 2)
-                    gain = removed - near.cost[u, j] + leg(costs, 0, v, v2) - leg(costs, 0, u2, v2)
+        first, last = child.left[s], child.right[s]
+        i = first - 1
+        while i != last:
+            i = i + 1 if i + 1 < total else 0
+            u = tour.order[i]
+            for j in range(near.nodes.shape[1]):
+                v = near.nodes[u, j]
+                if v < 0:
+                    break
+                at = tour.position[v]
+                if _is_between(at, first, last) or child.ring[_part_at(child, at)] == small:
+                    continue
+                for side in range(4):
+                    u2, v2 = _beside(tour, child, u, side // 2), _beside(tour, child, v, side % 2)
+                    gain = leg(costs, 0, u, u2) - near.cost[u, j] + leg(costs, 0, v, v2) - leg(costs, 0, u2, v2)
                     if gain > top:
                         top, a, b, c, d = gain, u, u2, v, v2
     if a < 0:

@@ -23,15 +23,14 @@ class AbCycles(NamedTuple):
 
     nodes (2N,): of all cycles, one after the other; the leg from a cycle's first node to its second is of A, the next
     of B, and so on; begins (N+1,): where each begins, and where the last ends; pick (N,): numbers of cycles not tried.
-    beside (N, 2): neighbours in B; left_a, left_b (N, 2), count_a, count_b (N,): neighbours by legs not walked yet;
-    walk (2N,): nodes of the walk under way; gone_a, gone_b (N,): where on the walk a node was left by a leg of A, of
-    B, or −1; name (N,): what B's nodes are called in A.
+    left_a, left_b (N, 2), count_a, count_b (N,): neighbours by legs not walked yet; those of B have depot n for any
+    depot, and its depots any depots' legs; walk (2N,): nodes of the walk under way, of depots those of A at which legs
+    are exchanged; gone_a, gone_b (N,): where on the walk a node was left by a leg of A, of B, or −1, n for any depot.
     """
 
     nodes: Ints
     begins: Ints
     pick: Ints
-    beside: Ints
     left_a: Ints
     left_b: Ints
     count_a: Ints
@@ -39,15 +38,14 @@ class AbCycles(NamedTuple):
     walk: Ints
     gone_a: Ints
     gone_b: Ints
-    name: Ints
 
 
 def ab_room(nodes: int) -> AbCycles:
     """Return room for the cycles of two rings of so many nodes."""
     once, pairs, never = np.zeros(nodes, np.int64), np.zeros((nodes, 2), np.int64), np.full(nodes, -1)
     twice, begins = np.zeros(2 * nodes + 2, np.int64), np.zeros(nodes + 1, np.int64)
-    four = pairs.copy(), pairs.copy(), pairs.copy(), once.copy(), once.copy()
-    return AbCycles(twice, begins, once, *four, twice.copy(), never, never.copy(), once.copy())
+    left = pairs, pairs.copy(), once.copy(), once.copy()
+    return AbCycles(twice, begins, once, *left, twice.copy(), never, never.copy())
 
 
 @njit(cache=True, nogil=True)
@@ -57,62 +55,101 @@ def _before(order: Ints, i: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _name_depots(a: GiantTour, b: GiantTour, name: Ints) -> None:
-    """Name each depot of B like one of A with as many neighbours in common as there is; tasks keep their names."""
-    m = a.starts.size - 1
-    n = name.size - m
-    for v in range(name.size):
-        name[v] = v
-    used, named = np.zeros(m, np.bool_), np.zeros(m, np.bool_)
-    for common in range(2, -1, -1):
-        for i in b.starts[:m]:
-            x, y = _before(b.order, i), b.order[i + 1]
-            for j in a.starts[:m]:
-                e, d = b.order[i] - n, a.order[j] - n
-                if named[e] or used[d]:
-                    continue
-                u, w = _before(a.order, j), a.order[j + 1]
-                if (x < n and x in (u, w)) + (y < n and y in (u, w)) >= common:
-                    name[n + e] = n + d
-                    named[e] = used[d] = True
-
-
-@njit(cache=True, nogil=True)
 def _strike(left: Ints, count: Ints, v: int, w: int) -> None:
-    """Take the leg between v and w off those not walked yet."""
+    """Take a leg from v to w off those not walked yet at v."""
     if left[v, 0] == w:
         left[v, 0] = left[v, 1]
     count[v] -= 1
-    if left[w, 0] == v:
-        left[w, 0] = left[w, 1]
-    count[w] -= 1
+
+
+@njit(cache=True, nogil=True)
+def _merged(v: int, n: int) -> int:
+    """Return the node, n for every depot: they are at one place."""
+    return min(v, n)
+
+
+@njit(cache=True, nogil=True)
+def _write_left(mine: tuple[int, int], other: tuple[int, int], v: int, n: int, left: Ints, count: Ints) -> None:
+    """Write those of a task's two neighbours that are not neighbours in the other ring."""
+    x, y = other
+    for w in mine:
+        if _merged(w, n) == x:
+            x = -1
+        elif _merged(w, n) == y:
+            y = -1
+        else:
+            left[v, count[v]] = w
+            count[v] += 1
 
 
 @njit(cache=True, nogil=True)
 def _lay_out(a: GiantTour, b: GiantTour, cycles: AbCycles) -> None:
     """Write the legs that only one of the rings has."""
-    _name_depots(a, b, cycles.name)
-    name, beside = cycles.name, cycles.beside
-    for i in range(name.size):
-        v = name[b.order[i]]
-        beside[v, 0], beside[v, 1] = name[_before(b.order, i)], name[b.order[i + 1]]
-    for i in range(name.size):
-        v, p, s = a.order[i], _before(a.order, i), a.order[i + 1]
-        x, y = beside[v]
-        cycles.gone_a[v] = cycles.gone_b[v] = -1
-        cycles.count_a[v] = cycles.count_b[v] = 0
-        for w in (p, s):
-            if w not in (x, y):
-                cycles.left_a[v, cycles.count_a[v]] = w
-                cycles.count_a[v] += 1
-        for w in (x, y):
-            if w not in (p, s):
-                cycles.left_b[v, cycles.count_b[v]] = w
-                cycles.count_b[v] += 1
+    m = a.starts.size - 1
+    n = cycles.count_a.size - m
+    cycles.count_a[:] = 0
+    cycles.count_b[:] = 0
+    cycles.gone_a[:] = -1
+    cycles.gone_b[:] = -1
+    fan, ends = n, 0
+    for v in range(n):
+        i, j = a.position[v], b.position[v]
+        p, s, x, y = _before(a.order, i), a.order[i + 1], _before(b.order, j), b.order[j + 1]
+        x, y = _merged(x, n), _merged(y, n)
+        _write_left((p, s), (x, y), v, n, cycles.left_a, cycles.count_a)
+        _write_left((x, y), (_merged(p, n), _merged(s, n)), v, n, cycles.left_b, cycles.count_b)
+        for w in cycles.left_a[v, : cycles.count_a[v]]:
+            if w >= n:
+                cycles.left_a[w, cycles.count_a[w]] = v
+                cycles.count_a[w] += 1
+        for w in cycles.left_b[v, : cycles.count_b[v]]:
+            if w == n:
+                fan = n + ends // 2
+                cycles.left_b[fan, ends % 2] = v
+                cycles.count_b[fan] += 1
+                ends += 1
+    empty = 0
+    for i in b.starts[:m]:
+        if b.order[i + 1] >= n:
+            empty += 1
+    for i in a.starts[:m]:
+        v, w = a.order[i], a.order[i + 1]
+        if w >= n and empty > 0:
+            empty -= 1
+        elif w >= n:
+            cycles.left_a[v, cycles.count_a[v]] = w
+            cycles.count_a[v] += 1
+            cycles.left_a[w, cycles.count_a[w]] = v
+            cycles.count_a[w] += 1
+    for _ in range(2 * empty):
+        fan = n + ends // 2
+        cycles.left_b[fan, ends % 2] = n
+        cycles.count_b[fan] += 1
+        ends += 1
 
 
 @njit(cache=True, nogil=True)
-def _keep(cycles: AbCycles, begin: int, end: int, last_is_a: bool, at: int) -> int:
+def _any_depot(count: Ints, n: int, rng: Rng) -> int:
+    """Return a depot with legs not walked yet, as often as it has such."""
+    at = below(rng, count[n:].sum())
+    v = n
+    while at >= count[v]:
+        at -= count[v]
+        v += 1
+    return v
+
+
+@njit(cache=True, nogil=True)
+def _fan_with(left: Ints, count: Ints, n: int, w: int) -> int:
+    """Return a depot whose legs not walked yet have one to w."""
+    v = n
+    while not ((count[v] > 0 and left[v, 0] == w) or (count[v] > 1 and left[v, 1] == w)):
+        v += 1
+    return v
+
+
+@njit(cache=True, nogil=True)
+def _keep(cycles: AbCycles, n: int, begin: int, end: int, last_is_a: bool, at: int) -> int:
     """Write the part begin..end of the walk, which is closed, from `at` on, a leg of A first; return where it ends."""
     walk, nodes = cycles.walk, cycles.nodes
     first = end - 1 if last_is_a else begin
@@ -121,36 +158,62 @@ def _keep(cycles: AbCycles, begin: int, end: int, last_is_a: bool, at: int) -> i
     by_a = not last_is_a
     for x in range(begin, end):
         if by_a:
-            cycles.gone_a[walk[x]] = -1
+            cycles.gone_a[_merged(walk[x], n)] = -1
         else:
-            cycles.gone_b[walk[x]] = -1
+            cycles.gone_b[_merged(walk[x], n)] = -1
         by_a = not by_a
     return at + end - begin
+
+
+@njit(cache=True, nogil=True)
+def _leave_by_a(cycles: AbCycles, v: int, n: int, rng: Rng) -> tuple[int, int]:
+    """Walk a leg of A from v or, if that is a depot, from any; return its ends."""
+    left, count = cycles.left_a, cycles.count_a
+    if v >= n:
+        v = _any_depot(count, n, rng)
+    w = left[v, below(rng, count[v])]
+    _strike(left, count, v, w)
+    _strike(left, count, w, v)
+    return v, w
+
+
+@njit(cache=True, nogil=True)
+def _leave_by_b(cycles: AbCycles, v: int, n: int, rng: Rng) -> int:
+    """Walk a leg of B from v; return where it leads to, n for any depot."""
+    left, count = cycles.left_b, cycles.count_b
+    at = _any_depot(count, n, rng) if v >= n else v
+    w = left[at, below(rng, count[at])]
+    _strike(left, count, at, w)
+    back = _merged(v, n)
+    _strike(left, count, _fan_with(left, count, n, back) if w == n else w, back)
+    return w
 
 
 @njit(cache=True, nogil=True)
 def find_cycles(a: GiantTour, b: GiantTour, cycles: AbCycles, rng: Rng) -> int:
     """Write AB-cycles of two rings, drawn by walking at random; return how many there are."""
     _lay_out(a, b, cycles)
-    walk, total = cycles.walk, cycles.name.size
+    walk, total = cycles.walk, cycles.count_a.size
+    n = total - a.starts.size + 1
     found, at, first = 0, 0, below(rng, total)
     for shift in range(total):
         start = (first + shift) % total
         while cycles.count_a[start] > 0:
             v, length, by_a = start, 0, True
             while True:
-                walk[length] = v
-                left, count = (cycles.left_a, cycles.count_a) if by_a else (cycles.left_b, cycles.count_b)
-                w = left[v, below(rng, count[v]) if count[v] > 1 else 0]
-                _strike(left, count, v, w)
                 if by_a:
-                    cycles.gone_a[v] = length
+                    v, w = _leave_by_a(cycles, v, n, rng)
+                    cycles.gone_a[_merged(v, n)] = length
                 else:
-                    cycles.gone_b[v] = length
+                    w = _leave_by_b(cycles, v, n, rng)
+                    cycles.gone_b[_merged(v, n)] = length
+                walk[length] = v
                 length += 1
-                back = cycles.gone_b[w] if by_a else cycles.gone_a[w]
+                back = cycles.gone_b[_merged(w, n)] if by_a else cycles.gone_a[_merged(w, n)]
                 if back >= 0:
-                    at = _keep(cycles, back, length, by_a, at)
+                    if by_a:
+                        walk[back], w = w, walk[back]
+                    at = _keep(cycles, n, back, length, by_a, at)
                     found += 1
                     cycles.begins[found] = at
                     length = back

@@ -3,10 +3,11 @@
 Rings are local optima from different first tasks. A ring is crossed with the next of a random order: each child is the
 ring with the legs exchanged on one AB-cycle (ab_cycles.py, ring_children.py), and the child that gains most energy for
 what diversity it costs replaces it (Nagata & Kobayashi 2013; diversity is the entropy of legs in the population). That
-finds which task is on which tour; energies are those of the giant tour with an s so large that what counts is the
-total, for a cycle that makes tours unequal may be worth it. Chained search then makes the tours equal.
-pcb1173_3 and pr2392_3, 40 s, one run of a prototype: 0.30 and -0.38 % to the best known; by chained search alone, 60 s,
-three runs, 0.65 and 0.48 %. With an s of 3 mean legs in the end the same prototype ended at 0.48 and 0.40 %.
+finds which task is on which tour. Energies are those of the giant tour; their s is so large that the total counts most,
+for a cycle that makes tours unequal may be worth it: with an s of 25 mean legs in the end pr2392_5 and pcb1173_5 came
+out 0.7 % longer than with one of 100. No cycle alone makes tours equal again that all rings have unequal, so that all
+rings descend anew when s falls; d1655_5, whose shortest total has one tour 40 % longer than the mean, needs it most.
+In the end chained search makes the tours of the best ring equal.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 from formulations.routing.search.ab_cycles import AbCycles, ab_room, find_cycles
 from formulations.routing.search.candidate_legs import CandidateLegs
 from formulations.routing.search.chained_search import ChainedSearch, ChainParameters, chain_legs
-from formulations.routing.search.costs import AlikeCosts
+from formulations.routing.search.costs import AlikeCosts, leg
 from formulations.routing.search.giant_tour import GiantTour, Pressure, energy_of, tours_of
 from formulations.routing.search.nearest_in_turn import nearest_in_turn
 from formulations.routing.search.problem_data import ProblemData
@@ -45,23 +46,29 @@ _ROUNDING = 1e-9
 class AssemblyParameters(NamedTuple):
     """How many rings, and for how long.
 
-    size: of the population at most; fewest: without which none is crossed; made, mated: shares of the stage after
-    which no more rings are made, and after which they are crossed no more; kids: children of a pair at most;
-    barren: orders in a row without a better ring after which crossing ends; first, last: s of the energy in mean
-    legs, falling geometrically; chosen: s by which the ring is chosen that chained search goes on from; most: legs
-    that a child exchanges at most.
+    size: of the population at most; fewest: without which none is crossed; made: share of the stage after which no more
+    rings are made; enough, late: number of rings up to which they are made until then, where one takes long; loose: s
+    of the energy in mean legs, of their first descent; scales: s of the second, and of crossing, one after the other;
+    under the last they only descend; mated: share of the stage after which they are crossed no more, the same for each
+    s; barren: orders in a row without a better ring after which s falls too; kids: children of a pair at most; most:
+    legs that a child exchanges at most; chosen: s by which the ring is chosen that chained search goes on from;
+    reheated: its first temperature then, in mean legs. 60 s, single runs, begun at 0.2, 0.5 and 1: pr2392_5 0.68, 0.28
+    and 0.14 %, pcb3038_5 0.45, 0.06 and 0.27 %.
     """
 
-    size: int = 100
+    size: int = 300
     fewest: int = 6
-    made: float = 0.12
-    mated: float = 0.8
+    made: float = 0.06
+    enough: int = 60
+    late: float = 0.15
+    loose: float = 1000.0
+    scales: tuple[float, ...] = (200.0, 100.0, 50.0)
+    mated: float = 0.47
+    barren: int = 2
     kids: int = 30
-    barren: int = 3
-    first: float = 400.0
-    last: float = 100.0
-    chosen: float = 30.0
     most: int = 4000
+    chosen: float = 30.0
+    reheated: float = 0.8
 
 
 class Mating(NamedTuple):
@@ -104,20 +111,27 @@ def _copy(child: RingChild, other: RingChild) -> None:
 
 @njit(cache=True, nogil=True)
 def _assemble(mating: Mating, tour: GiantTour, c: int) -> bool:
-    """Make the child that exchanges the legs of AB-cycle c; return whether it is one ring."""
+    """Make the child that exchanges the legs of AB-cycle c; return whether it is one ring.
+
+    Several rings that cost no less than the tour are not joined: that would cost more still.
+    """
     cycles, child = mating.cycles, mating.child
     begin, end = cycles.begins[c], cycles.begins[c + 1]
     child.counts[:] = 0
     if end - begin > child.cuts.size:
         return False
+    saved = 0.0
     for x in range(begin, end, 2):
-        v = cycles.nodes[x + 1]
-        child.cuts[child.counts[0]] = leg_behind(tour, cycles.nodes[x], v)
+        u, v, w = cycles.nodes[x], cycles.nodes[x + 1], cycles.nodes[x + 2 if x + 2 < end else begin]
+        child.cuts[child.counts[0]] = leg_behind(tour, u, v)
         child.counts[0] += 1
-        put_in(child, v, cycles.nodes[x + 2 if x + 2 < end else begin])
+        put_in(child, v, w)
+        saved += leg(mating.costs, 0, u, v) - leg(mating.costs, 0, v, w)
     rings = join_parts(tour, child)
     while rings > 1:
-        if child.counts[0] + 2 > child.cuts.size or not join_rings(mating.costs, mating.near, tour, child, rings):
+        if saved <= 0.0 or child.counts[0] + 2 > child.cuts.size:
+            return False
+        if not join_rings(mating.costs, mating.near, tour, child, rings):
             return False
         rings = join_parts(tour, child)
     return True
@@ -180,28 +194,27 @@ class EdgeAssembly:
         self._rings: list[GiantTour] = []
         self._mating: Mating | None = None
         self._order: list[int] = []
-        self._barren, self._better = 0, True
+        self._level = self._barren = 0
+        self._better = True
         self._chained: ChainedSearch | None = None
         self._from = 0.0
-        self._best = self._made()
-        self._rings.append(self._best)
-        self.longest = _longest(self._best)
-        self._best = _copied(self._best)
+        self._rings.append(self._made())
+        self._best, self.longest = _copied(self._rings[0]), _longest(self._rings[0])
 
     def advance(self, done: float, steps: int) -> bool:
         """Make a ring, cross some or kick, about `steps` kicks' work, at `done` in 0..1; return whether it gained.
 
         What counts is the longest tour of any ring.
         """
-        how, before = self._how, self.longest
+        how, before, rings = self._how, self.longest, len(self._rings)
         if self._chained is not None:
             share = (done - self._from) / max(1.0 - self._from, 1e-9)
             self._chained.advance(share, steps)
             self.longest = min(self.longest, self._chained.longest)
-        elif self.making and len(self._rings) < how.size and done < how.made:
+        elif self.making and rings < how.size and done < (how.made if rings >= how.enough else how.late):
             self._rings.append(self._made())
             self._remember(self._rings[-1])
-        elif len(self._rings) >= how.fewest and done < how.mated and self._barren <= how.barren:
+        elif rings >= how.fewest and self._level < len(how.scales) - 1:
             self._cross(done, max(1, steps // how.kids))
         else:
             self._chained, self._from = self._chain(), done
@@ -222,13 +235,17 @@ class EdgeAssembly:
         """Return a local optimum, from the nearest tasks in turn."""
         first = int(self._firsts[len(self._rings) % self._firsts.size])
         start = nearest_in_turn(self._costs, self._data.size[0], first)
-        chain = ChainedSearch(self._data, start, self._chain_parameters, self._rng, self._near)
-        for scale in (1e3, self._how.first):
+        return self._settled(start, self._how.loose, self._how.scales[0])
+
+    def _settled(self, tours: Tours, *scales: float) -> GiantTour:
+        """Return the ring that tours become by descents, each with an s of so many mean legs."""
+        chain = ChainedSearch(self._data, tours, self._chain_parameters, self._rng, self._near)
+        for scale in scales:
             chain.settle(scale)
         return chain.ring
 
     def _cross(self, done: float, pairs: int) -> None:
-        """Cross so many rings with the next of a random order."""
+        """Cross so many rings with the next of a random order, or let s fall in the end of one."""
         how, rings = self._how, self._rings
         if self._mating is None:
             self._mating = self._prepared()
@@ -236,14 +253,26 @@ class EdgeAssembly:
             if len(self._order) < 2:
                 self._barren = 0 if self._better else self._barren + 1
                 self._order, self._better = _shuffled(len(rings), self._rng), False
+                if self._barren >= how.barren or done > how.mated * (self._level + 1) / (len(how.scales) - 1):
+                    self._fall()
+                    return
             i, other = self._order.pop(), self._order[-1]
-            leg = float(rings[i].sums[-1]) / self._best.position.size
-            scale = leg * how.first * (how.last / how.first) ** min(1.0, done / how.mated)
+            scale = how.scales[self._level] * float(rings[i].sums[-1]) / self._best.position.size
             if cross(self._mating, rings[i], rings[other], len(rings), how.kids, scale, self._rng):
                 self._better = True
                 self._remember(rings[i])
 
+    def _fall(self) -> None:
+        """Let s fall, and all rings descend anew."""
+        self._level, self._barren = self._level + 1, 0
+        m, scale = self._data.size[1], self._how.scales[self._level]
+        self._rings = [self._settled(tours_of(self._costs, ring.order, m), scale) for ring in self._rings]
+        for ring in self._rings:
+            self._remember(ring)
+        self._mating = self._prepared()
+
     def _prepared(self) -> Mating:
+        """Return what crossing works with, legs counted."""
         total = self._best.position.size
         legs = np.zeros((total, total), np.int16)
         for ring in self._rings:
@@ -253,14 +282,15 @@ class EdgeAssembly:
         return Mating(self._costs, self._near, ab_room(total), *room, legs)
 
     def _chain(self) -> ChainedSearch:
-        """Return a chained search from the ring whose energy is least."""
+        """Return a chained search from the ring whose energy is least; where none was crossed it begins hot."""
         total, m = self._best.position.size, self._data.size[1]
         shortest = min(float(ring.sums[-1]) for ring in self._rings)
         pressure = Pressure(shortest / m, self._how.chosen * shortest / total)
         ring = min([*self._rings, self._best], key=lambda ring: energy_of(ring, 0, m - 1, pressure))
         chain = self._chain_parameters
-        tours = tours_of(self._costs, ring.order, m)
-        return ChainedSearch(self._data, tours, chain._replace(first=chain.reheated), self._rng, self._near)
+        if not self.making:
+            chain = chain._replace(first=self._how.reheated)
+        return ChainedSearch(self._data, tours_of(self._costs, ring.order, m), chain, self._rng, self._near)
 
     def _remember(self, ring: GiantTour) -> None:
         """Keep a copy of a ring whose longest tour is shortest."""

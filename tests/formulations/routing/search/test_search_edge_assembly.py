@@ -49,8 +49,28 @@ def ring(instance, seed):
     return costs, giant.giant_tour(costs, from_routes(costs, routes))
 
 
+def merged(v):
+    """The node, N for every depot: they are at one place."""
+    return min(int(v), N)
+
+
 def legs(order):
-    return sorted(tuple(sorted((int(v), int(w)))) for v, w in pairwise(order))
+    return sorted(tuple(sorted((merged(v), merged(w)))) for v, w in pairwise(order))
+
+
+def counted_legs(rings):
+    counted = np.zeros((N + M, N + M), np.int16)
+    for one in rings:
+        np.add.at(counted, (one.order[:-1], one.order[1:]), 1)
+        np.add.at(counted, (one.order[1:], one.order[:-1]), 1)
+    return counted
+
+
+def mating(costs, counted):
+    """What crossing works with where every leg is a candidate."""
+    near = candidate_legs(costs.out, N, N, 1, N)
+    rooms = ring_children.child_room(99), ring_children.child_room(99)
+    return edge_assembly.Mating(costs, near, ab_cycles.ab_room(N + M), *rooms, counted)
 
 
 @settings(max_examples=30)
@@ -61,15 +81,28 @@ def test_all_cycles_together_turn_one_ring_into_the_other(seed):
     _, b = ring(instance, seed + 2)
     cycles = ab_cycles.ab_room(N + M)
     found = ab_cycles.find_cycles(a, b, cycles, seeded(seed, 0))
-    left, named = legs(a.order), legs(cycles.name[b.order])
+    left = legs(a.order)
     for c in range(found):
         nodes = cycles.nodes[cycles.begins[c] : cycles.begins[c + 1]]
         assert len(nodes) % 2 == 0
         for x in range(0, len(nodes), 2):
-            left.remove(tuple(sorted((int(nodes[x]), int(nodes[x + 1])))))
-            left.append(tuple(sorted((int(nodes[x + 1]), int(nodes[(x + 2) % len(nodes)])))))
-    assert sorted(left) == named
-    assert sorted(cycles.name) == list(range(N + M))
+            u, v, w = nodes[x], nodes[x + 1], nodes[(x + 2) % len(nodes)]
+            assert v in (a.order[a.position[u] + 1], a.order[a.position[u] - 1 if a.position[u] > 0 else -2])
+            left.remove(tuple(sorted((merged(u), merged(v)))))
+            left.append(tuple(sorted((merged(v), merged(w)))))
+    assert sorted(left) == legs(b.order)
+
+
+@settings(max_examples=30)
+@given(seed=seeds)
+def test_no_cycle_comes_to_a_node_twice_in_the_same_way(seed):
+    instance = site(seed)
+    (_, a), (_, b) = ring(instance, seed + 1), ring(instance, seed + 2)
+    cycles = ab_cycles.ab_room(N + M)
+    for c in range(ab_cycles.find_cycles(a, b, cycles, seeded(seed, 0))):
+        nodes = [merged(v) for v in cycles.nodes[cycles.begins[c] : cycles.begins[c + 1]]]
+        for parity in range(2):
+            assert len(set(nodes[parity::2])) == len(nodes) // 2
 
 
 @settings(max_examples=30)
@@ -78,17 +111,14 @@ def test_a_child_is_one_ring_and_costs_what_it_says(seed):
     instance = site(seed)
     costs, a = ring(instance, seed + 1)
     _, b = ring(instance, seed + 2)
-    near = candidate_legs(costs.out, N, N, 1, N)
-    cycles, child, best = ab_cycles.ab_room(N + M), ring_children.child_room(99), ring_children.child_room(99)
-    counted = np.zeros((N + M, N + M), np.int16)
-    mating = edge_assembly.Mating(costs, near, cycles, child, best, counted)
+    work = mating(costs, counted_legs([]))
     pressure = giant.Pressure(a.sums[-1] / M, 200.0)
-    for c in range(ab_cycles.find_cycles(a, b, cycles, seeded(seed, 0))):
-        if not edge_assembly._assemble(mating, a, c):
+    for c in range(ab_cycles.find_cycles(a, b, work.cycles, seeded(seed, 0))):
+        if not edge_assembly._assemble(work, a, c):
             continue
-        said = ring_children.child_energy(costs, a, child, pressure)
+        said = ring_children.child_energy(costs, a, work.child, pressure)
         made = edge_assembly._copied(a)
-        ring_children.become(costs, made, child)
+        ring_children.become(costs, made, work.child)
         assert sorted(made.order[:-1]) == list(range(N + M))
         assert made.order[0] == made.order[-1] == N
         cost = giant.tours_of(costs, made.order, M).cost
@@ -102,21 +132,11 @@ def test_a_ring_crossed_is_never_worse_and_its_legs_are_counted(seed):
     instance = site(seed)
     rings = [ring(instance, seed + i)[1] for i in range(2)]
     costs = search_costs(instance)
-    counted = np.zeros((N + M, N + M), np.int16)
-    for one in rings:
-        np.add.at(counted, (one.order[:-1], one.order[1:]), 1)
-        np.add.at(counted, (one.order[1:], one.order[:-1]), 1)
-    near = candidate_legs(costs.out, N, N, 1, N)
-    rooms = ring_children.child_room(99), ring_children.child_room(99)
-    mating = edge_assembly.Mating(costs, near, ab_cycles.ab_room(N + M), *rooms, counted)
+    work = mating(costs, counted_legs(rings))
     before = float(rings[0].sums[-1])
-    better = edge_assembly.cross(mating, rings[0], rings[1], 2, 30, 1e7, seeded(seed, 1))
+    better = edge_assembly.cross(work, rings[0], rings[1], 2, 30, 1e7, seeded(seed, 1))
     assert float(rings[0].sums[-1]) < before if better else float(rings[0].sums[-1]) == before
-    expected = np.zeros_like(counted)
-    for one in rings:
-        np.add.at(expected, (one.order[:-1], one.order[1:]), 1)
-        np.add.at(expected, (one.order[1:], one.order[:-1]), 1)
-    assert np.array_equal(counted, expected)
+    assert np.array_equal(work.legs, counted_legs(rings))
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -13,6 +13,7 @@ In the end chained search makes the tours of the best ring equal.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -50,7 +51,8 @@ class AssemblyParameters(NamedTuple):
     rings are made; enough, late: number of rings up to which they are made until then, where one takes long; loose: s
     of the energy in mean legs, of their first descent; scales: s of the second, and of crossing, one after the other;
     under the last they only descend; mated: share of the stage after which they are crossed no more, the same for each
-    s; barren: orders in a row without a better ring after which s falls too; kids: children of a pair at most; most:
+    s; barren: orders in a row without a better ring after which s falls too; kept: share of the
+    rings, those of least energy, that go on each time; kids: children of a pair at most; most:
     legs that a child exchanges at most; chosen: s by which the ring is chosen that chained search goes on from;
     reheated: its first temperature then, in mean legs. 60 s, single runs, begun at 0.2, 0.5 and 1: pr2392_5 0.68, 0.28
     and 0.14 %, pcb3038_5 0.45, 0.06 and 0.27 %.
@@ -65,6 +67,7 @@ class AssemblyParameters(NamedTuple):
     scales: tuple[float, ...] = (200.0, 100.0, 50.0)
     mated: float = 0.47
     barren: int = 2
+    kept: float = 0.5
     kids: int = 30
     most: int = 4000
     chosen: float = 30.0
@@ -252,10 +255,10 @@ class EdgeAssembly:
         for _ in range(pairs):
             if len(self._order) < 2:
                 self._barren = 0 if self._better else self._barren + 1
-                self._order, self._better = _shuffled(len(rings), self._rng), False
                 if self._barren >= how.barren or done > how.mated * (self._level + 1) / (len(how.scales) - 1):
                     self._fall()
                     return
+                self._order, self._better = _shuffled(len(rings), self._rng), False
             i, other = self._order.pop(), self._order[-1]
             scale = how.scales[self._level] * float(rings[i].sums[-1]) / self._best.position.size
             if cross(self._mating, rings[i], rings[other], len(rings), how.kids, scale, self._rng):
@@ -263,10 +266,12 @@ class EdgeAssembly:
                 self._remember(rings[i])
 
     def _fall(self) -> None:
-        """Let s fall, and all rings descend anew."""
-        self._level, self._barren = self._level + 1, 0
+        """Let s fall, and the rings of least energy descend anew."""
+        self._level, self._barren, self._better, self._order = self._level + 1, 0, True, []
         m, scale = self._data.size[1], self._how.scales[self._level]
-        self._rings = [self._settled(tours_of(self._costs, ring.order, m), scale) for ring in self._rings]
+        count = max(self._how.fewest, int(self._how.kept * len(self._rings)))
+        kept = sorted(self._rings, key=self._energy(scale))[:count]
+        self._rings = [self._settled(tours_of(self._costs, ring.order, m), scale) for ring in kept]
         for ring in self._rings:
             self._remember(ring)
         self._mating = self._prepared()
@@ -283,14 +288,17 @@ class EdgeAssembly:
 
     def _chain(self) -> ChainedSearch:
         """Return a chained search from the ring whose energy is least; where none was crossed it begins hot."""
-        total, m = self._best.position.size, self._data.size[1]
-        shortest = min(float(ring.sums[-1]) for ring in self._rings)
-        pressure = Pressure(shortest / m, self._how.chosen * shortest / total)
-        ring = min([*self._rings, self._best], key=lambda ring: energy_of(ring, 0, m - 1, pressure))
+        ring, m = min([*self._rings, self._best], key=self._energy(self._how.chosen)), self._data.size[1]
         chain = self._chain_parameters
         if not self.making:
             chain = chain._replace(first=self._how.reheated)
         return ChainedSearch(self._data, tours_of(self._costs, ring.order, m), chain, self._rng, self._near)
+
+    def _energy(self, scale: float) -> Callable[[GiantTour], float]:
+        """Return the energy of rings, with an s of so many mean legs and the shortest total's mean tour [s]."""
+        m, shortest = self._data.size[1], min(float(ring.sums[-1]) for ring in self._rings)
+        pressure = Pressure(shortest / m, scale * shortest / self._best.position.size)
+        return lambda ring: float(energy_of(ring, 0, m - 1, pressure))
 
     def _remember(self, ring: GiantTour) -> None:
         """Keep a copy of a ring whose longest tour is shortest."""

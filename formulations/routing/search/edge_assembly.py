@@ -51,11 +51,10 @@ class AssemblyParameters(NamedTuple):
     rings are made; enough, late: number of rings up to which they are made until then, where one takes long; loose: s
     of the energy in mean legs, of their first descent; scales: s of the second, and of crossing, one after the other;
     under the last they only descend; mated: share of the stage after which they are crossed no more, the same for each
-    s; barren: orders in a row without a better ring after which s falls too; kept: share of the
-    rings, those of least energy, that go on each time; kids: children of a pair at most; most:
-    legs that a child exchanges at most; chosen: s by which the ring is chosen that chained search goes on from;
-    reheated: its first temperature then, in mean legs. 60 s, single runs, begun at 0.2, 0.5 and 1: pr2392_5 0.68, 0.28
-    and 0.14 %, pcb3038_5 0.45, 0.06 and 0.27 %.
+    s; barren: orders in a row without a better ring after which s falls too; kept: share of the rings, those of least
+    energy, that go on each time; kids: children of a pair at most; most: legs that a child exchanges at most; chosen: s
+    by which the ring is chosen that chained search goes on from; reheated: its first temperature then, in mean legs.
+    60 s, single runs, begun at 0.2, 0.5 and 1: pr2392_5 0.68, 0.28 and 0.14 %, pcb3038_5 0.45, 0.06 and 0.27 %.
     """
 
     size: int = 300

@@ -3,7 +3,7 @@
 The legs that only one of two rings has fall apart into such cycles, for at every node as many legs of A are left as of
 B. To exchange the legs of A on one of them for those of B changes A in one region only. Y. Nagata, S. Kobayashi: A
 powerful genetic algorithm using edge assembly crossover for the traveling salesman problem, INFORMS Journal on
-Computing 25(2), 2013. Depots are at one place: those of B are called what those of A with the same neighbours are.
+Computing 25(2), 2013. Depots are at one place, hence one node: a walk that comes to one goes on from any.
 """
 
 from __future__ import annotations
@@ -69,8 +69,15 @@ def _merged(v: int, n: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _write_left(mine: tuple[int, int], other: tuple[int, int], v: int, n: int, left: Ints, count: Ints) -> None:
-    """Write those of a task's two neighbours that are not neighbours in the other ring."""
+def _add(left: Ints, count: Ints, v: int, w: int) -> None:
+    """Add a leg from v to w to those not walked yet at v."""
+    left[v, count[v]] = w
+    count[v] += 1
+
+
+@njit(cache=True, nogil=True)
+def _add_missing(mine: tuple[int, int], other: tuple[int, int], v: int, n: int, left: Ints, count: Ints) -> None:
+    """Add the legs to those of a task's two neighbours that are not neighbours in the other ring."""
     x, y = other
     for w in mine:
         if _merged(w, n) == x:
@@ -78,54 +85,49 @@ def _write_left(mine: tuple[int, int], other: tuple[int, int], v: int, n: int, l
         elif _merged(w, n) == y:
             y = -1
         else:
-            left[v, count[v]] = w
-            count[v] += 1
+            _add(left, count, v, w)
 
 
 @njit(cache=True, nogil=True)
 def _lay_out(a: GiantTour, b: GiantTour, cycles: AbCycles) -> None:
     """Write the legs that only one of the rings has."""
-    m = a.starts.size - 1
-    n = cycles.count_a.size - m
-    cycles.count_a[:] = 0
-    cycles.count_b[:] = 0
-    cycles.gone_a[:] = -1
-    cycles.gone_b[:] = -1
-    fan, ends = n, 0
+    n, ends = cycles.count_a.size - a.starts.size + 1, 0
+    left_a, left_b, count_a, count_b = cycles.left_a, cycles.left_b, cycles.count_a, cycles.count_b
+    for room in (count_a, count_b):
+        room[:] = 0
+    for room in (cycles.gone_a, cycles.gone_b):
+        room[:] = -1
     for v in range(n):
         i, j = a.position[v], b.position[v]
         p, s, x, y = _before(a.order, i), a.order[i + 1], _before(b.order, j), b.order[j + 1]
         x, y = _merged(x, n), _merged(y, n)
-        _write_left((p, s), (x, y), v, n, cycles.left_a, cycles.count_a)
-        _write_left((x, y), (_merged(p, n), _merged(s, n)), v, n, cycles.left_b, cycles.count_b)
-        for w in cycles.left_a[v, : cycles.count_a[v]]:
+        _add_missing((p, s), (x, y), v, n, left_a, count_a)
+        _add_missing((x, y), (_merged(p, n), _merged(s, n)), v, n, left_b, count_b)
+        for w in left_a[v, : count_a[v]]:
             if w >= n:
-                cycles.left_a[w, cycles.count_a[w]] = v
-                cycles.count_a[w] += 1
-        for w in cycles.left_b[v, : cycles.count_b[v]]:
+                _add(left_a, count_a, w, v)
+        for w in left_b[v, : count_b[v]]:
             if w == n:
-                fan = n + ends // 2
-                cycles.left_b[fan, ends % 2] = v
-                cycles.count_b[fan] += 1
+                _add(left_b, count_b, n + ends // 2, v)
                 ends += 1
-    empty = 0
-    for i in b.starts[:m]:
-        if b.order[i + 1] >= n:
-            empty += 1
-    for i in a.starts[:m]:
+    _lay_out_empty(a, b, cycles, ends)
+
+
+@njit(cache=True, nogil=True)
+def _lay_out_empty(a: GiantTour, b: GiantTour, cycles: AbCycles, ends: int) -> None:
+    """Write the legs from depot to depot, empty tours, that one ring has more of; B's depots have so many legs yet."""
+    n, empty = cycles.count_a.size - a.starts.size + 1, 0
+    for i in b.starts[:-1]:
+        empty += b.order[i + 1] >= n
+    for i in a.starts[:-1]:
         v, w = a.order[i], a.order[i + 1]
         if w >= n and empty > 0:
             empty -= 1
         elif w >= n:
-            cycles.left_a[v, cycles.count_a[v]] = w
-            cycles.count_a[v] += 1
-            cycles.left_a[w, cycles.count_a[w]] = v
-            cycles.count_a[w] += 1
-    for _ in range(2 * empty):
-        fan = n + ends // 2
-        cycles.left_b[fan, ends % 2] = n
-        cycles.count_b[fan] += 1
-        ends += 1
+            _add(cycles.left_a, cycles.count_a, v, w)
+            _add(cycles.left_a, cycles.count_a, w, v)
+    for end in range(ends, ends + 2 * empty):
+        _add(cycles.left_b, cycles.count_b, n + end // 2, n)
 
 
 @njit(cache=True, nogil=True)

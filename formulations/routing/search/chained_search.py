@@ -29,6 +29,7 @@ from formulations.routing.search.giant_tour import (
     energy_after,
     energy_of,
     giant_tour,
+    is_between,
     rejoin,
     take_back,
     tour_at,
@@ -177,7 +178,7 @@ def _third_legs(
         if t5 < 0 or so_far - near_cost[t4, j] <= 0.0:
             break
         i = position[t5]
-        inside = (low <= i <= high) if low <= high else (i >= low or i <= high)
+        inside = is_between(i, low, high)
         if t5 == t3 or (closed and not inside):
             continue
         for s5 in range(2):

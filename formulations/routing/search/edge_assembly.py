@@ -4,8 +4,8 @@ Rings are local optima from different first tasks. A ring is crossed with the ne
 ring with the legs exchanged on one AB-cycle (ab_cycles.py, ring_children.py), and the child that gains most energy for
 what diversity it costs replaces it (Nagata & Kobayashi 2013; diversity is the entropy of legs in the population). That
 finds which task is on which tour. Energies are those of the giant tour; their s is so large that the total counts most,
-for a cycle that makes tours unequal may be worth it: with an s of 25 mean legs in the end pr2392_5 and pcb1173_5 came
-out 0.7 % longer than with one of 100. No cycle alone makes tours equal again that all rings have unequal, so that all
+for a cycle that makes tours unequal may be worth it: crossed down to an s of 25 mean legs pr2392_5 and pcb1173_5 came
+out 0.7 % longer than crossed down to 100. No cycle alone makes tours equal again that all rings have unequal, so that
 rings descend anew when s falls; d1655_5, whose shortest total has one tour 40 % longer than the mean, needs it most.
 In the end chained search makes the tours of the best ring equal.
 """
@@ -225,7 +225,7 @@ class EdgeAssembly:
     @property
     def making(self) -> bool:
         """Whether it still makes rings, each of which takes as long as very many steps."""
-        return self._mating is None and self._chained is None
+        return self._level == 0 and self._mating is None and self._chained is None
 
     def best(self) -> Tours:
         """Return the tours whose longest was shortest so far."""
@@ -273,7 +273,7 @@ class EdgeAssembly:
         self._rings = [self._settled(tours_of(self._costs, ring.order, m), scale) for ring in kept]
         for ring in self._rings:
             self._remember(ring)
-        self._mating = self._prepared()
+        self._mating = None
 
     def _prepared(self) -> Mating:
         """Return what crossing works with, legs counted."""

@@ -93,6 +93,12 @@ def add_up(costs: AlikeCosts, ring: GiantTour) -> None:
 
 
 @njit(cache=True, nogil=True)
+def is_between(i: int, first: int, last: int) -> bool:
+    """Return whether position i is in first..last, across the ring's end where last < first."""
+    return first <= i <= last if first <= last else (i >= first or i <= last)
+
+
+@njit(cache=True, nogil=True)
 def tour_at(starts: Ints, i: int) -> int:
     """Return which tour of the ring, in its order, position i < N belongs to."""
     k = 0

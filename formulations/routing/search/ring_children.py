@@ -14,7 +14,7 @@ import numpy as np
 
 from formulations.routing.search.candidate_legs import CandidateLegs
 from formulations.routing.search.costs import AlikeCosts, leg
-from formulations.routing.search.giant_tour import GiantTour, Pressure, add_up, tour_energy
+from formulations.routing.search.giant_tour import GiantTour, Pressure, add_up, is_between, tour_energy
 from instances.arrays import Ints
 from instances.kernels import njit
 
@@ -148,12 +148,6 @@ def put_in(child: RingChild, v: int, w: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _is_between(i: int, first: int, last: int) -> bool:
-    """Return whether position i is in first..last, across the ring's end where last < first."""
-    return first <= i <= last if first <= last else (i >= first or i <= last)
-
-
-@njit(cache=True, nogil=True)
 def join_rings(costs: AlikeCosts, near: CandidateLegs, tour: GiantTour, child: RingChild, rings: int) -> bool:
     """Join the smallest ring to another by the best exchange of two legs; return whether there is one."""
     small, total, top = int(child.size[:rings].argmin()), tour.order.size - 1, -math.inf
@@ -171,7 +165,7 @@ def join_rings(costs: AlikeCosts, near: CandidateLegs, tour: GiantTour, child: R
                 if v < 0:
                     break
                 at = tour.position[v]
-                if _is_between(at, first, last) or child.ring[_part_at(child, at)] == small:
+                if is_between(at, first, last) or child.ring[_part_at(child, at)] == small:
                     continue
                 for side in range(4):
                     u2, v2 = _beside(tour, child, u, side // 2), _beside(tour, child, v, side % 2)
@@ -204,7 +198,7 @@ def child_energy(costs: AlikeCosts, tour: GiantTour, child: RingChild, pressure:
         first, inside = m, 0
         for k in range(m):
             p = starts[k]
-            inside += (i <= p <= j) if i <= j else (p >= i or p <= j)
+            inside += is_between(p, i, j)
             if p >= i and first == m:
                 first = k
         first %= m

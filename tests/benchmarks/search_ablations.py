@@ -28,6 +28,10 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "members as near as they come": replace(
         FULL, several_depots=replace(FULL.several_depots, apart=0.0), one_site=replace(FULL.one_site, apart=0.0)
     ),
+    "members nearer each other, with several depots": replace(
+        FULL, several_depots=replace(FULL.several_depots, apart=0.1)
+    ),
+    "as many perturbations whether or not they succeed": replace(FULL, population=replace(FULL.population, recent=0.0)),
     "eight members, with several depots": replace(FULL, several_depots=replace(FULL.several_depots, size=8)),
     "searches of some tours alone, with several depots": replace(
         FULL, several_depots=replace(FULL.several_depots, focused=True)

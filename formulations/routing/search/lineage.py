@@ -2,7 +2,8 @@
 
 A newcomer near members competes with them, any other with the worst: members stay apart, as a population of nearly the
 same solutions has nothing left to cross (crowding, De Jong 1975). What brings forth nothing new for a while keeps its
-best member and restarts with fresh founders, annealed twice as long.
+best member and restarts with fresh founders, annealed twice as long. How often newcomers of an origin were new says how
+often more of it follow (probability matching; Fialho et al., Ann. Math. Artif. Intell. 60, 2010, compare such rules).
 Lineages in several threads are of one family: each has a stage of its own under way, the members are those of all.
 """
 
@@ -18,6 +19,25 @@ from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.tours import Tours, broken_pairs, duplicate
 
+_SELDOM = 0.01
+"""Added to rates of success, so that what never succeeds is still tried."""
+
+
+@dataclass
+class Successes:
+    """How often newcomers of one origin were new, of late: a mean in which the older ones weigh less and less."""
+
+    rate: float = 0.5
+
+    def note(self, new: bool, weight: float) -> None:
+        """Learn what became of one, which counts for `weight` (0 to 1)."""
+        self.rate += weight * (new - self.rate)
+
+    def share(self, others: Successes, even: float) -> float:
+        """Return the share of stages that this origin gets beside another; `even` where both succeed as often."""
+        mine, theirs = even * (self.rate + _SELDOM), (1.0 - even) * (others.rate + _SELDOM)
+        return mine / (mine + theirs)
+
 
 @dataclass
 class Family:
@@ -25,7 +45,8 @@ class Family:
 
     members: the solutions kept; founder: the length of a founder's stage, as a fraction of the limit; founders: how
     many there are; stages: newcomers taken in, of them since_restart since the last restart and barren since the last
-    that was new; in_long: what all long founders (strategy.py) took, as a fraction of the limit.
+    that was new; in_long: what all long founders (strategy.py) took, as a fraction of the limit; children, perturbed:
+    how often such newcomers were new.
     """
 
     threads: int = 1
@@ -36,6 +57,8 @@ class Family:
     since_restart: int = 0
     barren: int = 0
     in_long: float = 0.0
+    children: Successes = field(default_factory=Successes)
+    perturbed: Successes = field(default_factory=Successes)
 
     @property
     def longest(self) -> float:
@@ -92,16 +115,17 @@ class Lineage:
         left = max(1.0 - now, 0.0)
         return now + left / max(1, round(left / length))
 
-    def _take_in(self, newcomer: Tours) -> None:
-        """End a stage: take its newcomer in; restart where nothing new came for long."""
-        family = self.family
+    def _take_in(self, newcomer: Tours) -> bool:
+        """End a stage: take its newcomer in, return whether it is new; restart where nothing new came for long."""
+        family, new = self.family, self._select(newcomer)
         family.stages += 1
         family.since_restart += 1
-        family.barren = 0 if self._select(newcomer) else family.barren + 1
+        family.barren = 0 if new else family.barren + 1
         if family.since_restart >= family.founders and family.barren > self.strategy.patience * family.founders:
             family.members = [duplicate(self.best)]
             family.since_restart, family.barren = 1, 0
             family.founder = min(2.0 * family.founder, family.longest)
+        return new
 
     def _founding(self, others: int = 0) -> bool:
         """Return whether the next newcomer is a founder; `others` are under way in other threads."""

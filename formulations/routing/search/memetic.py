@@ -53,7 +53,8 @@ class Memetic(RecordedSolver):
         6).
     focuses : share of the population's later stages that search the longest tour and a few others alone, where all
         UAVs fly from one site (0 to 1).
-    reliefs : share of the remaining ones that send a UAV elsewhere; the others are crossovers (0 to 1).
+    reliefs : share of the remaining ones that send a UAV elsewhere, the others are crossovers, where both bring what is
+        new as often; else they are drawn in proportion to that (0 to 1).
     kicks : of each tour's order at the end of a stage, for each of its tasks; 0 leaves orders to the annealing (0
         to 1000).
     depth : a founder's annealing takes depth · n² / m steps, with several depots a quarter of them, no fewer than

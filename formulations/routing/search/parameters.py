@@ -30,7 +30,9 @@ class PopulationParameters:
     Figures: mean gaps in % with several depots and with one (README of routing); with all of them 0.07 and 0.00.
 
     decompositions: share of the later stages that search a subproblem, where the strategy has such.
-    perturbations: share of the remaining ones that perturb a member; the others are children of crossover.
+    perturbations: share of the remaining ones that perturb a member, where that is as often new as children of
+    crossover, which the others are; where it is seldomer new the odds fall as much.
+    recent: weight of the last one in the rates that say how often they are new; 0 leaves the share as it is.
     kicks: double bridges of each tour at the end of a stage, for each of its tasks.
     depth: a founder's annealing takes depth · n² / m steps, or the share of them that the strategy says: long tours
     need more than their number of tasks says.
@@ -44,6 +46,7 @@ class PopulationParameters:
 
     decompositions: float = 0.6
     perturbations: float = 0.5
+    recent: float = 0.03
     kicks: float = 1.0
     depth: float = 2.0
     least: int = 10_000

@@ -1,8 +1,9 @@
 """Population: a few good solutions, renewed by annealed founders and annealed offspring.
 
 A stage anneals one newcomer. The first stages make founders from scratch; later ones perturb a member
-(perturbation.py), cross two (crossover.py) or, at one site, search some tours of one alone (decomposition.py) or reheat
-it (strategy.py); where few UAVs fly long tours from several depots most of the time goes to long founders.
+(perturbation.py) or cross two (crossover.py), the more often the more often that led to what is new (lineage.py), or,
+at one site, search some tours of one alone (decomposition.py) or reheat it (strategy.py); where few UAVs fly long tours
+from several depots most of the time goes to long founders.
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
@@ -25,7 +26,7 @@ from formulations.routing.search.decomposition import Subproblem, around, merge,
 from formulations.routing.search.edge_assembly import EdgeAssembly
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
-from formulations.routing.search.lineage import Family, Lineage
+from formulations.routing.search.lineage import Family, Lineage, Successes
 from formulations.routing.search.local_search import intensify
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
@@ -40,13 +41,14 @@ from formulations.routing.search.tours import Tours, copy_tours, duplicate, empt
 class Newcomer:
     """What a stage anneals: tours, of a subproblem or the whole, from a first temperature on, and the stage's length.
 
-    first: in mean legs; length: as a fraction of the limit.
+    first: in mean legs; length: as a fraction of the limit; successes: where it is to be noted whether it was new.
     """
 
     tours: Tours
     first: float
     length: float
     subproblem: Subproblem | None = None
+    successes: Successes | None = None
 
 
 class Population(Lineage):
@@ -126,8 +128,10 @@ class Population(Lineage):
         """Take the newcomer in that has grown up."""
         if self._long or self._chained is not None:
             self.family.stages += 1
-        else:
-            self._take_in(self._fittest)
+            return
+        new = self._take_in(self._fittest)
+        if self._newcomer.successes is not None:
+            self._newcomer.successes.note(new, self.parameters.population.recent)
 
     def begin(self, now: float, others: int = 0) -> None:
         """Begin the next stage; `others` are under way in other threads."""
@@ -213,9 +217,12 @@ class Population(Lineage):
                 perturb(part.data, tours, self.parameters.perturbation, recreate, self.rng)
                 return Newcomer(tours, schedule.perturbed, parameters.child * length, part)
             return Newcomer(tours, schedule.founder, length, part)
-        if uniform(self.rng) < parameters.perturbations:
-            return Newcomer(self.perturbed(), schedule.perturbed, parameters.perturbed * self.family.founder)
-        return Newcomer(self.child(), schedule.child, parameters.child * self.family.founder)
+        family = self.family
+        if uniform(self.rng) < family.perturbed.share(family.children, parameters.perturbations):
+            length = parameters.perturbed * family.founder
+            return Newcomer(self.perturbed(), schedule.perturbed, length, successes=family.perturbed)
+        length = parameters.child * family.founder
+        return Newcomer(self.child(), schedule.child, length, successes=family.children)
 
     def _reheated(self) -> Newcomer:
         """Return a copy of the fitter of two random members."""

@@ -13,6 +13,7 @@ from formulations.routing.search.annealing import AnnealingParameters
 from formulations.routing.search.costs import both_ways
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
+from formulations.routing.search.lineage import Successes
 from formulations.routing.search.parameters import PopulationParameters, SearchParameters
 from formulations.routing.search.population import Population, next_stages
 from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
@@ -195,3 +196,31 @@ def test_where_all_start_at_one_site_good_members_are_reheated_once_nothing_new_
             routes = rings.to_routes(population._newcomer.tours)
             assert routes in [rings.to_routes(member) for member in population.family.members]
     assert (reheated > 0) == reheats
+
+
+def test_what_brings_nothing_new_is_drawn_seldom_but_never_not_at_all():
+    children, perturbed = Successes(), Successes()
+    assert perturbed.share(children, 0.3) == pytest.approx(0.3)
+    for i in range(400):
+        perturbed.note(False, 0.03)
+        children.note(i % 2 == 0, 0.03)
+    assert children.rate == pytest.approx(0.5, abs=0.02)
+    assert 0.005 < perturbed.share(children, 0.5) < 0.03
+    assert perturbed.share(children, 0.5) + children.share(perturbed, 0.5) == pytest.approx(1.0)
+    assert perturbed.share(children, 0.0) == 0.0
+    assert perturbed.share(children, 1.0) == 1.0
+
+
+@pytest.mark.parametrize("shares", [(0.0, 0.0), (0.0, 1.0)])
+def test_only_what_was_tried_changes_its_rate(shares):
+    _, population = new_population(5, SPREAD, *shares)
+    population.plan(STEP)
+    now = 0.0
+    while now < 1.0:
+        population.advance(now, 1)
+        now = population.end
+        next_stages([population], now)
+    family = population.family
+    tried, left = (family.perturbed, family.children) if shares[1] else (family.children, family.perturbed)
+    assert tried.rate != 0.5
+    assert left.rate == 0.5

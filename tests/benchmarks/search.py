@@ -1,7 +1,7 @@
 """Bars of the searches: measured figure beside bar.
 
     python tests/benchmarks/search.py [--quick] [--seeds 3] [--seconds S] [--instances a,b] [--alone] [--keep FOLDER]
-                                       [--benchmarks DIR] [SECTION...]
+                                       [--lines TEXT] [--benchmarks DIR] [SECTION...]
 
 Sections: multi (multi-depot, 30 s, beside PyVRP with a tightening cap), classics (16 small single-depot, 10 s), single
 (single-depot to 600 tasks, 45 s), long (3 to 5 UAVs, 1000 to 5000 tasks, 60 s), wind (asymmetric multi-depot, 30 s),
@@ -335,6 +335,8 @@ def ablation(args: argparse.Namespace) -> None:
     searches = {label: by_solver("memetic", **options) for label, options in OPTIONS.items()}
     searches |= {label: by_memetic(changed) for label, changed in PARAMETERS.items()}
     for label, search in searches.items():
+        if label != "all" and args.lines and not any(text in label for text in args.lines):
+            continue
         means = [fmean(gaps_of(search, case, best, seconds, args.seeds)) for case, best in cases]
         print(f"{label:<40}{fmean(means):>8.2f}   {' '.join(f'{g:.2f}' for g in means)}", flush=True)
 
@@ -363,6 +365,9 @@ def main() -> None:
     parser.add_argument("--long", type=float, default=600.0, help="CPU seconds of the long run of `large`, `size`")
     parser.add_argument("--instances", default="", help="only these, separated by commas (not in proved and limits)")
     parser.add_argument("--alone", action="store_true", help="multi: without PyVRP")
+    parser.add_argument(
+        "--lines", action="append", help="ablation: beside `all` only lines with this text; may be repeated"
+    )
     parser.add_argument("--keep", type=Path, default=None, help="write routes better than the best known here")
     add_option(parser)
     args = parser.parse_args()

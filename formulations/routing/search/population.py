@@ -1,8 +1,8 @@
 """Population: a few good solutions, renewed by annealed founders and annealed offspring.
 
 A stage anneals one newcomer. The first stages make founders from scratch; later ones perturb a member
-(perturbation.py) or cross two (crossover.py), the more often the more often that led to what is new (lineage.py), or,
-at one site, search some tours of one alone (decomposition.py) or reheat it (strategy.py); where few UAVs fly long tours
+(perturbation.py) or cross two (crossover.py), whichever brought what is new more often (lineage.py), or, at
+one site, search some tours of one alone (decomposition.py) or reheat it (strategy.py); where few UAVs fly long tours
 from several depots most of the time goes to long founders.
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine or compact (schedule.py).

@@ -68,7 +68,7 @@ class Strategy:
 
     With several depots, 10 s, two seeds, mean gaps on md8, md16, md17, md25, md26, md28, md34: −0.19 %; with a size of
     8 −0.05 %, without members apart −0.11 %, with 0.3 of the stages searches of some tours 0.16 %; all with an
-    `apart` of 0.1. md4, 30 s, the same eight seeds: 0.23 % with 0.1, 0.19 % with 0.15, 0.36 % with 0.2 (README of routing).
+    `apart` of 0.1. md4, 30 s, the same eight seeds: 0.23 % with 0.1, 0.19 % with 0.15, 0.36 % with 0.2.
 
     measure: of fitness; an excess is over the longest tour of the incumbent.
     width: near tasks whose two sides an annealing's recreation looks at. At one site 20 instead of 12 brought rat99_5,

@@ -275,7 +275,8 @@ def test_a_folder_that_is_gone_is_told(runs, monkeypatch):
     assert "is not a folder of runs" in text
 
 
-def test_it_runs_beside_a_compare_on_the_same_folder(finished, tmp_path, cli):
+def test_it_runs_beside_a_compare_on_the_same_folder(finished, tmp_path, cli, monkeypatch):
+    monkeypatch.setattr("workbench.watching.standing.FRESH", -1.0)  # two short runs may be over while a look is kept
     given = finished.parent / "given"
     asked = f"compare {given} --solvers misbehaving:Honest --time-limit 5 --seeds 2 --jobs 2 --out runs --no-report"
     (tmp_path / "runs").mkdir()
@@ -284,7 +285,7 @@ def test_it_runs_beside_a_compare_on_the_same_folder(finished, tmp_path, cli):
         over = threading.Event()
 
         def look() -> None:
-            while not over.wait(0.2):
+            while not over.wait(0.02):
                 status, _, text = ask(path="/data.json")
                 assert status == 200
                 seen.append(json.loads(text))

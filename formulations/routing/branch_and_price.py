@@ -25,6 +25,8 @@ are known the cap is a cost that no routes pass (`simple_bounds.worst_makespan`)
 proves that there are none. Where costs change with time, they are the clock: labels keep arrivals, and legs in bins are
 those of their time (`columns/courses.py`).
 
+Several threads look for tours of several UAVs at once (`columns/team.py`); the tree is the same.
+
 Strong where tours are short (n/m up to about 20). Sources: Baldacci, Mingozzi, Roberti (Oper. Res. 59, 2011) for
 ng-routes and enumeration; Contardo & Martinelli (Discrete Optim. 12, 2014) for cutting over a listed pool.
 
@@ -51,6 +53,7 @@ from formulations.routing.columns.pricing import Column, DualBound, Duals, Effor
 from formulations.routing.columns.proof_log import ProofLog
 from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.state_labelling import StateLabels
+from formulations.routing.columns.team import Team
 from formulations.routing.columns.tree import StoppedBy, Tree
 from formulations.routing.columns.walks import relax_by_walks
 from formulations.routing.recorder import RecordedSolver, Recorder
@@ -69,6 +72,8 @@ MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
 _MOST_LEGS_BY_CLOCK = 50_000
 """The same where costs change with time: their legs are kept for every bin, which fills about 1 GB."""
+_MOST_THREADS = 4
+"""Each has room for labels of its own, up to 0.8 GB."""
 _LONG = 15
 """Tasks a UAV from which relaxations begin with the capped total and with walks, where all UAVs are alike: labels lose
 their way at first duals.
@@ -144,14 +149,16 @@ class BranchAndPrice(RecordedSolver):
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of the tree. Deterministic but for the clock."""
         self.improve(recorder, 1000 * seed, self.starts)
-        ended, counts = self.prove(recorder, seed)
+        ended, counts = self.prove(recorder, seed, recorder.limits.threads)
         proved = ended == StoppedBy.PROOF
         if proved and recorder.routes is None:
             return recorder.infeasible(**counts)
         return recorder.result(ended, proved=proved, tolerance=left_open(recorder), **counts)
 
-    def prove(self, recorder: Recorder, seed: int) -> tuple[str, dict[str, Any]]:
+    def prove(self, recorder: Recorder, seed: int, threads: int = 1) -> tuple[str, dict[str, Any]]:
         """Raise the recorder's bound to its incumbent, improving both; return `Result.stopped_by` and the counters.
+
+        threads : for as many UAVs tours are looked for at once; what is found is the same.
 
         "proof" without routes proves that there are none. The incumbent may also be improved from outside meanwhile,
         whenever the recorder is asked for the time left.
@@ -170,7 +177,7 @@ class BranchAndPrice(RecordedSolver):
             recorder.raise_bound(found.bound)
             legs = legs.among(found.arcs)
         limits, patience = recorder.limits, Patience(recorder)
-        tree = self.tree(recorder, seed, patience.over, legs, bound=recorder.bound)
+        tree = self.tree(recorder, seed, patience.over, legs, bound=recorder.bound, threads=threads)
         work = tree.work
 
         def wide() -> bool:
@@ -199,15 +206,16 @@ class BranchAndPrice(RecordedSolver):
         *,
         bound: float = 0.0,
         log: ProofLog | None = None,
+        threads: int = 1,
     ) -> Tree:
         """Return the tree before it grows: `over` says when it must stop, `bound` [s] what is known before.
 
         legs : all of the instance but those that no routes shorter than the recorder's use.
         """
         instance = recorder.instance
-        store = labels_for(instance, self.labels)
+        team = Team(lambda: labels_for(instance, self.labels), min(threads, instance.n_depots, _MOST_THREADS))
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
-        work = Workspace(over, store, self.tours, *efforts(instance.n_tasks, self.bins), far, log=log or ProofLog())
+        work = Workspace(over, team, self.tours, *efforts(instance.n_tasks, self.bins), far, log=log or ProofLog())
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         most = worst_makespan(instance) if instance.restricted else np.inf

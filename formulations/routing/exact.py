@@ -2,8 +2,9 @@
 
 * n ≤ 16, with several states a node n ≤ 10: `subset-dp`, which is then done at once.
 * otherwise `branch-and-price`, which closes tours of up to about twenty tasks each in seconds;
-* with two threads `branch-and-cut` beside it in a process of its own, for longer tours: both pass on every better
-  incumbent and bound the moment they have it, and the first proof ends both;
+* with two threads it looks for tours of two UAVs at once where there are more than two different ones; else
+  `branch-and-cut` runs beside it in a process of its own, for longer tours: both pass on every better incumbent and
+  bound the moment they have it, and the first proof ends both;
 * with one thread, at most two UAVs and n/m ≥ 18, `branch-and-cut` for three quarters of the time, then
   `branch-and-price` with what it found.
 
@@ -23,11 +24,15 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, ClassVar
 
+import numpy as np
+
 from formulations.limits import Limits
 from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.routing.branch_and_price import BranchAndPrice, left_open
+from formulations.routing.columns.legs import Legs
 from formulations.routing.recorder import LinkedRecorder, RecordedSolver, Recorder
 from formulations.routing.solver import Observer, Result, Status, ignore, refusal
+from formulations.routing.stateless import stateless
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes
 
@@ -75,7 +80,8 @@ class Exact(RecordedSolver):
         columns = BranchAndPrice()
         columns.improve(recorder, 1000 * seed, columns.starts)
         may_cut = refusal(BranchAndCut(), instance) is None
-        if recorder.limits.threads >= 2 and may_cut:
+        few = np.unique(Legs.of(stateless(instance)).kinds()).size <= FEW_UAVS
+        if recorder.limits.threads >= 2 and may_cut and few:
             return _side_by_side(recorder, columns, seed)
         cuts_first = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
         return _one_after_the_other(recorder, columns, seed, cuts_first and may_cut)
@@ -96,7 +102,7 @@ def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int,
         counts = {f"cut_{name}": value for name, value in cut.statistics.items()}
         if cut.status in _PROVED or recorder.remaining <= 0:
             return _result(recorder, cut.stopped_by, "branch-and-cut", cut.tolerance, counts)
-    ended, own = columns.prove(recorder, seed)
+    ended, own = columns.prove(recorder, seed, recorder.limits.threads)
     return _result(recorder, ended, "branch-and-price", left_open(recorder), {**own, **counts})
 
 

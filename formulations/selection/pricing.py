@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from formulations.routing.columns.completion import Bins, Memory, completion
+from formulations.routing.columns.completion import Bins, Memory
 from formulations.routing.columns.cuts import TaskCuts, Watch
 from formulations.routing.columns.label_search import Clock, Found, Orders, Subproblem, path, search
 from formulations.routing.columns.labelling import Store, least_of_all
@@ -58,8 +58,7 @@ class Pricer:
         """Return the pricing problem of group g, completion bounds included."""
         legs, cap = self.groups[g].legs, self.groups[g].cap
         watch = Watch.of(self.memory.near, duals.cuts, duals.rho, self.effort.watch)
-        best = completion(self._bins[g], self.memory, watch, duals.price, 0.0)
-        return Subproblem(legs, cap, self._bins[g], self.memory, watch, duals.price, 0.0, duals.by_task, best)
+        return Subproblem.bounded(legs, cap, self._bins[g], self.memory, watch, duals.price, 0.0, duals.by_task)
 
     def price(self, g: int, duals: Duals, threshold: float) -> Priced:
         """Return group g's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""

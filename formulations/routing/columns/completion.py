@@ -65,7 +65,7 @@ class Memory(NamedTuple):
         return cls(near, _memory_steps(near))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _memory_steps(near: Ints) -> NDArray[np.int16]:
     n, g = near.shape
     states = 1 << g
@@ -130,13 +130,13 @@ class Bins(NamedTuple):
         return cls(cap / most, most, legs, cost, fewest, order, degree, courses)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def bins_left(time: float, bins: Bins) -> np.int64:
     """Return the whole bins in the `time` left of the cap, rounded so that nothing that fits is forbidden."""
     return min(np.int64(bins.most), np.int64(np.floor(time / bins.width + 1e-9)))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def completion(bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: float) -> Floats:
     """Return B, shape (n, most + 1, 2^q (2^g + 1)): for each state of the cuts watched (`cuts.py`) one block.
 
@@ -189,7 +189,7 @@ def completion(bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: f
     return best
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, nogil=True, inline="always")
 def _relax(
     row: Floats,
     source: Floats,

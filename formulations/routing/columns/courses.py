@@ -59,7 +59,7 @@ def by_clock(clocks: Clocks, k: int, n_tasks: int) -> Courses:
     return Courses(np.ascontiguousarray(lines), clocks.knots, clocks.first, clocks.per_second, _ROUNDED)
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, nogil=True, inline="always")
 def on_course(courses: Courses, i: int, j: int, q: int, since: float) -> float:
     """Return what the leg from task i to task j (n: home) takes [s] that begins so long since knot q."""
     if since <= 0.0:
@@ -67,14 +67,14 @@ def on_course(courses: Courses, i: int, j: int, q: int, since: float) -> float:
     return courses.lines[q, i, j, 0] + courses.lines[q, i, j, 1] * since
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def course_at(courses: Courses, i: int, j: int, time: float) -> float:
     """Return what the leg from task i to task j (n: home) takes [s] that begins at `time` [s]; NaN counts as never."""
     q = knot_at(courses, time)
     return on_course(courses, i, j, q, time - courses.knots[q])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _least(courses: Courses, i: int, j: int, begin: float, end: float) -> float:
     """Return the least cost [s] of a leg that begins from `begin` to `end`, infinite where it cannot be flown."""
     least = np.inf
@@ -89,7 +89,7 @@ def _least(courses: Courses, i: int, j: int, begin: float, end: float) -> float:
     return least * _DOWN
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def bins_ahead(courses: Courses, between: Floats, home: Floats, cap: float, most: int) -> tuple[WholeBins, Floats]:
     """Return the bins that legs begun in each bin of time left use at least, and their least costs [s].
 
@@ -112,7 +112,7 @@ def bins_ahead(courses: Courses, between: Floats, home: Floats, cap: float, most
     return legs, cost
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def bins_behind(courses: Courses, between: Floats, out: Floats, cap: float, most: int) -> tuple[WholeBins, Floats]:
     """Return the same of legs reversed, by the bin of time flown in which they end; the leg from the depot is last."""
     n, width = out.size, cap / most
@@ -136,7 +136,7 @@ def bins_behind(courses: Courses, between: Floats, out: Floats, cap: float, most
     return legs, cost
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _departure(courses: Courses, i: int, j: int, q: int, arrival: float) -> tuple[int, float]:
     """Return the latest departure [s] of a leg that ends by `arrival` [s], −1 if none, and its knot, from q on."""
     knots, lines = courses.knots, courses.lines

@@ -55,7 +55,7 @@ def separate(tours: Sequence[Sequence[int]], weight: Floats, n_tasks: int, known
     return chosen
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _violated(holds: Bools, weight: Floats, least: float) -> tuple[Ints, Floats]:
     """Return all triples whose left-hand side exceeds 1 by `least`, and by how much they do."""
     rows, n = holds.shape
@@ -144,7 +144,7 @@ class Watch(NamedTuple):
         return cls(members, *_turns(watched, sets, rho[priced]))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _turns(watched: Ints, sets: Ints, rho: Floats) -> tuple[NDArray[np.int16], Floats]:
     """Return `turn` and `charge` of a Watch from the cuts `watched` at each task, (n, q), their tasks and prices."""
     n, q = watched.shape
@@ -168,6 +168,6 @@ def _turns(watched: Ints, sets: Ints, rho: Floats) -> tuple[NDArray[np.int16], F
     return turn, charge
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _holds(sets: Ints, s: int, task: int) -> bool:
     return sets[s, 0] == task or sets[s, 1] == task or sets[s, 2] == task

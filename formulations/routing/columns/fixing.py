@@ -18,7 +18,7 @@ import numpy as np
 from formulations.routing.columns.completion import Bins, bins_left, completion
 from formulations.routing.columns.label_search import Subproblem
 from formulations.routing.columns.legs import Legs, UavLegs
-from formulations.routing.columns.pricing import DualBound, Effort, Pricer, Twin
+from formulations.routing.columns.pricing import DualBound, Effort, Pricer
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
@@ -29,19 +29,20 @@ _FEWER = 0.9
 def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
     """Return the legs left, of `uavs` only those needed by routes of cost ≤ the pricer's cap."""
     legs, allowed = pricer.legs.copy(), at.allowed(pricer.cap)
-    done: dict[Twin, int] = {}
-    for k in uavs:
+    first_of = pricer.firsts(uavs, at.duals, allowed)
+
+    def fix(k: int) -> None:
         if pricer.out_of_time():
-            break
-        twin = done.setdefault(pricer.twin(k, at.duals, float(allowed[k])), k)
-        if twin != k:
-            for left in (legs.out, legs.between, legs.home):
-                left[k] = left[twin]
-            continue
+            return
         problem = pricer.subproblem(k, at.duals)
         bins = Bins.of(problem.legs, problem.cap, problem.bins.most, problem.bins.courses, backwards=True)
         behind = completion(bins, problem.memory, problem.watch, problem.price, problem.sigma)
         _fix(legs.of_uav(k), problem, behind, allowed[k])
+
+    pricer.each(fix, dict.fromkeys(first_of.values()))
+    for k, first in first_of.items():
+        for left in (legs.out, legs.between, legs.home):
+            left[k] = left[first]
     return legs
 
 
@@ -60,7 +61,7 @@ def fix_as_worth(quick: Pricer, thorough: Effort, uavs: Ints, at: DualBound) -> 
     return again(more, uavs) if left < _FEWER * before else more
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _fix(legs: UavLegs, problem: Subproblem, behind: Floats, allowed: float) -> None:
     """Forbid, in place, the legs of one UAV whose best reduced cost exceeds what is allowed.
 
@@ -81,7 +82,7 @@ def _fix(legs: UavLegs, problem: Subproblem, behind: Floats, allowed: float) -> 
                 between[i, j] = np.inf
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _least_through(problem: Subproblem, behind: Floats, i: int, j: int) -> float:
     """Return the least reduced cost [s], prices of i and j left out, of tours through the leg from i to j (n: home)."""
     cap, bins, step, ahead, sigma = problem.cap, problem.bins, problem.memory.step, problem.best, problem.sigma

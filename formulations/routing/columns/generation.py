@@ -157,10 +157,6 @@ def _settled(master: Master, reserve: Prices | None, cap: float, out_of_time: Cl
 def _price_all(
     pricer: Prices, master: Master, duals: Duals, cap: float, out_of_time: Clock
 ) -> dict[int, Priced] | None:
-    """Price the first UAV of every kind; None where time is up before that."""
-    priced = {}
-    for k in master.uavs.tolist():
-        if out_of_time():
-            return None
-        priced[k] = pricer.price(k, duals, -duals.rent[k] - _EXACT * cap)
-    return priced
+    """Price the first UAV of every kind; None where time is up."""
+    priced = pricer.price_all(master.uavs.tolist(), duals, -duals.rent - _EXACT * cap)
+    return None if out_of_time() else priced

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.columns.completion import Bins, Memory
+from formulations.routing.columns.completion import Bins, Memory, completion
 from formulations.routing.columns.cuts import TaskCuts, Watch
 from formulations.routing.columns.legs import UavLegs
 from formulations.routing.columns.word_sets import hashed, same
@@ -37,7 +37,8 @@ class Subproblem(NamedTuple):
     """The pricing problem of one UAV: tours of cost ≤ `cap` [s] over its legs, least in reduced cost.
 
     price : π_i [s] of the tasks, shape (n,); sigma : σ_k of the UAV; cuts : what each task's cuts charge.
-    bins, memory, watch, best : the completion bounds B and the states they are for.
+    bins, memory, watch, best : the completion bounds B and the states they are for; least (n, most + 1) : those of the
+        least restricted one, close together because labels ask for them most.
     """
 
     legs: UavLegs
@@ -49,6 +50,23 @@ class Subproblem(NamedTuple):
     sigma: float
     cuts: TaskCuts
     best: Floats
+    least: Floats
+
+    @classmethod
+    def bounded(
+        cls,
+        legs: UavLegs,
+        cap: float,
+        bins: Bins,
+        memory: Memory,
+        watch: Watch,
+        price: Floats,
+        sigma: float,
+        cuts: TaskCuts,
+    ) -> Subproblem:
+        """Return the problem with its completion bounds."""
+        best = completion(bins, memory, watch, price, sigma)
+        return cls(legs, cap, bins, memory, watch, price, sigma, cuts, best, np.ascontiguousarray(best[:, :, 0]))
 
 
 class Orders(NamedTuple):
@@ -79,15 +97,19 @@ class Found(NamedTuple):
         return Found(*kept, self.labels, self.complete, self.floor)
 
 
-class Labels(Protocol):
+class Room(Protocol):
+    """Where labels find room."""
+
+    def of_uav(self, k: int) -> Labels:
+        """Return the room for labels of UAV k."""
+
+
+class Labels(Room, Protocol):
     """Labels of one kind and what is done with them in a search, layer by layer: `Store` describes each method."""
 
     @property
     def room(self) -> int:
         """How many labels there may be."""
-
-    def of_uav(self, k: int) -> Labels:
-        """Return the room for labels of UAV k."""
 
     def depart(self, problem: Subproblem, threshold: float) -> int:
         """Make the labels of one task and return how many there are."""
@@ -200,7 +222,7 @@ def limit(bound: Floats, beam: int, begin: int, end: int) -> float:
     return float(np.partition(bound[begin:end], beam - 1)[beam - 1])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _cheapest_of_each_set(costs: Floats, visited: NDArray[np.uint64]) -> Ints:
     """Return a table of the tours of least cost of every set visited, and of −1."""
     size = 16

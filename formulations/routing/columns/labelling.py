@@ -84,7 +84,7 @@ def make_store(n_tasks: int, room: int) -> Store:
     return Store(visited, last, cost, gain, bound, np.zeros(room, np.int32), np.full(slots, -1, np.int32))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def least_of_all(problem: Subproblem) -> float:
     """Return a lower bound on the reduced cost [s] of all tours: the best first leg and its completion."""
     least = np.inf
@@ -93,7 +93,7 @@ def least_of_all(problem: Subproblem) -> float:
     return least
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _beginning_with(problem: Subproblem, task: int) -> float:
     """Return a lower bound on the reduced cost [s] of the tours whose first task is `task`, infinite past the cap."""
     spent = problem.legs.out[task]
@@ -105,7 +105,7 @@ def _beginning_with(problem: Subproblem, task: int) -> float:
     return problem.sigma * spent - problem.price[task] + problem.best[task, left, state]
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, nogil=True, inline="always")
 def memory_of(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) -> int:
     """Return the state of the completion bounds at `task` after the tasks `seen`, which are other ones."""
     memory, bits = 0, 0
@@ -123,7 +123,7 @@ def memory_of(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) ->
     return bits * ((1 << near.shape[1]) + 1) + memory
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _depart(problem: Subproblem, store: Store, threshold: float) -> int:
     """Make the labels of one task and return how many there are."""
     free = 0
@@ -139,7 +139,7 @@ def _depart(problem: Subproblem, store: Store, threshold: float) -> int:
     return free
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _expand(
     problem: Subproblem, store: Store, threshold: float, low: int, high: int, free: int, room: int
 ) -> tuple[bool, int]:
@@ -147,7 +147,7 @@ def _expand(
     courses, order, degree, cap = problem.bins.courses, problem.bins.order, problem.bins.degree, problem.cap
     price, sigma, best, bins = problem.price, problem.sigma, problem.best, problem.bins
     partners, rho, near, members = problem.cuts.partners, problem.cuts.rho, problem.memory.near, problem.watch.members
-    mask = store.slots.size - 1
+    mask, nothing_seen = store.slots.size - 1, problem.least
     for label in range(low, high):
         here, seen = store.last[label], store.visited[label]
         fresh, time = seen.copy(), store.cost[label]
@@ -163,7 +163,7 @@ def _expand(
                 continue
             earned = store.gain[label] + price[j]
             left = bins_left(cap - spent, bins)
-            if sigma * spent - earned + best[j, left, 0] >= threshold:  # with nothing remembered: most end here
+            if sigma * spent - earned + nothing_seen[j, left] >= threshold:  # with nothing remembered: most end here
                 continue
             for q in range(rho.shape[1]):
                 if rho[j, q] > 0 and has(seen, partners[j, q, 0]) != has(seen, partners[j, q, 1]):
@@ -195,7 +195,7 @@ def _expand(
     return False, free
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _keep(store: Store, beam: int, begin: int, end: int, limit: float) -> int:
     """Keep the first `beam` labels of a layer whose bound is within `limit` [s] and return the new end."""
     free = begin
@@ -210,7 +210,7 @@ def _keep(store: Store, beam: int, begin: int, end: int, limit: float) -> int:
     return free
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _tours(problem: Subproblem, store: Store, threshold: float, begin: int, end: int) -> tuple[Ints, Floats, Floats]:
     """Return the labels of a layer that can fly home for less than the threshold, their reduced costs and costs [s]."""
     ends, values, costs, found = np.empty(end - begin, np.int64), np.empty(end - begin), np.empty(end - begin), 0

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from formulations.routing.columns.cuts import Cut
-from formulations.routing.columns.label_search import Labels
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import WIDE, Master
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer
 from formulations.routing.columns.proof_log import ProofLog
+from formulations.routing.columns.team import Team
 from instances.arrays import Bools, Floats, Ints
 
 _NARROW = 0.2  # fair shares of the cap: half width of the box that duals begin in where something is known of them
@@ -43,7 +43,7 @@ class Tries:
 
 @dataclass
 class Workspace:
-    """What all nodes share: clock, label store, limits, efforts and the counters of the statistics.
+    """What all nodes share: clock, team with room for labels, limits, efforts and the counters of the statistics.
 
     plain, cutting : how hard to work at a node without cuts, and at one with cuts.
     far : the cheapest way to each task and back [s].
@@ -56,7 +56,7 @@ class Workspace:
     """
 
     out_of_time: Callable[[], bool]
-    store: Labels
+    team: Team
     tours_room: int
     plain: Efforts
     cutting: Efforts
@@ -70,7 +70,8 @@ class Workspace:
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""
-        return Pricer(legs, cap, effort, self.store, self.out_of_time, self.returns)
+        team = self.team
+        return Pricer(legs, cap, effort, team, lambda: team.over or self.out_of_time(), self.returns, team.each)
 
 
 @dataclass

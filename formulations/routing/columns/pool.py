@@ -8,6 +8,7 @@ the cheapest matters. The list of a UAV is given up, not cut, when it does not f
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -15,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import TaskCuts
-from formulations.routing.columns.label_search import Found, Labels, Orders, Subproblem, path, search
-from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer, Twin
+from formulations.routing.columns.label_search import Orders, path, search
+from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer
 from formulations.routing.columns.word_sets import has
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
@@ -133,7 +134,7 @@ class Lists(NamedTuple):
     in_vain: int
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _values(
     visited: NDArray[np.uint64], cost: Floats, price: Floats, sigma: float, cuts: TaskCuts, limit: float, to_least: bool
 ) -> tuple[Floats, float]:
@@ -152,7 +153,7 @@ def _values(
     return value, least
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _sums_of_bytes(price: Floats, bits: int) -> Floats:
     """Return the sum of prices [s] for every byte of a set and each of its values, (bits / 8, 256)."""
     sums = np.zeros((bits // 8, 256))
@@ -163,7 +164,7 @@ def _sums_of_bytes(price: Floats, bits: int) -> Floats:
     return sums
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, nogil=True, inline="always")
 def _earned(words: NDArray[np.uint64], of_bytes: Floats) -> float:
     total = 0.0
     for w in range(words.size):
@@ -172,7 +173,7 @@ def _earned(words: NDArray[np.uint64], of_bytes: Floats) -> float:
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _paid(words: NDArray[np.uint64], cuts: TaskCuts, enough: float) -> float:
     """Return what a tour pays for cuts [s], or part of it that is `enough`."""
     partners, rho = cuts.partners, cuts.rho
@@ -194,7 +195,7 @@ def _paid(words: NDArray[np.uint64], cuts: TaskCuts, enough: float) -> float:
     return total
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, nogil=True, inline="always")
 def _lowest(word: np.uint64) -> int:
     """Return the place of the lowest bit of a word that is not zero."""
     return _LOWEST[((word & (~word + np.uint64(1))) * _DE_BRUIJN) >> np.uint64(58)]
@@ -224,55 +225,89 @@ class PoolPricer:
         best = below[np.argsort(values[below], kind="stable")[: self.wanted]]
         return Priced(least, [tours.column(block.start + int(p)) for p in best], True)
 
+    def price_all(self, uavs: Sequence[int], duals: Duals, thresholds: Floats) -> dict[int, Priced]:
+        """Return what `price` would of each of some UAVs, at their thresholds (m,)."""
+        if self.others is None:
+            return {k: self.price(k, duals, float(thresholds[k])) for k in uavs}
+        searched = self.others.price_all([k for k in uavs if not self.pool.listed[k]], duals, thresholds)
+        return {k: searched[k] if k in searched else self.price(k, duals, float(thresholds[k])) for k in uavs}
 
-def list_tours(pool: Pool, pricer: Pricer, at: DualBound, labels: int, room: int, known: Pool) -> Lists:
+
+def list_tours(
+    pool: Pool, pricer: Pricer, at: DualBound, labels: int, room: int, known: Pool, *, at_once: int = 1
+) -> Lists:
     """Return `pool` with the tours of more UAVs, those with few legs first, and some tours of the others in reserve.
 
     The first that does not fit into `labels` labels is passed over, and the others after it get no more labels than a
     reserve; there are never more than `room` tours in all. Of a UAV with too many tours even for the reserve those
-    `known` are kept.
+    `known` are kept. at_once : UAVs looked at side by side, each as if it were the first of them.
     """
-    allowed, in_vain = at.allowed(pricer.cap), 0
-    reserve = Pool.empty(pricer.n_uavs, pricer.legs.n_tasks)
+    allowed, in_vain, reserve = at.allowed(pricer.cap), 0, Pool.empty(pricer.n_uavs, pricer.legs.n_tasks)
     n_legs = np.isfinite(pricer.legs.between).sum(axis=(1, 2))
-    done: dict[Twin, int] = {}
-    for k in sorted(np.flatnonzero(~pool.listed).tolist(), key=lambda k: int(n_legs[k])):
-        threshold = float(allowed[k])
-        twin = done.setdefault(pricer.twin(k, at.duals, threshold), k)
-        if twin != k:
-            block = pool.block(twin)
-            if reserve.listed[twin]:
-                reserve = reserve.copying(twin, k, reserve)
-            elif pool.listed[twin] and pool.size + block.stop - block.start <= room:
-                pool = pool.copying(twin, k, pool)
-            continue
-        problem, store = pricer.subproblem(k, at.duals), pricer.store.of_uav(k)
-        most, left = labels if in_vain == 0 else min(labels, _RESERVE_LABELS), room - pool.size
-        found = search(problem, store, threshold, pricer.out_of_time, labels=most, tours=left)
-        if found.complete:
-            pool = _listing(pool, k, store, found)
-            continue
-        in_vain += found.labels
-        reserve = _reserve(reserve, problem, store, pricer, k, at, known)
+    few_legs_first = sorted(np.flatnonzero(~pool.listed).tolist(), key=lambda k: int(n_legs[k]))
+    first_of = pricer.firsts(few_legs_first, at.duals, allowed)
+    firsts = [k for k, first in first_of.items() if k == first]
+    for begin in range(0, len(firsts), at_once):
+        few, left = labels if in_vain == 0 else min(labels, _RESERVE_LABELS), room - pool.size
+        uavs = firsts[begin : begin + at_once]
+        for k, looked in zip(uavs, pricer.each(_Look(pricer, at, few, left), uavs), strict=True):
+            in_vain += looked.in_vain
+            if looked.tours is None:
+                reserve = reserve.copying(k, k, known) if known.listed[k] else reserve
+            elif looked.in_vain > 0:
+                reserve = reserve.listing(k, *looked.tours)
+            elif pool.size + looked.tours.cost.size <= room:
+                pool = pool.listing(k, *looked.tours)
+    for k, first in first_of.items():
+        if k != first and reserve.listed[first]:
+            reserve = reserve.copying(first, k, reserve)
+        elif k != first and pool.listed[first] and pool.size + (pool.uav == first).sum() <= room:
+            pool = pool.copying(first, k, pool)
     return Lists(pool, reserve, in_vain)
 
 
-def _reserve(
-    reserve: Pool, problem: Subproblem, store: Labels, pricer: Pricer, k: int, at: DualBound, known: Pool
-) -> Pool:
-    """Return the reserve with the tours of UAV k nearest to routes of the relaxation: as many as fit.
+class _Tours(NamedTuple):
+    """What `Pool.listing` takes of one UAV."""
 
-    They are columns that pricing need not search for; that there are no others is left to the label search.
-    """
-    for share in _SHARES:
-        threshold = float(at.least[k]) + share * (pricer.cap - at.value)
-        found = search(problem, store, threshold, pricer.out_of_time, labels=_RESERVE_LABELS, tours=_RESERVE)
-        if found.complete:
-            return _listing(reserve, k, store, found)
-    return reserve.copying(k, k, known) if known.listed[k] else reserve
+    visited: NDArray[np.uint64]
+    cost: Floats
+    label: Ints
+    orders: Orders
 
 
-def _listing(pool: Pool, k: int, store: Labels, found: Found) -> Pool:
-    """Return the pool with the tours found of UAV k."""
-    orders, ends = store.orders(found)
-    return pool.listing(k, found.visited, found.costs, ends, Orders(orders.last.copy(), orders.parent.copy()))
+class _Looked(NamedTuple):
+    """The tours of one UAV, all of them where no labels were made `in_vain`; None where not even a reserve fits."""
+
+    tours: _Tours | None
+    in_vain: int
+
+
+@dataclass(frozen=True)
+class _Look:
+    """Looks for all tours of a UAV that matter, at most `room`, with so many `labels`."""
+
+    pricer: Pricer
+    at: DualBound
+    labels: int
+    room: int
+
+    def __call__(self, k: int) -> _Looked:
+        """Return all tours of UAV k, else its reserve: those nearest to routes of the relaxation, as many as fit.
+
+        They are columns that pricing need not search for; that there are no others is left to the label search.
+        """
+        pricer, at = self.pricer, self.at
+        problem, store = pricer.subproblem(k, at.duals), pricer.store.of_uav(k)
+
+        def look(threshold: float, labels: int, room: int) -> tuple[_Tours | None, int]:
+            found = search(problem, store, threshold, pricer.out_of_time, labels=labels, tours=room)
+            if not found.complete:
+                return None, found.labels
+            orders, ends = store.orders(found)
+            return _Tours(found.visited, found.costs, ends, Orders(orders.last.copy(), orders.parent.copy())), 0
+
+        tours, in_vain = look(float(at.allowed(pricer.cap)[k]), self.labels, self.room)
+        shares = iter(_SHARES)
+        while tours is None and (share := next(shares, None)) is not None:
+            tours, _ = look(float(at.least[k]) + share * (pricer.cap - at.value), _RESERVE_LABELS, _RESERVE)
+        return _Looked(tours, in_vain)

@@ -13,18 +13,19 @@ each partial sum is at most U + Σ|π| in size, so a computed reduced cost is of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from formulations.routing.columns.completion import Bins, Memory, completion
+from formulations.routing.columns.completion import Bins, Memory
 from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task, incidence
-from formulations.routing.columns.label_search import Clock, Labels, Subproblem, never, path, search
+from formulations.routing.columns.label_search import Clock, Room, Subproblem, never, path, search
 from formulations.routing.columns.labelling import least_of_all
 from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.team import Each, one_by_one
 from instances.arrays import Floats, Ints
 
 _MOST_ENDS = 50_000
@@ -142,9 +143,9 @@ class Priced:
     columns: list[Column]
     complete: bool
 
-
-Twin = tuple[int, float, float]
-"""A kind of UAV, its σ and a threshold: UAVs that have these in common have the same tours to find."""
+    def of_uav(self, k: int) -> Priced:
+        """Return the same for UAV k, which is like the one that was priced."""
+        return replace(self, columns=[replace(column, uav=k) for column in self.columns])
 
 
 class Prices(Protocol):
@@ -152,8 +153,8 @@ class Prices(Protocol):
 
     n_uavs: int
 
-    def price(self, k: int, duals: Duals, threshold: float) -> Priced:
-        """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
+    def price_all(self, uavs: Sequence[int], duals: Duals, thresholds: Floats) -> dict[int, Priced]:
+        """Return the best columns of each of some UAVs of reduced cost below `thresholds` (m,) ≤ 0, and bounds."""
         ...
 
 
@@ -161,6 +162,7 @@ class Pricer:
     """Prices tours of cost ≤ `cap`, and no longer than their UAV flies, over the legs left: one effort, label search.
 
     cap [s] : of the routes, as in `DualBound.allowed`; caps (m,) [s] : of the tours of each UAV.
+    store : room for labels; each : how to do the same for several UAVs: both those of a team, where there is one.
     returns : how often walks came back to tasks, as in `Memory.nearest`.
     """
 
@@ -172,20 +174,20 @@ class Pricer:
         legs: Legs,
         cap: float,
         effort: Effort,
-        store: Labels,
+        store: Room,
         out_of_time: Clock = never,
         returns: Floats | None = None,
+        each: Each = one_by_one,
     ) -> None:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
-        self.returns, self.n_uavs, self.caps = returns, legs.n_uavs, legs.caps(cap)
+        self.returns, self.n_uavs, self.caps, self.each = returns, legs.n_uavs, legs.caps(cap), each
         self._bins: dict[int, Bins] = {}
         self._watch: tuple[Duals | None, Watch | None] = (None, None)
-        self._priced: tuple[Duals | None, dict[Twin, Priced]] = (None, {})
 
     def at(self, effort: Effort, legs: Legs, returns: Floats | None = None) -> Pricer:
         """Return the same pricer of another effort, over other legs, with other `returns` if any are given."""
         known = self.returns if returns is None else returns
-        return Pricer(legs, self.cap, effort, self.store, self.out_of_time, known)
+        return Pricer(legs, self.cap, effort, self.store, self.out_of_time, known, self.each)
 
     @cached_property
     def memory(self) -> Memory:
@@ -202,12 +204,18 @@ class Pricer:
     @cached_property
     def kinds(self) -> Ints:
         """For every UAV the first with the same legs and the same labels."""
-        shared = all(self.store.of_uav(k) is self.store for k in range(self.n_uavs))
+        first = self.store.of_uav(0)
+        shared = all(self.store.of_uav(k) is first for k in range(self.n_uavs))
         return self.legs.kinds() if shared else np.arange(self.n_uavs)
 
-    def twin(self, k: int, duals: Duals, threshold: float) -> Twin:
-        """Return what UAVs have in common that have the same tours below `threshold`, each at its own duals."""
-        return int(self.kinds[k]), float(duals.sigma[k]), threshold
+    def firsts(self, uavs: Iterable[int], duals: Duals, thresholds: Floats) -> dict[int, int]:
+        """Return, of each of some UAVs, the first of them with the same tours below its threshold (m,).
+
+        What all of them share is made by the way: threads that work on several then only read it.
+        """
+        self.watch(duals)
+        first: dict[tuple[int, float, float], int] = {}
+        return {k: first.setdefault((int(self.kinds[k]), float(duals.sigma[k]), float(thresholds[k])), k) for k in uavs}
 
     def watch(self, duals: Duals) -> Watch:
         """Return the cuts watched at these duals."""
@@ -220,21 +228,19 @@ class Pricer:
     def subproblem(self, k: int, duals: Duals) -> Subproblem:
         """Return the pricing problem of UAV k, completion bounds included."""
         legs, bins, watch, sigma = self.legs.of_uav(k), self.bins(k), self.watch(duals), float(duals.sigma[k])
-        best = completion(bins, self.memory, watch, duals.price, sigma)
         cap = float(self.caps[k])
-        return Subproblem(legs, cap, bins, self.memory, watch, duals.price, sigma, duals.by_task, best)
+        return Subproblem.bounded(legs, cap, bins, self.memory, watch, duals.price, sigma, duals.by_task)
+
+    def price_all(self, uavs: Sequence[int], duals: Duals, thresholds: Floats) -> dict[int, Priced]:
+        """Return what `price` would of each of some UAVs, at their thresholds (m,); of twins once."""
+        first_of = self.firsts(uavs, duals, thresholds)
+        firsts = list(dict.fromkeys(first_of.values()))
+        priced = self.each(lambda k: self.price(k, duals, float(thresholds[k])), firsts)
+        found = dict(zip(firsts, priced, strict=True))
+        return {k: found[first].of_uav(k) for k, first in first_of.items()}
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
-        if self._priced[0] is not duals:
-            self._priced = (duals, {})
-        known, twin = self._priced[1], self.twin(k, duals, threshold)
-        if twin in known:
-            return replace(known[twin], columns=[replace(column, uav=k) for column in known[twin].columns])
-        known[twin] = self._price(k, duals, threshold)
-        return known[twin]
-
-    def _price(self, k: int, duals: Duals, threshold: float) -> Priced:
         problem = self.subproblem(k, duals)
         least = least_of_all(problem)
         if least >= threshold:

@@ -134,7 +134,7 @@ class StateLabels:
         return Orders(last, parent), np.searchsorted(chains, found.ends)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _before(states: StateLegs, store: StateStore, chains: Ints) -> Ints:
     """Return the chain before each, −1 for none: of the label before, the state that it cost least to come from."""
     before, width, first = np.full(chains.size, -1), store.spent.shape[1], states.first
@@ -151,7 +151,7 @@ def _before(states: StateLegs, store: StateStore, chains: Ints) -> Ints:
     return before
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _depart(problem: Subproblem, states: StateLegs, store: StateStore, threshold: float) -> int:
     """Make the labels of one task and return how many there are."""
     free = 0
@@ -180,7 +180,7 @@ def _depart(problem: Subproblem, states: StateLegs, store: StateStore, threshold
     return free
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _expand(
     problem: Subproblem,
     states: StateLegs,
@@ -255,7 +255,7 @@ def _expand(
     return False, free
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _chain(before: Floats, legs: Floats, there: Floats) -> None:
     """Write to `there` the least cost of each state after `legs`, with `before` for each before them."""
     width = legs.shape[1]

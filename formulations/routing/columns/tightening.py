@@ -197,7 +197,9 @@ def _list_at_last(node: Node, at: DualBound, cap: float, work: Workspace) -> boo
 def _list(node: Node, at: DualBound, cap: float, work: Workspace, labels: int) -> bool:
     """List the tours, of each UAV with up to so many `labels`; return whether they fit."""
     pricer = work.pricer(node.legs, cap, (work.cutting if node.cuts else work.plain).thorough)
-    node.pool, node.reserve, in_vain = list_tours(node.pool, pricer, at, labels, work.tours_room, node.reserve)
+    node.pool, node.reserve, in_vain = list_tours(
+        node.pool, pricer, at, labels, work.tours_room, node.reserve, at_once=work.team.size
+    )
     work.counts["pools" if node.pool.complete else "labels in vain"] += 1 if node.pool.complete else in_vain
     return node.pool.complete
 

@@ -128,8 +128,14 @@ class WalkPricer:
         columns = [Column(k, tuple(walks[f][walks[f] >= 0].tolist()), float(costs[f])) for f in chosen]
         return Priced(float(values.min()), columns, True)
 
+    def price_all(self, uavs: Sequence[int], duals: Duals, thresholds: Floats) -> dict[int, Priced]:
+        """Return what `price` would of each of some UAVs, at their thresholds (m,)."""
+        self.tours.watch(duals)  # once for all threads
+        priced = self.tours.each(lambda k: self.price(k, duals, float(thresholds[k])), uavs)
+        return dict(zip(uavs, priced, strict=True))
 
-@njit(cache=True)
+
+@njit(cache=True, nogil=True)
 def _walks(problem: Subproblem, most: int) -> tuple[Ints, Floats, Floats]:
     """Return the best walk from every first task, −1 behind its end, their reduced costs and costs [s].
 

@@ -13,13 +13,13 @@ from instances.kernels import njit
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def has(words: NDArray[np.uint64], task: int) -> bool:
     """Say whether a set contains a task."""
     return (words[task >> 6] >> np.uint64(task & 63)) & np.uint64(1) != np.uint64(0)
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, nogil=True, inline="always")
 def hashed(words: NDArray[np.uint64], task: int, mask: int) -> np.int64:
     """Return the slot of a set and its last task where there are mask + 1."""
     h = np.uint64(task + 1) * _GOLDEN
@@ -29,7 +29,7 @@ def hashed(words: NDArray[np.uint64], task: int, mask: int) -> np.int64:
     return np.int64(h & np.uint64(mask))
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, nogil=True, inline="always")
 def same(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> bool:
     """Say whether two sets are equal."""
     equal = True
@@ -38,7 +38,7 @@ def same(a: NDArray[np.uint64], b: NDArray[np.uint64]) -> bool:
     return equal
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def clear(visited: NDArray[np.uint64], last: NDArray[np.int16], slots: NDArray[np.int32], begin: int, end: int) -> None:
     """Take the labels begin..end−1, which are all that is in it, out of the hash table."""
     mask = slots.size - 1

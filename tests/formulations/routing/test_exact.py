@@ -27,6 +27,7 @@ def random_instance(n: int, m: int, seed: int) -> Instance:
         (17, 3, 1, {"branch-and-price"}),
         (18, 1, 1, {"branch-and-cut"}),
         (17, 2, 2, {"branch-and-price", "branch-and-cut"}),
+        (17, 3, 2, {"branch-and-price"}),
     ],
 )
 def test_proves_the_optimum_and_says_by_whom(n: int, m: int, threads: int, by: set[str]) -> None:

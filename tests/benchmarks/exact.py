@@ -1,11 +1,11 @@
 """Bars of the exact methods: measured figure beside bar.
 
-    python tests/benchmarks/exact.py [--quick] [--tasks 40] [--seconds 120] [--benchmarks DIR] [SECTION...]
+    python tests/benchmarks/exact.py [--quick] [--tasks 40] [--first 10] [--seconds 120] [--benchmarks DIR] [SECTION...]
 
 Sections: subset (subset-dp, n = 20 and 22), proofs (branch-and-price, n = 40 to 100), long (exact, m = 2), gaps
 (certified where no proof is in reach), bounds (of 200 tasks, without a tree), public (eil51, berlin52, eil76),
 agreement (300 random instances against subset-dp), ratio (exact against circuit and branch-and-cut), fleets (UAVs of
-several speeds, 30 to 100 tasks).
+several speeds, 30 to 100 tasks), threads (branch-and-price by one thread and by two).
 Times are CPU seconds of the process (children included) unless called wall.
 
 Instances: the family square-wind (a 20 km square, airspeed 20 m/s, wind (4, −2) m/s plus a rotation of 5 m/s at the
@@ -146,7 +146,7 @@ def proofs(asked: argparse.Namespace) -> None:
     for n, m, bar, of_ten in PROOFS:
         if asked.tasks not in (None, n):
             continue
-        seeds = range(2 if asked.quick else 10)
+        seeds = range(asked.first, asked.first + (2 if asked.quick else 10))
         limit = asked.seconds or 3 * bar  # the bar counts CPU seconds; a busy machine may need more by the clock
         runs = [run(solver, wind_instance(n, m, seed), limit) for seed in seeds]
         good = [spent for result, spent, _ in runs if result.status is Status.OPTIMAL and spent <= bar]
@@ -343,6 +343,26 @@ def ratio(asked: argparse.Namespace) -> None:
                   f"{geometric_mean(ratios):.1f} (bar 5)")  # fmt: skip
 
 
+def threads(asked: argparse.Namespace) -> None:
+    """The same proof by one thread and by two, one after the other: nothing else may run beside it."""
+    print("branch-and-price by one thread and by two: n m | wall s of one / of two | ratio, geometric mean (bar 1.5)")
+    solver, ratios = BranchAndPrice(), []
+    solver.prepare(wind_instance(10, 2, 0))
+    for n, m in ((60, 4), (60, 5), (80, 8), (100, 10)):
+        if asked.tasks not in (None, n):
+            continue
+        times = []
+        for seed in range(asked.first, asked.first + (1 if asked.quick else 3)):
+            pair = [run(solver, wind_instance(n, m, seed), asked.seconds or 200.0, count) for count in (1, 2)]
+            if all(result.status is Status.OPTIMAL for result, _, _ in pair):
+                assert pair[0][0].statistics == pair[1][0].statistics, (n, m, seed)
+                times.append([lasted for _, _, lasted in pair])
+        ratios += [one / two for one, two in times]
+        print(f"{n:4d} {m:3d} | " + ", ".join(f"{one:.1f} / {two:.1f}" for one, two in times), flush=True)
+    if ratios:
+        print(f"ratio {geometric_mean(ratios):.2f}, of {len(ratios)} proofs")
+
+
 SECTIONS = {
     "subset": subset,
     "proofs": proofs,
@@ -353,6 +373,7 @@ SECTIONS = {
     "agreement": agreement,
     "ratio": ratio,
     "fleets": fleets,
+    "threads": threads,
 }
 
 if __name__ == "__main__":
@@ -360,6 +381,7 @@ if __name__ == "__main__":
     parser.add_argument("sections", nargs="*", choices=[[], *SECTIONS], metavar="SECTION")
     parser.add_argument("--quick", action="store_true", help="fewer seeds, shorter limits")
     parser.add_argument("--tasks", type=int, help="only this many tasks, in proofs, long, gaps, bounds and ratio")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED", help="first seed, in proofs and threads")
     parser.add_argument("--seconds", type=float, help="limit of a run by the clock, in proofs, gaps, bounds and public")
     public_sets.add_option(parser)
     asked = parser.parse_args()

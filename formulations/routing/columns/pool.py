@@ -297,6 +297,8 @@ class _Look:
         They are columns that pricing need not search for; that there are no others is left to the label search.
         """
         pricer, at = self.pricer, self.at
+        if pricer.out_of_time():
+            return _Looked(None, 0)
         problem, store = pricer.subproblem(k, at.duals), pricer.store.of_uav(k)
 
         def look(threshold: float, labels: int, room: int) -> tuple[_Tours | None, int]:

@@ -13,10 +13,10 @@ each partial sum is at most U + Σ|π| in size, so a computed reduced cost is of
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -235,9 +235,13 @@ class Pricer:
         """Return what `price` would of each of some UAVs, at their thresholds (m,); of twins once."""
         first_of = self.firsts(uavs, duals, thresholds)
         firsts = list(dict.fromkeys(first_of.values()))
-        priced = self.each(lambda k: self.price(k, duals, float(thresholds[k])), firsts)
+        priced = self.each(lambda k: self.in_time(self.price, k, duals, float(thresholds[k])), firsts)
         found = dict(zip(firsts, priced, strict=True))
         return {k: found[first].of_uav(k) for k, first in first_of.items()}
+
+    def in_time(self, price: Callable[[int, Duals, float], Priced], *at: Any) -> Priced:
+        """Return what `price` says, or nothing once time is up: completion bounds alone take up to half a second."""
+        return Priced(-np.inf, [], False) if self.out_of_time() else price(*at)
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""

@@ -131,7 +131,7 @@ class WalkPricer:
     def price_all(self, uavs: Sequence[int], duals: Duals, thresholds: Floats) -> dict[int, Priced]:
         """Return what `price` would of each of some UAVs, at their thresholds (m,)."""
         self.tours.watch(duals)  # once for all threads
-        priced = self.tours.each(lambda k: self.price(k, duals, float(thresholds[k])), uavs)
+        priced = self.tours.each(lambda k: self.tours.in_time(self.price, k, duals, float(thresholds[k])), uavs)
         return dict(zip(uavs, priced, strict=True))
 
 

@@ -345,7 +345,7 @@ def ratio(asked: argparse.Namespace) -> None:
 
 def threads(asked: argparse.Namespace) -> None:
     """The same proof by one thread and by two, one after the other: nothing else may run beside it."""
-    print("branch-and-price by one thread and by two: n m | wall s of one / of two | ratio, geometric mean (bar 1.5)")
+    print("branch-and-price by one thread and by two: n m | wall s of one / of two")
     solver, ratios = BranchAndPrice(), []
     solver.prepare(wind_instance(10, 2, 0))
     for n, m in ((60, 4), (60, 5), (80, 8), (100, 10)):

@@ -1,9 +1,9 @@
 """The search beside the tree: routes are wanted as much as bounds, and each helps the other.
 
-It goes on from new seeds as long as a gap is left, with about a tenth of the work. Where few UAVs make the relaxation
-as long as it is, and that is nearly as long as the routes known, the longest tour of one of them there may well be the
-longest tour of the best routes, and one the memetic search does not light on by itself: then that tour is kept and the
-other UAVs are searched for.
+It goes on from new seeds and from the best routes known as long as a gap is left, with a tenth of the work or less.
+Where few UAVs make the relaxation as long as it is, and that is nearly as long as the routes known, the longest tour of
+one of them there may well be the longest tour of the best routes, and one the memetic search does not light on by
+itself: then that tour is kept and the other UAVs are searched for.
 """
 
 from __future__ import annotations
@@ -66,10 +66,14 @@ class Search:
 
 
 def search(recorder: Recorder, steps: int, seed: int, run: int, time: float) -> None:
-    """Run the memetic search for the `run`-th time, where it takes the instance: the tree needs no routes to begin."""
+    """Run the memetic search for the `run`-th time, where it takes the instance: the tree needs no routes to begin.
+
+    After the first time from the best routes known, which are one member of its first population.
+    """
     memetic = Memetic()
     if time > 0 and refusal(memetic, recorder.instance) is None:
-        found = memetic.solve(recorder.instance, limits=Limits(time=time, iterations=steps), seed=seed + run)
+        limits, start = Limits(time=time, iterations=steps), recorder.routes if run > 0 else None
+        found = memetic.solve(recorder.instance, limits=limits, seed=seed + run, start=start)
         if found.routes is not None:
             recorder.incumbent(found.routes)
 

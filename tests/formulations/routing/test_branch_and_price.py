@@ -16,11 +16,12 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer, efforts
-from formulations.routing.columns.searching import part
+from formulations.routing.columns.searching import part, search
 from formulations.routing.columns.team import Team
 from formulations.routing.columns.tree import Tree
 from formulations.routing.recorder import Recorder
-from formulations.routing.solver import Status, ignore
+from formulations.routing.search.memetic import Memetic
+from formulations.routing.solver import Result, Status, ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes, check_routes
 
@@ -306,6 +307,20 @@ def test_no_branch_on_a_task_that_is_decided(seed: int) -> None:
     branch = choose(master, allowed, rng.uniform(1, 100, 6), 50.0, lambda: False)
     undecided = allowed & (allowed.sum(axis=0) > 1)
     assert branch is None if not undecided.any() else branch is not None and undecided[branch]
+
+
+def test_searches_after_the_first_go_on_from_the_best_routes_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    instance, begun_from = random_instance(8, 2, 3), list[Routes | None]()
+
+    def solve(self: Memetic, instance: Instance, *, limits: Limits, seed: int, start: Routes | None) -> Result:
+        begun_from.append(start)
+        return Result(Status.NO_SOLUTION, elapsed=0.0, stopped_by="time")
+
+    monkeypatch.setattr(Memetic, "solve", solve)
+    recorder = Recorder(instance, Limits(time=60.0), ignore, (tuple(range(8)), ()))
+    for run in range(3):
+        search(recorder, 100, 0, run, 60.0)
+    assert begun_from == [None, recorder.routes, recorder.routes]
 
 
 def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() -> None:

@@ -25,7 +25,8 @@ are known the cap is a cost that no routes pass (`simple_bounds.worst_makespan`)
 proves that there are none. Where costs change with time, they are the clock: labels keep arrivals, and legs in bins are
 those of their time (`columns/courses.py`).
 
-Several threads look for tours of several UAVs at once (`columns/team.py`); the tree is the same.
+Several threads look for tours of several UAVs at once (`columns/team.py`); the tree is the same, but that a UAV more
+may be listed where lists do not fit (`pool.list_tours`).
 
 Strong where tours are short (n/m up to about 20). Sources: Baldacci, Mingozzi, Roberti (Oper. Res. 59, 2011) for
 ng-routes and enumeration; Contardo & Martinelli (Discrete Optim. 12, 2014) for cutting over a listed pool.
@@ -158,7 +159,7 @@ class BranchAndPrice(RecordedSolver):
     def prove(self, recorder: Recorder, seed: int, threads: int = 1) -> tuple[str, dict[str, Any]]:
         """Raise the recorder's bound to its incumbent, improving both; return `Result.stopped_by` and the counters.
 
-        threads : for as many UAVs tours are looked for at once; what is found is the same.
+        threads : for as many UAVs tours are looked for at once.
 
         "proof" without routes proves that there are none. The incumbent may also be improved from outside meanwhile,
         whenever the recorder is asked for the time left.

@@ -1,7 +1,7 @@
 """Threads that look for tours of several UAVs at once, each with room for labels of its own.
 
 Subproblems of different UAVs have nothing in common but the duals, and kernels let go of the interpreter's lock. What
-is found is put together in the order of the UAVs, so that it does not depend on how many threads there are.
+is found is put together in the order of the UAVs, so that it does not depend on which thread is first.
 """
 
 from __future__ import annotations

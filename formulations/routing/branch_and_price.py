@@ -25,8 +25,7 @@ are known the cap is a cost that no routes pass (`simple_bounds.worst_makespan`)
 proves that there are none. Where costs change with time, they are the clock: labels keep arrivals, and legs in bins are
 those of their time (`columns/courses.py`).
 
-Several threads look for tours of several UAVs at once (`columns/team.py`); the tree is the same, but that a UAV more
-may be listed where lists do not fit (`pool.list_tours`).
+Several threads look for tours of several UAVs at once (`columns/team.py`); the tree is the same.
 
 Strong where tours are short (n/m up to about 20). Sources: Baldacci, Mingozzi, Roberti (Oper. Res. 59, 2011) for
 ng-routes and enumeration; Contardo & Martinelli (Discrete Optim. 12, 2014) for cutting over a listed pool.

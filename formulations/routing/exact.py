@@ -80,8 +80,7 @@ class Exact(RecordedSolver):
         columns = BranchAndPrice()
         columns.improve(recorder, 1000 * seed, columns.starts)
         may_cut = refusal(BranchAndCut(), instance) is None
-        few = np.unique(Legs.of(stateless(instance)).kinds()).size <= FEW_UAVS
-        if recorder.limits.threads >= 2 and may_cut and few:
+        if recorder.limits.threads >= 2 and may_cut and _few_differ(instance):
             return _side_by_side(recorder, columns, seed)
         cuts_first = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
         return _one_after_the_other(recorder, columns, seed, cuts_first and may_cut)
@@ -90,6 +89,11 @@ class Exact(RecordedSolver):
 def _few(instance: Instance) -> bool:
     """Say whether subset programming is the method."""
     return instance.n_tasks <= (FEW_BETWEEN_STATES if "states" in instance.axes else FEW)
+
+
+def _few_differ(instance: Instance) -> bool:
+    """Say whether UAVs are of so few kinds, by costs, endurance and depot, that columns need no threads."""
+    return np.unique(Legs.of(stateless(instance)).kinds()).size <= FEW_UAVS
 
 
 def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int, cuts_first: bool) -> Result:

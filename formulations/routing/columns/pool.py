@@ -240,24 +240,32 @@ def list_tours(
 
     The first that does not fit into `labels` labels is passed over, and the others after it get no more labels than a
     reserve; there are never more than `room` tours in all. Of a UAV with too many tours even for the reserve those
-    `known` are kept. at_once : UAVs looked at side by side, each as if it were the first of them.
+    `known` are kept. at_once : UAVs looked at side by side; where one of them leaves the next less room than that had,
+    the next is looked at again, so that the same comes out for any number.
     """
     allowed, in_vain, reserve = at.allowed(pricer.cap), 0, Pool.empty(pricer.n_uavs, pricer.legs.n_tasks)
     n_legs = np.isfinite(pricer.legs.between).sum(axis=(1, 2))
     few_legs_first = sorted(np.flatnonzero(~pool.listed).tolist(), key=lambda k: int(n_legs[k]))
     first_of = pricer.firsts(few_legs_first, at.duals, allowed)
     firsts = [k for k, first in first_of.items() if k == first]
+
+    def with_what_is_left() -> _Look:
+        return _Look(pricer, at, labels if in_vain == 0 else min(labels, _RESERVE_LABELS), room - pool.size)
+
     for begin in range(0, len(firsts), at_once):
-        few, left = labels if in_vain == 0 else min(labels, _RESERVE_LABELS), room - pool.size
-        uavs = firsts[begin : begin + at_once]
-        for k, looked in zip(uavs, pricer.each(_Look(pricer, at, few, left), uavs), strict=True):
-            in_vain += looked.in_vain
-            if looked.tours is None:
-                reserve = reserve.copying(k, k, known) if known.listed[k] else reserve
-            elif looked.in_vain > 0:
-                reserve = reserve.listing(k, *looked.tours)
-            elif pool.size + looked.tours.cost.size <= room:
+        look, uavs = with_what_is_left(), firsts[begin : begin + at_once]
+        for k, looked in zip(uavs, pricer.each(look, uavs), strict=True):
+            now = with_what_is_left()
+            if now.labels < look.labels or looked.labels > now.room < look.room:
+                [looked] = pricer.each(now, [k])  # as if it had been looked at after those before it
+            if looked.whole and looked.tours is not None:
                 pool = pool.listing(k, *looked.tours)
+                continue
+            in_vain += looked.labels
+            if looked.tours is not None:
+                reserve = reserve.listing(k, *looked.tours)
+            elif known.listed[k]:
+                reserve = reserve.copying(k, k, known)
     for k, first in first_of.items():
         if k != first and reserve.listed[first]:
             reserve = reserve.copying(first, k, reserve)
@@ -276,10 +284,11 @@ class _Tours(NamedTuple):
 
 
 class _Looked(NamedTuple):
-    """The tours of one UAV, all of them where no labels were made `in_vain`; None where not even a reserve fits."""
+    """The tours of one UAV, the `whole` of them or a reserve, None where not even that fits; labels it took to tell."""
 
     tours: _Tours | None
-    in_vain: int
+    whole: bool
+    labels: int
 
 
 @dataclass(frozen=True)
@@ -298,7 +307,7 @@ class _Look:
         """
         pricer, at = self.pricer, self.at
         if pricer.out_of_time():
-            return _Looked(None, 0)
+            return _Looked(None, False, 0)
         problem, store = pricer.subproblem(k, at.duals), pricer.store.of_uav(k)
 
         def look(threshold: float, labels: int, room: int) -> tuple[_Tours | None, int]:
@@ -306,10 +315,14 @@ class _Look:
             if not found.complete:
                 return None, found.labels
             orders, ends = store.orders(found)
-            return _Tours(found.visited, found.costs, ends, Orders(orders.last.copy(), orders.parent.copy())), 0
+            copied = Orders(orders.last.copy(), orders.parent.copy())
+            return _Tours(found.visited, found.costs, ends, copied), found.labels
 
-        tours, in_vain = look(float(at.allowed(pricer.cap)[k]), self.labels, self.room)
-        shares = iter(_SHARES)
-        while tours is None and (share := next(shares, None)) is not None:
+        tours, used = look(float(at.allowed(pricer.cap)[k]), self.labels, self.room)
+        if tours is not None:
+            return _Looked(tours, True, used)
+        for share in _SHARES:
             tours, _ = look(float(at.least[k]) + share * (pricer.cap - at.value), _RESERVE_LABELS, _RESERVE)
-        return _Looked(tours, in_vain)
+            if tours is not None:
+                break
+        return _Looked(tours, False, used)

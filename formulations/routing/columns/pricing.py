@@ -13,10 +13,10 @@ each partial sum is at most U + Σ|π| in size, so a computed reduced cost is of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -143,6 +143,11 @@ class Priced:
     columns: list[Column]
     complete: bool
 
+    @classmethod
+    def unknown(cls) -> Priced:
+        """Return what is known of a UAV that was not priced: nothing."""
+        return cls(-np.inf, [], False)
+
     def of_uav(self, k: int) -> Priced:
         """Return the same for UAV k, which is like the one that was priced."""
         return replace(self, columns=[replace(column, uav=k) for column in self.columns])
@@ -204,8 +209,9 @@ class Pricer:
     @cached_property
     def kinds(self) -> Ints:
         """For every UAV the first with the same legs and the same labels."""
-        first = self.store.of_uav(0)
-        shared = all(self.store.of_uav(k) is first for k in range(self.n_uavs))
+        # asked in a thread that works: another would make room that nothing uses
+        [rooms] = self.each(lambda _: [self.store.of_uav(k) for k in range(self.n_uavs)], [0])
+        shared = all(room is rooms[0] for room in rooms)
         return self.legs.kinds() if shared else np.arange(self.n_uavs)
 
     def firsts(self, uavs: Iterable[int], duals: Duals, thresholds: Floats) -> dict[int, int]:
@@ -235,16 +241,14 @@ class Pricer:
         """Return what `price` would of each of some UAVs, at their thresholds (m,); of twins once."""
         first_of = self.firsts(uavs, duals, thresholds)
         firsts = list(dict.fromkeys(first_of.values()))
-        priced = self.each(lambda k: self.in_time(self.price, k, duals, float(thresholds[k])), firsts)
+        priced = self.each(lambda k: self.price(k, duals, float(thresholds[k])), firsts)
         found = dict(zip(firsts, priced, strict=True))
         return {k: found[first].of_uav(k) for k, first in first_of.items()}
 
-    def in_time(self, price: Callable[[int, Duals, float], Priced], *at: Any) -> Priced:
-        """Return what `price` says, or nothing once time is up: completion bounds alone take up to half a second."""
-        return Priced(-np.inf, [], False) if self.out_of_time() else price(*at)
-
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
+        if self.out_of_time():  # completion bounds alone take up to half a second
+            return Priced.unknown()
         problem = self.subproblem(k, duals)
         least = least_of_all(problem)
         if least >= threshold:

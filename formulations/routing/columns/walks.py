@@ -122,6 +122,8 @@ class WalkPricer:
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best walks of reduced cost below `threshold` ≤ 0, one for each first task, and the least."""
+        if self.tours.out_of_time():
+            return Priced.unknown()
         walks, values, costs = _walks(self.tours.subproblem(k, duals), _LONGEST * duals.price.size)
         below = np.flatnonzero((values < threshold) & (costs < np.inf))
         chosen = below[np.argsort(values[below], kind="stable")]
@@ -131,7 +133,7 @@ class WalkPricer:
     def price_all(self, uavs: Sequence[int], duals: Duals, thresholds: Floats) -> dict[int, Priced]:
         """Return what `price` would of each of some UAVs, at their thresholds (m,)."""
         self.tours.watch(duals)  # once for all threads
-        priced = self.tours.each(lambda k: self.tours.in_time(self.price, k, duals, float(thresholds[k])), uavs)
+        priced = self.tours.each(lambda k: self.price(k, duals, float(thresholds[k])), uavs)
         return dict(zip(uavs, priced, strict=True))
 
 

@@ -136,6 +136,25 @@ def test_a_uav_of_too_many_tours_is_passed_over_and_some_of_them_are_kept_in_res
     assert (whole.reserve.size, whole.in_vain) == (0, 0)
 
 
+def test_the_same_is_listed_however_many_are_looked_at_side_by_side(monkeypatch):
+    """Also where one of them takes the room that the next had: with few labels, and with a reserve of fewer."""
+    cost = np.random.default_rng(2).uniform(0, 9, (13, 13)) * ~np.eye(13, dtype=bool)
+    instance = Instance("any", cost, 8, 5)
+    pricer = Pricer(Legs.of(instance), 30.0, Effort(3, 50, 10**6), make_store(8, 90_000))
+    duals = Duals(np.full(8, 4.0), np.full(5, 0.2), np.zeros(5), np.zeros(0))
+    at, none, fates = DualBound(24.0, duals, np.linspace(-30.0, -10.0, 5)), Pool.empty(5, 8), set()
+    for labels, kept, room in itertools.product((20, 200, 2000, 90_000), (10, 100, 1000, 90_000), (5, 300, 90_000)):
+        monkeypatch.setattr("formulations.routing.columns.pool._RESERVE_LABELS", kept)
+        alone, *together = (list_tours(none, pricer, at, labels, room, none, at_once=few) for few in (1, 2, 3))
+        for lists in together:
+            assert lists.in_vain == alone.in_vain
+            for one, other in ((lists.pool, alone.pool), (lists.reserve, alone.reserve)):
+                assert one.listed.tolist() == other.listed.tolist()
+                assert (one.visited.tolist(), one.cost.tolist()) == (other.visited.tolist(), other.cost.tolist())
+        fates.add((bool(alone.pool.listed.any()), bool(alone.reserve.listed.any())))
+    assert fates == set(itertools.product((False, True), repeat=2))
+
+
 def longest_tours(instance):
     """Of all ways to give the tasks to the UAVs: whose task each is, and the cost of the longest tour at best."""
     cost, best = instance.cost.tolist(), {}

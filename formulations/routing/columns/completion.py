@@ -95,6 +95,8 @@ class Bins(NamedTuple):
         shape (R, n, n+1); R = 1, or most + 1 where costs change with time: then of legs begun with so many bins left.
     fewest (n, n) : the fewest bins of each leg; order (n, n), degree (n,) : the successors of each task in the order of
         these, and how many there are; courses : what labels take.
+    low, high (n,) : the fewest bins that the way home takes from each task, and the most that the way out leaves there:
+        of other numbers no tour asks.
     """
 
     width: float
@@ -105,6 +107,8 @@ class Bins(NamedTuple):
     order: Ints
     degree: Ints
     courses: Courses
+    low: Ints
+    high: Ints
 
     @classmethod
     def of(
@@ -117,17 +121,42 @@ class Bins(NamedTuple):
         if courses is not None and courses.lines.shape[0] > 1:
             rows = bins_behind if backwards else bins_ahead
             whole, cost = rows(courses, legs.between, legs.out if backwards else legs.home, cap, most)
-            return cls._ordered(cap, most, whole, cost, courses)
-        between, home = (legs.between.T, legs.out) if backwards else (legs.between, legs.home)
+            return cls._ordered(cap, most, whole, cost, courses, np.zeros(legs.out.size, np.int64))
+        between, home, out = legs.between, legs.home, legs.out
+        if backwards:
+            between, home, out = between.T, out, home
         cost = np.ascontiguousarray(np.column_stack([between, home]))[None]  # else a second version is compiled
-        whole = np.maximum(np.minimum(np.floor(cost / (cap / most) - _SLACK), most + 1), 0).astype(np.int32)
-        return cls._ordered(cap, most, whole, cost, still(cost[0]))
+        whole, first = _whole(cost, cap / most, most), _whole(out, cap / most, most)
+        return cls._ordered(cap, most, whole.astype(np.int32), cost, still(cost[0]), first)
 
     @classmethod
-    def _ordered(cls, cap: float, most: int, legs: WholeBins, cost: Floats, courses: Courses) -> Bins:
+    def _ordered(cls, cap: float, most: int, legs: WholeBins, cost: Floats, courses: Courses, first: Ints) -> Bins:
         fewest = np.ascontiguousarray(legs[:, :, :-1].min(axis=0))
         order, degree = np.argsort(fewest, axis=1, kind="stable"), (fewest <= most).sum(axis=1)
-        return cls(cap / most, most, legs, cost, fewest, order, degree, courses)
+        last, back = legs[:, :, -1].min(axis=0).astype(np.int64), np.ascontiguousarray(fewest.T)
+        low, high = _ways(last, back), most - _ways(first, fewest)
+        return cls(cap / most, most, legs, cost, fewest, order, degree, courses, low, high)
+
+
+def _whole(cost: Floats, width: float, most: int) -> Ints:
+    """Return whole bins of costs [s], rounded down, most + 1 where they are more than there are."""
+    return np.maximum(np.minimum(np.floor(cost / width - _SLACK), most + 1), 0).astype(np.int64)
+
+
+@njit(cache=True, nogil=True)
+def _ways(first: Ints, fewest: WholeBins) -> Ints:
+    """Return the bins of the way to each task that takes fewest, (n,): `first` of the leg from the depot."""
+    n = first.size
+    ways, left = first.copy(), np.ones(n, np.bool_)
+    for _ in range(n):
+        here = -1
+        for i in range(n):
+            if left[i] and (here < 0 or ways[i] < ways[here]):
+                here = i
+        left[here] = False
+        for j in range(n):
+            ways[j] = min(ways[j], ways[here] + fewest[here, j])
+    return ways
 
 
 @njit(cache=True, nogil=True)
@@ -140,9 +169,9 @@ def bins_left(time: float, bins: Bins) -> np.int64:
 def completion(bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: float) -> Floats:
     """Return B, shape (n, most + 1, 2^q (2^g + 1)): for each state of the cuts watched (`cuts.py`) one block.
 
-    The last entry of a block is infinite, for forbidden steps.
+    The last entry of a block is infinite, for forbidden steps, and so is B beyond the bins that a tour can have left.
     """
-    step, turn, charge = memory.step, watch.turn, watch.charge
+    step, turn, charge, low, high = memory.step, watch.turn, watch.charge, bins.low, bins.high
     fewest, order, degree = bins.fewest, bins.order, bins.degree
     n, states, blocks, by_clock = price.size, step.shape[2], turn.shape[2], bins.legs.shape[0] > 1
     best = np.full((n, bins.most + 1, blocks * (states + 1)), np.inf)
@@ -152,6 +181,8 @@ def completion(bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: f
     for b in range(bins.most + 1):
         legs, cost = bins.legs[b if by_clock else 0], bins.cost[b if by_clock else 0]
         for i in range(n):
+            if not low[i] <= b <= high[i]:
+                continue
             row = best[i, b]
             if by_clock and b > 0:
                 for at in range(row.size):  # numba compiles assigned slices ten times as long, to word their errors
@@ -166,14 +197,14 @@ def completion(bins: Bins, memory: Memory, watch: Watch, price: Floats, sigma: f
                 if fewest[i, j] > b:
                     break
                 used = legs[i, j]
-                if 0 < used <= b:
+                if used > 0 and low[j] <= b - used:
                     weight = sigma * cost[i, j] - price[j]
                     _relax(row, best[j, b - used], step[i, j], turn[i, j], charge[i, j], weight, states)
         if zero_legs:
             for _ in range(n):
                 changed = False
                 for i in range(n):
-                    for a in range(degree[i]):
+                    for a in range(degree[i] if low[i] <= b <= high[i] else 0):
                         j = order[i, a]
                         if fewest[i, j] > 0:
                             break

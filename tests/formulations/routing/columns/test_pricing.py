@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from formulations.routing.columns.completion import Bins, Memory, completion
+from formulations.routing.columns.completion import Bins, Memory, bins_left, completion
 from formulations.routing.columns.cuts import Watch
 from formulations.routing.columns.label_search import path, search
 from formulations.routing.columns.labelling import least_of_all, make_store
@@ -118,4 +118,29 @@ def test_zero_legs_do_not_break_the_completion_bound() -> None:
     memory = Memory.nearest(between, 2)
     watch = Watch.of(memory.near, (), np.zeros(0), 0)
     best = completion(bins, memory, watch, np.full(n, 3.0), 1.0)
-    assert best[0, bins.most, 0] <= 10.0 - 3.0 * (n - 1)
+    assert bins.high.tolist() == [4] * n  # the leg from the depot takes two bins, rounded down by a hair
+    assert best[0, 4, 0] <= 10.0 - 3.0 * (n - 1)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("most", [1, 7, 40])
+def test_no_tour_asks_for_bins_that_completion_bounds_leave_out(seed: int, most: int) -> None:
+    """Neither flown as it is nor the other way round; and where nobody asks there is nothing to be had."""
+    instance = random_instance(5, 1, seed)
+    cap, legs = float(instance.cost.mean() * 4), Legs.of(instance).of_uav(0)
+    ahead, behind = Bins.of(legs, cap, most), Bins.of(legs, cap, most, backwards=True)
+    memory = Memory.nearest(legs.between, 2)
+    best = completion(ahead, memory, Watch.of(memory.near, (), np.zeros(0), 0), np.full(5, 50.0), 1.0)[:, :, 0]
+    assert small_tours(instance, 0, cap)
+    for tour in small_tours(instance, 0, cap):
+        whole = tour_costs(instance, [tour])[0]
+        for bins, order, first in ((ahead, tour, legs.out), (behind, tour[::-1], legs.home)):
+            flown, before = 0.0, -1
+            for task in order:
+                leg = legs.between[before, task] if bins is ahead else legs.between[task, before]
+                flown += first[task] if before < 0 else leg
+                assert bins.low[task] <= bins_left(cap - flown, bins) <= bins.high[task]
+                assert bins.low[task] <= bins_left(whole - flown, bins)
+                before = task
+    asked = np.arange(most + 1)
+    assert np.isinf(best[(asked < ahead.low[:, None]) | (asked > ahead.high[:, None])]).all()

@@ -1,22 +1,36 @@
-"""Certificates: a branch and price whose proof is kept, for `instances.certificate` to check.
+"""Certificates: a tree over tours or over arcs whose proof is kept, for `instances.certificate` to check.
 
-The tree is that of `branch-and-price`; bounds from elsewhere (simple ones, bisection) are not used, so that the whole
-proof is in it. Where time ends first, what is certified is the bound reached.
+The tree is that of `branch-and-price` or of `arc-tree`; bounds from elsewhere (simple ones, bisection) are not used, so
+that the whole proof is in it. Where time ends first, what is certified is the bound reached.
 """
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 from formulations.limits import Limits
+from formulations.routing.arc_tree import ArcTreeSolver
+from formulations.routing.arcs.proof import KeptArcProof
 from formulations.routing.branch_and_price import TOLERANCE, BranchAndPrice
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.proof_log import KeptProof
 from formulations.routing.recorder import Recorder
+from formulations.routing.simple_bounds import worst_makespan
 from formulations.routing.solver import ignore, refusal
 from instances import InputError, Instance, Routes
-from instances.certificate import Certificate
+from instances.certificate import Certificate, Cut
 
 _BELOW = 1e-9
 """Share by which the bound claimed is below the one found: room for rounding in the check."""
+_LONG = 15
+"""Tasks a UAV from which arcs prove more than tours."""
+
+
+def certifier(instance: Instance) -> BranchAndPrice | ArcTreeSolver:
+    """Return the solver whose proofs get farther: over arcs where tours are long, else over tours."""
+    over_arcs = ArcTreeSolver()
+    long = instance.n_tasks >= _LONG * instance.n_depots
+    return over_arcs if long and refusal(over_arcs, instance) is None else BranchAndPrice()
 
 
 def certify(
@@ -25,28 +39,63 @@ def certify(
     limits: Limits,
     seed: int = 0,
     start: Routes | None = None,
-    solver: BranchAndPrice | None = None,
+    solver: BranchAndPrice | ArcTreeSolver | None = None,
 ) -> Certificate:
     """Prove a lower bound on the longest tour of `instance`, from the routes of `start` on where given.
 
-    The better `start`, the less there is to prove; `solver` has other options than as they come. InputError where
-    columns do not take the instance, or no bound was reached in time.
+    The better `start`, the less there is to prove; `solver` says over what and with what options, the `certifier` as it
+    comes where it is not given. InputError where it does not take the instance, or no bound was reached in time.
     """
-    solver = solver or BranchAndPrice()
+    solver = solver or certifier(instance)
     reason = refusal(solver, instance)
     others = {"time": "change with time", "states": "depend on the state of a node"}
     reason = next((f"its costs {what}" for axis, what in others.items() if axis in instance.axes), reason)
     if reason:
         raise InputError(f"{instance.name} cannot be certified: {reason}")
-    recorder, log = Recorder(instance, limits, ignore, start), KeptProof()
-    if start is None:
-        solver.improve(recorder, 1000 * seed, solver.starts)
-    tree = solver.tree(recorder, seed, lambda: recorder.remaining <= 0, Legs.of(instance), log=log)
-    tree.grow(recorder, TOLERANCE, float("inf") if limits.iterations is None else limits.iterations)
-    tree.close()
-    bound = min(log.bound, recorder.objective * (1 - TOLERANCE), tree.most) * (1 - _BELOW)
+    recorder = Recorder(instance, limits, ignore, start)
+    kept = (
+        _over_arcs(recorder, seed, solver) if isinstance(solver, ArcTreeSolver) else _over_tours(recorder, seed, solver)
+    )
+    bound = min(kept.bound, recorder.objective * (1 - TOLERANCE), kept.most) * (1 - _BELOW)
     if not bound > 0:
         raise InputError(f"{instance.name}: no bound was reached in {limits.time:g} s")
     objective = None if recorder.routes is None else recorder.objective
-    nodes, steps = tuple(log.nodes), tuple(log.steps)
-    return Certificate(instance.name, instance.digest, bound, objective, recorder.routes or (), nodes, steps)
+    nodes, steps = tuple(kept.nodes), tuple(kept.steps)
+    return Certificate(instance.name, instance.digest, bound, objective, recorder.routes or (), nodes, steps, kept.cuts)
+
+
+class _Kept(NamedTuple):
+    """The bound reached [s], a cost that no routes pass [s], and the parts of the certificate."""
+
+    bound: float
+    most: float
+    nodes: list[Any]
+    steps: list[Any]
+    cuts: tuple[Cut, ...]
+
+
+def _over_tours(recorder: Recorder, seed: int, solver: BranchAndPrice) -> _Kept:
+    log = KeptProof()
+    if recorder.routes is None:
+        solver.improve(recorder, 1000 * seed, solver.starts)
+    tree = solver.tree(recorder, seed, lambda: recorder.remaining <= 0, Legs.of(recorder.instance), log=log)
+    tree.grow(recorder, TOLERANCE, _nodes(recorder))
+    tree.close()
+    return _Kept(log.bound, tree.most, log.nodes, log.steps, ())
+
+
+def _over_arcs(recorder: Recorder, seed: int, solver: ArcTreeSolver) -> _Kept:
+    instance = recorder.instance
+    if recorder.routes is None:
+        solver.improve(recorder, 1000 * seed)
+    most = worst_makespan(instance) if instance.restricted else float("inf")
+    unit = min(recorder.objective, most)
+    proof = KeptArcProof(instance.n_depots, instance.n_tasks, unit)
+    tree = solver.tree(recorder, seed, unit, proof)
+    tree.grow(recorder, lambda: min(recorder.objective * (1 - TOLERANCE), most), _nodes(recorder))
+    tree.close()
+    return _Kept(unit * proof.bound, most, proof.nodes, proof.steps, proof.cuts)
+
+
+def _nodes(recorder: Recorder) -> float:
+    return float("inf") if recorder.limits.iterations is None else recorder.limits.iterations

@@ -18,6 +18,10 @@ BUILT_IN = {
         "formulations.routing.branch_and_cut:BranchAndCut",
         "the paper's MILP on SCIP, subtour cuts inside the tree",
     ),
+    "arc-tree": (
+        "formulations.routing.arc_tree:ArcTreeSolver",
+        "the paper's MILP cut and branched here, bounds computed anew; strongest where tours are long",
+    ),
     "branch-and-price": (
         "formulations.routing.branch_and_price:BranchAndPrice",
         "set partitioning by columns, ng-route pricing; strongest where tours are short",
@@ -41,6 +45,7 @@ SOURCES = {
     "exact": ("workbench", "held1962dynamic", "baldacci2011new", "contardo2014new", "applegate2002solution"),
     "subset-dp": ("held1962dynamic",),
     "branch-and-cut": ("cho2018informative", "applegate2002solution", "achterberg2009scip"),
+    "arc-tree": ("cho2018informative", "applegate2002solution", "huangfu2018parallelizing"),
     "branch-and-price": ("baldacci2011new", "contardo2014new", "jepsen2008subset", "huangfu2018parallelizing"),
     "ga": ("ombuki2009using", "cho2018informative"),
     "routing-library": ("ortools",),

@@ -1,11 +1,23 @@
-"""Certificates of lower bounds: what a proof by columns relied on, and a check that shares no code with it."""
+"""Certificates of lower bounds: what a proof by columns or arcs relied on, and a check that shares no code with it."""
 
 from instances.certificate.checking import Verdict, verify
-from instances.certificate.file import SUFFIX, Certificate, Node, Prices, Step, read_certificate, write_certificate
+from instances.certificate.file import (
+    SUFFIX,
+    ArcPrices,
+    Certificate,
+    Cut,
+    Node,
+    Prices,
+    Step,
+    read_certificate,
+    write_certificate,
+)
 
 __all__ = [
     "SUFFIX",
+    "ArcPrices",
     "Certificate",
+    "Cut",
     "Node",
     "Prices",
     "Step",

@@ -11,7 +11,9 @@ because every task is visited once and of three tasks at most one tour holds two
 * a tour of UAV k with reduced cost above bound − L + min(0, r_k) is in no routes as good, and is put aside;
 * the two cases after a case give a task to some of the UAVs, and to the others: together they miss no routes. A UAV may
   get it in neither where one like it does, of the same legs and endurance and with the same tasks forbidden: exchanging
-  their tours turns routes of the case into others as good. Tours put aside are in neither.
+  their tours turns routes of the case into others as good. Tours put aside are in neither;
+* or one of some arcs between tasks is flown in one of them, and none in the other. That narrows only what prices of
+  arcs prove (`arcs`): all tours of the case before are looked at, which misses none.
 
 Rounding: a reduced cost sums at most 2n + 2 numbers and the ρ, each partial sum at most U = bound + Σ|π| + Σρ in size;
 `_margin` is above what that can add up to in L, and every comparison leaves it to the doubter's side.
@@ -20,12 +22,13 @@ Rounding: a reduced cost sums at most 2n + 2 numbers and the ρ, each partial su
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from instances.arrays import Bools, Floats
-from instances.certificate.file import Certificate, Prices, Step
+from instances.certificate.arcs import least_of_arcs, sound_arcs
+from instances.certificate.file import ArcPrices, Certificate, Node, Prices, Step
 from instances.certificate.tours import Tours, UavLegs, list_tours
 from instances.errors import InputError
 from instances.instance import Instance
@@ -48,11 +51,19 @@ class Verdict:
 @dataclass
 class _Case:
     """What a case still allows: tasks forbidden (m, n); tours of the UAVs listed; for the others the prices and the
-    reduced costs [s] above which tours were put aside."""
+    reduced costs [s] above which tours were put aside; arcs banned, and those of which one is needed."""
 
     forbidden: Bools
     tours: dict[int, Tours]
     aside: list[tuple[Prices, Floats]] = field(default_factory=list)
+    banned: tuple[tuple[int, int], ...] = ()
+    needed: tuple[tuple[tuple[int, int], ...], ...] = ()
+
+    def by_arcs(self, node: Node) -> _Case:
+        """Return the case in which one of the node's arcs is flown, or none is."""
+        if node.flown:
+            return replace(self, aside=list(self.aside), needed=(*self.needed, node.arcs))
+        return replace(self, aside=list(self.aside), banned=(*self.banned, *node.arcs))
 
     def child(self, task: int, uavs: list[int]) -> _Case:
         """Return the case in which `task` is forbidden to `uavs`."""
@@ -61,7 +72,7 @@ class _Case:
         for k in uavs:
             if k in tours:
                 tours[k] = tours[k].only(~tours[k].holds[:, task])
-        return _Case(forbidden, tours, list(self.aside))
+        return replace(self, forbidden=forbidden, tours=tours, aside=list(self.aside))
 
 
 class _RefutedError(Exception):
@@ -115,6 +126,9 @@ class _Check:
         self.caps = np.minimum(self.bound, instance.limits * (1 + ENDURANCE_ROUNDING))
         self.kinds = [next(j for j in range(k + 1) if self._built_alike(j, k)) for k in range(self.m)]
         self.steps: dict[int, list[Step]] = {}
+        for cut in certificate.cuts:
+            if not {cut.visited} <= {*cut.tasks} <= {*range(self.n)} or not 0 <= cut.uav < self.m:
+                raise InputError("a cut must be of one of the UAVs, and of tasks, one of which is visited")
         for step in certificate.steps:
             self._sound(step)
             self.steps.setdefault(step.node, []).append(step)
@@ -140,6 +154,9 @@ class _Check:
     def _sound(self, step: Step) -> None:
         """Refuse prices of other sizes or signs than they must have."""
         at, prices = f"node {step.node}", step.prices
+        if isinstance(prices, ArcPrices):
+            sound_arcs(at, prices, self.n, self.m, len(self.certificate.cuts))
+            return
         numbers = np.array([*prices.task, *prices.uav, *prices.least, *prices.rho])
         sizes = len(prices.task), len(prices.uav), len(prices.least), len(prices.rho)
         if sizes != (self.n, self.m, self.m, len(prices.sets)) or not np.isfinite(numbers).all():
@@ -160,8 +177,11 @@ class _Check:
     def _split(self, number: int, case: _Case) -> list[int]:
         """Return the two cases after one; refute it where they are not all there is."""
         nodes, children = self.certificate.nodes, self.children.get(number, [])
-        tasks = {nodes[child].task for child in children}
-        if len(children) == 2 and len(tasks) == 1 and None not in tasks:
+        tasks, arcs = {nodes[child].task for child in children}, {nodes[child].arcs for child in children}
+        if len(children) == 2 and len(arcs) == 1 and arcs != {()}:
+            if {nodes[child].flown for child in children} == {False, True}:
+                return children
+        elif len(children) == 2 and len(tasks) == 1 and None not in tasks:
             lost = set(nodes[children[0]].forbidden) & set(nodes[children[1]].forbidden)
             kept = [k for k in range(self.m) if k not in lost]
             if all(any(self._alike(case, j, k) for j in kept) for k in lost):
@@ -170,6 +190,10 @@ class _Check:
 
     def _case(self, number: int, parent: _Case) -> _Case:
         node = self.certificate.nodes[number]
+        if node.arcs:
+            if not {i for arc in node.arcs for i in arc} <= {*range(self.n)}:
+                raise _RefutedError(f"node {number}: arcs are between tasks, 0..{self.n - 1}, got {node.arcs}")
+            return parent.by_arcs(node)
         if node.task is None or not 0 <= node.task < self.n:
             raise _RefutedError(f"node {number}: there is no task {node.task}")
         if not {*node.forbidden} <= {*range(self.m)}:
@@ -179,7 +203,10 @@ class _Check:
     def _closes(self, number: int, case: _Case) -> bool:
         """Take the steps of a case; say whether one of them closes it."""
         for step in self.steps.get(number, []):
-            prices, margin = step.prices, self._margin(step.prices)
+            prices = step.prices
+            if isinstance(prices, ArcPrices):
+                return self._closes_by_arcs(number, case, prices)
+            margin = self._margin(prices)
             least = np.zeros(self.m)
             for k, twin in enumerate(self._twins(case, prices)):
                 least[k] = least[twin] if twin < k else self._least(case, prices, k, margin)
@@ -191,8 +218,20 @@ class _Check:
                 )
             if step.closes:
                 return True
-            self._put_aside(case, step, self.bound - total + np.minimum(least, 0.0), margin)
+            self._put_aside(case, prices, step.listed, self.bound - total + np.minimum(least, 0.0), margin)
         return False
+
+    def _closes_by_arcs(self, number: int, case: _Case, prices: ArcPrices) -> bool:
+        """Close a case at prices of arcs, or refute it."""
+        if len(prices.rho) != len(case.needed):
+            raise InputError(
+                f"node {number}: it needs one of {len(case.needed)} sets of arcs, got {len(prices.rho)} prices"
+            )
+        cuts = self.certificate.cuts
+        beyond = least_of_arcs(self.legs, self.caps, prices, cuts, case.forbidden, case.banned, case.needed)
+        if not beyond > 0:
+            raise _RefutedError(f"node {number} is not closed: its bound is {-beyond!r} s below {self.bound!r} s")
+        return True
 
     def _twins(self, case: _Case, prices: Prices) -> list[int]:
         """Return for every UAV the first that has the same tours left, at the same prices."""
@@ -220,16 +259,16 @@ class _Check:
             tours = tours.only(tours.reduced(earlier, k) <= allowed[k])
         return tours
 
-    def _put_aside(self, case: _Case, step: Step, allowed: Floats, margin: float) -> None:
+    def _put_aside(self, case: _Case, prices: Prices, listed: tuple[int, ...], allowed: Floats, margin: float) -> None:
         """Leave only the tours that routes as good as the bound can still use; list those of the UAVs named."""
         allowed = allowed + 2 * margin
-        twins = self._twins(case, step.prices)
-        for k in sorted({*step.listed} - case.tours.keys()):
+        twins = self._twins(case, prices)
+        for k in sorted({*listed} - case.tours.keys()):
             known = case.tours.get(twins[k])
-            case.tours[k] = known or self._list(case, step.prices, k, float(allowed[k]))
+            case.tours[k] = known or self._list(case, prices, k, float(allowed[k]))
         for k, tours in case.tours.items():
-            case.tours[k] = tours.only(tours.reduced(step.prices, k) <= allowed[k])
-        case.aside.append((step.prices, allowed))
+            case.tours[k] = tours.only(tours.reduced(prices, k) <= allowed[k])
+        case.aside.append((prices, allowed))
 
     def _margin(self, prices: Prices) -> float:
         """Return more than rounding can add up to in a bound at these prices [s]."""

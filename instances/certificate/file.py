@@ -17,7 +17,8 @@ from instances.documents import json_of, text_of
 from instances.errors import InputError, naming, shown
 
 SUFFIX = ".certificate.json.gz"
-_FORMAT, _VERSION = "mmmdmtsp-certificate", 1
+_FORMAT, _BY_TOURS, _BY_ARCS = "mmmdmtsp-certificate", 1, 2
+"""A file of version 1 closes its cases by tours alone."""
 
 
 @dataclass(frozen=True)
@@ -35,21 +36,47 @@ class Prices:
 
 
 @dataclass(frozen=True)
+class ArcPrices:
+    """Dual prices of arcs: `uav` σ_k ≥ 0 (m,); `potential` w_k(i) [s] (m, n + 1), the depot's last; `use` u_k ≤ 0 [s],
+    (m,); `mu` μ ≥ 0 [s] of the `cuts` of these numbers; `rho` ρ ≥ 0 [s] of what the case needs, in the order it came.
+    """
+
+    uav: tuple[float, ...]
+    potential: tuple[tuple[float, ...], ...]
+    use: tuple[float, ...]
+    cuts: tuple[int, ...] = ()
+    mu: tuple[float, ...] = ()
+    rho: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Cut:
+    """That UAV `uav` enters the `tasks` if it visits the task `visited` among them (paper, const6)."""
+
+    uav: int
+    visited: int
+    tasks: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Node:
-    """A case: that of `parent` (none: all routes) in which `task` is forbidden to the UAVs `forbidden`."""
+    """A case: that of `parent` (none: all routes) in which `task` is forbidden to the UAVs `forbidden`, or one of the
+    `arcs` between tasks is `flown` by some UAV, or none of them is."""
 
     parent: int | None = None
     task: int | None = None
     forbidden: tuple[int, ...] = ()
+    arcs: tuple[tuple[int, int], ...] = ()
+    flown: bool = False
 
 
 @dataclass(frozen=True)
 class Step:
     """What is done in case `node` at `prices`: tours are put aside, those of the UAVs `listed` from then on one by one,
-    or, where it `closes`, the case is at its end."""
+    or, where it `closes`, the case is at its end, as it always is at prices of arcs."""
 
     node: int
-    prices: Prices
+    prices: Prices | ArcPrices
     listed: tuple[int, ...] = ()
     closes: bool = False
 
@@ -58,7 +85,7 @@ class Step:
 class Certificate:
     """The claim that no routes of the instance with that `digest` have a longest tour of at most `bound` [s].
 
-    `routes`, where there are any, are those known, of cost `objective` [s].
+    `routes`, where there are any, are those known, of cost `objective` [s]; `cuts` are those that prices of arcs name.
     """
 
     instance: str
@@ -68,11 +95,13 @@ class Certificate:
     routes: tuple[tuple[int, ...], ...]
     nodes: tuple[Node, ...]
     steps: tuple[Step, ...]
+    cuts: tuple[Cut, ...] = ()
 
 
 def write_certificate(path: Path, certificate: Certificate) -> None:
     """Write the file, whole or not at all."""
-    text = json.dumps({"format": _FORMAT, "version": _VERSION, **asdict(certificate)}, separators=(",", ":"))
+    version = _BY_ARCS if any(isinstance(step.prices, ArcPrices) for step in certificate.steps) else _BY_TOURS
+    text = json.dumps({"format": _FORMAT, "version": version, **asdict(certificate)}, separators=(",", ":"))
     write_aside(path, gzip.compress(text.encode(), mtime=0))
 
 
@@ -82,8 +111,8 @@ def read_certificate(path: Path) -> Certificate:
         content = json_of(text_of(read_unpacked(path)))
         if not isinstance(content, dict) or content.get("format") != _FORMAT:
             raise InputError(f"is no certificate: its format must be {_FORMAT!r}")
-        if content.get("version") != _VERSION:
-            raise InputError(f"version must be {_VERSION}, got {shown(content.get('version'))}")
+        if content.get("version") not in (_BY_TOURS, _BY_ARCS):
+            raise InputError(f"version must be {_BY_TOURS} or {_BY_ARCS}, got {shown(content.get('version'))}")
         try:
             return _certificate(content)
         except (KeyError, TypeError, ValueError, OverflowError) as error:
@@ -105,6 +134,8 @@ def _certificate(content: dict[str, Any]) -> Certificate:
                 None if node["parent"] is None else int(node["parent"]),
                 None if node["task"] is None else int(node["task"]),
                 tuple(int(k) for k in node["forbidden"]),
+                tuple((int(i), int(j)) for i, j in node.get("arcs", ())),
+                bool(node.get("flown", False)),
             )
             for node in content["nodes"]
         ),
@@ -112,10 +143,18 @@ def _certificate(content: dict[str, Any]) -> Certificate:
             Step(int(s["node"]), _prices(s["prices"]), tuple(int(k) for k in s["listed"]), bool(s["closes"]))
             for s in content["steps"]
         ),
+        tuple(
+            Cut(int(cut["uav"]), int(cut["visited"]), tuple(int(i) for i in cut["tasks"]))
+            for cut in content.get("cuts", ())
+        ),
     )
 
 
-def _prices(content: dict[str, Any]) -> Prices:
+def _prices(content: dict[str, Any]) -> Prices | ArcPrices:
+    if "potential" in content:
+        uav, use, mu, by_need = (tuple(float(x) for x in content[name]) for name in ("uav", "use", "mu", "rho"))
+        potential = tuple(tuple(float(x) for x in row) for row in content["potential"])
+        return ArcPrices(uav, potential, use, tuple(int(c) for c in content["cuts"]), mu, by_need)
     task, uav, least, rho = (tuple(float(x) for x in content[name]) for name in ("task", "uav", "least", "rho"))
     sets = tuple((int(a), int(b), int(c)) for a, b, c in content["sets"])
     return Prices(task, uav, least, sets, rho)

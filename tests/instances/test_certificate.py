@@ -9,11 +9,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
+from formulations.routing.arc_tree import ArcTreeSolver
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.certifying import certify
 from formulations.routing.subset_dp import SubsetDp
 from instances import InputError, Instance, makespan
-from instances.certificate import Certificate, Node, Prices, Step, read_certificate, verify, write_certificate
+from instances.certificate import Certificate, Cut, Node, Prices, Step, read_certificate, verify, write_certificate
 from instances.certificate.tours import TooManyError, UavLegs, list_tours
 
 
@@ -157,3 +158,66 @@ def test_fleets_and_endurance_are_certified_too(seed):
     certificate = certify(instance, limits=Limits(time=20.0), start=solved.routes)
     assert certificate.bound == pytest.approx(solved.objective, rel=1e-6)
     assert verify(instance, certificate).problems == ()
+
+
+@pytest.fixture(scope="module")
+def over_arcs() -> tuple[Instance, Certificate]:
+    """A proof over arcs of many cases, of UAVs that are alike, with tasks given and arcs flown."""
+    instance = at_one_site(12, 2, 3)
+    return instance, certify(instance, limits=Limits(time=60.0), solver=ArcTreeSolver(starts=0, tried=2))
+
+
+def test_a_proof_over_arcs_is_confirmed_also_from_its_file(over_arcs, tmp_path):
+    instance, certificate = over_arcs
+    optimum = SubsetDp().solve(instance, limits=Limits(time=20.0)).objective
+    assert certificate.bound == pytest.approx(optimum, rel=1e-6)
+    assert certificate.bound < optimum
+    assert certificate.cuts
+    assert any(node.task is not None for node in certificate.nodes)
+    assert any(node.arcs for node in certificate.nodes)
+    verdict = verify(instance, certificate)
+    assert verdict.problems == ()
+    assert verdict.closed == len(certificate.steps) > 5
+    write_certificate(tmp_path / "a.certificate.json.gz", certificate)
+    assert read_certificate(tmp_path / "a.certificate.json.gz") == certificate
+
+
+def test_what_arcs_do_not_prove_is_refuted(over_arcs):
+    instance, true = over_arcs
+    last, free = true.steps[-1], true.steps[-1].prices
+    nodes, by_arcs = true.nodes, next(k for k, node in enumerate(true.nodes) if node.arcs and node.flown)
+    dear = replace(free, mu=tuple(10 * mu for mu in free.mu))
+    false = {
+        "is not closed: its bound": replace(true, steps=(*true.steps[:-1], replace(last, prices=dear))),
+        "neither closed nor split": replace(true, steps=true.steps[:-1]),
+        "nor split into two cases": replace(
+            true, nodes=(*nodes[:by_arcs], replace(nodes[by_arcs], flown=False), *nodes[by_arcs + 1 :])
+        ),
+    }
+    for said, certificate in false.items():
+        assert said in " ".join(verify(instance, certificate).problems), said
+    unusable = {
+        "must be finite numbers": replace(free, use=(0.0,)),
+        "must not be negative": replace(free, use=(1.0, 0.0)),
+        "cuts are 0": replace(free, cuts=(*free.cuts, 10**6), mu=(*free.mu, 0.0)),
+        "prices rho": replace(free, rho=(*free.rho, 0.0)),
+    }
+    for said, prices in unusable.items():
+        with pytest.raises(InputError, match=said):
+            verify(instance, replace(true, steps=(*true.steps[:-1], replace(last, prices=prices))))
+    with pytest.raises(InputError, match="a cut must be of"):
+        verify(instance, replace(true, cuts=(Cut(0, 11, (0, 1)), *true.cuts[1:])))
+
+
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 1000))
+def test_stopped_early_or_of_fleets_arcs_certify_what_they_reached(seed):
+    instance = drawn(9, 3, seed, endurance=[400.0, 330.0, 1000.0])
+    solved = SubsetDp().solve(instance, limits=Limits(time=20.0))
+    assume(solved.routes is not None)
+    for nodes in (3, None):
+        limits = Limits(time=60.0, iterations=nodes)
+        certificate = certify(instance, limits=limits, start=solved.routes, solver=ArcTreeSolver(starts=0))
+        assert 0 < certificate.bound < solved.objective
+        assert verify(instance, certificate).problems == ()
+    assert certificate.bound == pytest.approx(solved.objective, rel=1e-6)

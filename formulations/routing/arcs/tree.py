@@ -1,0 +1,210 @@
+"""The tree over arcs: down from case to case until one is closed, then on from the least bound there is.
+
+A case is solved, cut and solved again until its bound passes the cap, or cuts hardly raise it; then it is split where
+that raises the value of both cases after it most: strong branching, first on who takes which task, then on arcs
+(Applegate, Bixby, Chvátal & Cook, "Finding cuts in the TSP", DIMACS 1995).
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from enum import Enum, auto
+
+import numpy as np
+
+from formulations.routing.arcs.case import Case, Fly, Give, Split
+from formulations.routing.arcs.programme import Programme
+from formulations.routing.arcs.proof import ArcProof
+from formulations.routing.columns.tree import StoppedBy
+from formulations.routing.recorder import Recorder
+from instances import Routes
+from instances.arrays import Floats, Ints
+
+_PIVOTS = 40
+"""Pivots of a trial."""
+_PROGRESS, _DULL = 0.02, 5
+"""Share of the gap that a round of cuts is to close, and rounds in which it may close less."""
+_WHOLE = 1e-6
+"""What numbers may be off whole ones."""
+_LEAST = 1e-6
+"""What a trial counts for at least."""
+
+
+class Settled(Enum):
+    """How the work on a case ended."""
+
+    CLOSED = auto()
+    """Its bound passed the cap."""
+    OPEN = auto()
+    """Nothing but a split helps."""
+    ROUTES = auto()
+    """The programme has come to routes."""
+    INTERRUPTED = auto()
+    """Time is up; its bound holds as far as it got."""
+
+
+class ArcTree:
+    """Branch and cut over a programme.
+
+    kinds (m,) : UAVs of one number are alike; unit [s] : that of the programme's costs; far (n,) : the way to each
+    task and back; over : says when to stop; better : searches on for routes where that is due; tried : splits that are
+    tried before one is chosen; proof : keeps what bounds rest on.
+    """
+
+    def __init__(
+        self,
+        programme: Programme,
+        kinds: Ints,
+        unit: float,
+        far: Floats,
+        over: Callable[[], bool],
+        better: Callable[[], object],
+        tried: int,
+        proof: ArcProof,
+    ) -> None:
+        self.programme, self.unit, self.far, self.over, self.better = programme, unit, far, over, better
+        self.tried, self.proof, self.counts = tried, proof, Counter[str]()
+        self._open: list[tuple[float, int, Case]] = []
+        self._next: Case | None = Case.root(kinds, programme.n)
+        self._stuck = math.inf
+
+    def bound(self, cap: float) -> float:
+        """Return a lower bound on all routes, no higher than `cap` [s]."""
+        least = min([self._stuck, *(bound for bound, _, _ in self._open[:1])])
+        least = least if self._next is None else min(least, self._next.bound)
+        return min(cap, self.unit * least)
+
+    def close(self) -> None:
+        """Note the cases left open in the proof that is kept."""
+        for _, _, case in self._open:
+            self.proof.leave(case)
+        if self._next is not None:
+            self.proof.leave(self._next)
+
+    def grow(self, recorder: Recorder, cap: Callable[[], float], nodes: float) -> StoppedBy:
+        """Improve the recorder's routes and bound until no case is below the `cap` [s], or until stopped."""
+        while self._next is not None or self._open:
+            if nodes <= 0 or self.over():
+                return StoppedBy.ITERATIONS if nodes <= 0 else StoppedBy.TIME
+            self._next = self._next or heapq.heappop(self._open)[-1]
+            settled = self._settle(cap)
+            if settled is Settled.INTERRUPTED:
+                recorder.raise_bound(self.bound(cap()))
+                return StoppedBy.TIME
+            self.counts["nodes"] += 1
+            nodes -= 1
+            if settled is Settled.ROUTES:
+                recorder.incumbent(self._routes())
+            self.better()
+            self._after(settled, cap())
+            recorder.raise_bound(self.bound(cap()))
+        return StoppedBy.PROOF if self.unit * self._stuck > cap() else StoppedBy.MEMORY
+
+    def _settle(self, cap: Callable[[], float]) -> Settled:
+        """Work on the next case until it is closed, or cuts do no more."""
+        case, programme, dull = self._next, self.programme, 0
+        assert case is not None
+        if case.lost:
+            self._next = replace(case, bound=math.inf)
+            return Settled.CLOSED
+        programme.enter(case)
+        while True:
+            programme.solve()
+            self.counts["rounds"] += 1
+            rise, case = programme.bound - case.bound, self._raised(programme.bound)
+            if case.bound > cap() / self.unit:
+                return Settled.CLOSED
+            if self.over():
+                return Settled.INTERRUPTED
+            whole = bool((np.abs(programme.theta - np.round(programme.theta)) < _WHOLE).all())
+            found, grown = programme.cut(), programme.grow()
+            self.counts["cuts"] += found
+            if not found and not grown:
+                return Settled.ROUTES if whole else Settled.OPEN
+            dull = dull + 1 if not grown and rise < _PROGRESS * (cap() / self.unit - case.bound) else 0
+            if dull > _DULL and not whole and case.number > 0:
+                programme.solve()
+                case = self._raised(programme.bound)
+                return Settled.CLOSED if case.bound > cap() / self.unit else Settled.OPEN
+
+    def _raised(self, bound: float) -> Case:
+        """Raise the bound of the next case, and return it."""
+        assert self._next is not None
+        if bound > self._next.bound:
+            self._next = replace(self._next, bound=bound)
+            self.proof.raise_bound(self._next, self.programme.prices)
+        return self._next
+
+    def _after(self, settled: Settled, cap: float) -> None:
+        """Close the case worked on, or split it; go on with one of those after it."""
+        case, self._next = self._next, None
+        assert case is not None
+        self.programme.forget()
+        if case.bound * self.unit > cap:
+            self.proof.leave(case)
+            return
+        split = None if settled is Settled.ROUTES else self._choose(case, cap / self.unit)
+        if split is None:  # routes that UAVs cannot fly, by less than the programme can tell
+            self._stuck = min(self._stuck, case.bound)
+            self.proof.leave(case)
+            return
+        after = [
+            replace(part, number=self.proof.split(case, split, number == 1))
+            for number, part in enumerate((split.without(case), split.within(case)))
+        ]
+        heapq.heappush(self._open, (case.bound, -after[0].number, after[0]))
+        self._next = after[1]
+
+    def _choose(self, case: Case, cap: float) -> Split | None:
+        """Return the split that raises the values of the cases after it most."""
+        if case.all_alike:  # whoever takes the task farthest out may be called the first
+            return Give(0, int(np.argmax(self.far)))
+        programme = self.programme
+        candidates = self._candidates(case)[: self.tried]
+        if len(candidates) < 2:
+            return candidates[0] if candidates else None
+        programme.solve()
+        worth = []
+        for split in candidates:
+            rises = [programme.trial(part(case), _PIVOTS) - programme.value for part in (split.without, split.within)]
+            worth.append(math.prod(min(max(rise, _LEAST), cap) for rise in rises))
+        return candidates[int(np.argmax(worth))]
+
+    def _candidates(self, case: Case) -> list[Split]:
+        """Return splits that the programme's θ leaves open, the most undecided first: tasks, else edges, else arcs."""
+        theta, n = self.programme.theta, self.programme.n
+        visits = theta[:, :, :n].sum(axis=1)
+        _, first = np.unique(case.kinds, return_index=True)
+        open_visits = np.minimum(visits, 1.0 - visits) * self.far
+        pairs = [(k, i) for k in first.tolist() for i in np.flatnonzero(open_visits[k] > _WHOLE * self.far)]
+        if pairs:
+            pairs.sort(key=lambda pair: -open_visits[pair])
+            return [Give(k, int(i)) for k, i in pairs]
+        flown = theta.sum(axis=0)[:n, :n]
+        for values, both in ((np.tril(flown + flown.T), True), (flown, False)):
+            undecided = np.minimum(values, 1.0 - values)
+            arcs = np.argwhere(undecided > _WHOLE)
+            if len(arcs):
+                order = np.argsort(-undecided[tuple(arcs.T)], kind="stable")
+                return [_fly(i, j, both) for i, j in arcs[order].tolist()]
+        return []
+
+    def _routes(self) -> Routes:
+        """Return the routes that θ is."""
+        return tuple(tuple(_tour(theta > 0.5)) for theta in self.programme.theta)
+
+
+def _fly(i: int, j: int, both: bool) -> Fly:
+    return Fly(((i, j), (j, i)) if both else ((i, j),))
+
+
+def _tour(arcs: np.ndarray) -> Iterable[int]:
+    """Yield the tasks of a tour of these arcs, (n + 1, n + 1), the depot last."""
+    depot = len(arcs) - 1
+    here = depot
+    while arcs[here].any() and (here := int(np.argmax(arcs[here]))) != depot:
+        yield here

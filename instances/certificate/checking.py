@@ -224,9 +224,7 @@ class _Check:
     def _closes_by_arcs(self, number: int, case: _Case, prices: ArcPrices) -> bool:
         """Close a case at prices of arcs, or refute it."""
         if len(prices.rho) != len(case.needed):
-            raise InputError(
-                f"node {number}: it needs one of {len(case.needed)} sets of arcs, got {len(prices.rho)} prices"
-            )
+            raise InputError(f"node {number}: must have {len(case.needed)} prices rho, got {len(prices.rho)}")
         cuts = self.certificate.cuts
         beyond = least_of_arcs(self.legs, self.caps, prices, cuts, case.forbidden, case.banned, case.needed)
         if not beyond > 0:

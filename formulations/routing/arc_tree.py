@@ -21,7 +21,7 @@ from formulations.routing.arcs.case import Case
 from formulations.routing.arcs.lagrangian import ArcPrices, Cuts, reduced_costs
 from formulations.routing.arcs.programme import Programme
 from formulations.routing.arcs.proof import ArcProof
-from formulations.routing.arcs.tree import ArcTree
+from formulations.routing.arcs.tree import CaseTree
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.recorder import RecordedSolver, Recorder
@@ -43,7 +43,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class ArcTreeSolver(RecordedSolver):
+class ArcTree(RecordedSolver):
     """Branch and cut over arcs.
 
     starts : memetic searches before the first programme; 0 uses only the start given, to the end (at least 0).
@@ -108,7 +108,7 @@ class ArcTreeSolver(RecordedSolver):
         ended = tree.grow(recorder, lambda: min(recorder.objective * (1 - TOLERANCE), most), nodes)
         return ended.value, dict(tree.counts)
 
-    def tree(self, recorder: Recorder, seed: int, upper: float, proof: ArcProof | None = None) -> ArcTree:
+    def tree(self, recorder: Recorder, seed: int, upper: float, proof: ArcProof | None = None) -> CaseTree:
         """Return the tree before it grows; `upper` [s] > 0 is a cost that the best routes do not pass."""
         instance, legs = recorder.instance, Legs.of(recorder.instance)
         counts: Counter[str] = Counter()
@@ -122,7 +122,7 @@ class ArcTreeSolver(RecordedSolver):
         limits = instance.limits * (1 + ENDURANCE_ROUNDING)
         programme = Programme(_costs(instance, upper, limits), np.where(limits < upper, limits, np.inf) / upper)
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=upper) + _ROUNDING * upper
-        tree = ArcTree(
+        tree = CaseTree(
             programme,
             legs.kinds(),
             upper,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from formulations.limits import Limits
-from formulations.routing.arc_tree import ArcTreeSolver
+from formulations.routing.arc_tree import ArcTree
 from formulations.routing.arcs.proof import KeptArcProof
 from formulations.routing.branch_and_price import TOLERANCE, BranchAndPrice
 from formulations.routing.columns.legs import Legs
@@ -26,9 +26,9 @@ _LONG = 15
 """Tasks a UAV from which arcs prove more than tours."""
 
 
-def certifier(instance: Instance) -> BranchAndPrice | ArcTreeSolver:
+def certifier(instance: Instance) -> BranchAndPrice | ArcTree:
     """Return the solver whose proofs get farther: over arcs where tours are long, else over tours."""
-    over_arcs = ArcTreeSolver()
+    over_arcs = ArcTree()
     long = instance.n_tasks >= _LONG * instance.n_depots
     return over_arcs if long and refusal(over_arcs, instance) is None else BranchAndPrice()
 
@@ -39,7 +39,7 @@ def certify(
     limits: Limits,
     seed: int = 0,
     start: Routes | None = None,
-    solver: BranchAndPrice | ArcTreeSolver | None = None,
+    solver: BranchAndPrice | ArcTree | None = None,
 ) -> Certificate:
     """Prove a lower bound on the longest tour of `instance`, from the routes of `start` on where given.
 
@@ -53,9 +53,7 @@ def certify(
     if reason:
         raise InputError(f"{instance.name} cannot be certified: {reason}")
     recorder = Recorder(instance, limits, ignore, start)
-    kept = (
-        _over_arcs(recorder, seed, solver) if isinstance(solver, ArcTreeSolver) else _over_tours(recorder, seed, solver)
-    )
+    kept = _over_arcs(recorder, seed, solver) if isinstance(solver, ArcTree) else _over_tours(recorder, seed, solver)
     bound = min(kept.bound, recorder.objective * (1 - TOLERANCE), kept.most) * (1 - _BELOW)
     if not bound > 0:
         raise InputError(f"{instance.name}: no bound was reached in {limits.time:g} s")
@@ -84,7 +82,7 @@ def _over_tours(recorder: Recorder, seed: int, solver: BranchAndPrice) -> _Kept:
     return _Kept(log.bound, tree.most, log.nodes, log.steps, ())
 
 
-def _over_arcs(recorder: Recorder, seed: int, solver: ArcTreeSolver) -> _Kept:
+def _over_arcs(recorder: Recorder, seed: int, solver: ArcTree) -> _Kept:
     instance = recorder.instance
     if recorder.routes is None:
         solver.improve(recorder, 1000 * seed)

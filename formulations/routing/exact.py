@@ -2,11 +2,12 @@
 
 * n ≤ 16, with several states a node n ≤ 10: `subset-dp`, which is then done at once.
 * otherwise `branch-and-price`, which closes tours of up to about twenty tasks each in seconds;
-* with two threads it looks for tours of two UAVs at once where there are more than two different ones; else
-  `branch-and-cut` runs beside it in a process of its own, for longer tours: both pass on every better incumbent and
-  bound the moment they have it, and the first proof ends both;
-* with one thread, at most two UAVs and n/m ≥ 18, `branch-and-cut` for three quarters of the time, then
-  `branch-and-price` with what it found.
+* with two threads, where UAVs are few for the tasks, or of at most two kinds, `arc-tree` runs beside it in a process of
+  its own, for longer tours: both pass on every better incumbent and bound the moment they have it, and the first proof
+  ends both; else columns look for tours of two UAVs at once;
+* with one thread and few UAVs for the tasks, one after the other, each with what the other found: where UAVs are two,
+  or nothing tells them apart, `arc-tree` for three quarters of the time and `branch-and-price` for the rest, else
+  `branch-and-price` for half of it and `arc-tree` for the rest.
 
 Methods that do not take the instance's axes are left out; with a window of take-off only `subset-dp` is left.
 A proof without routes is one that there are none.
@@ -27,7 +28,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from formulations.limits import Limits
-from formulations.routing.branch_and_cut import BranchAndCut
+from formulations.routing.arc_tree import ArcTree
 from formulations.routing.branch_and_price import BranchAndPrice, left_open
 from formulations.routing.columns.legs import Legs
 from formulations.routing.recorder import LinkedRecorder, RecordedSolver, Recorder
@@ -40,9 +41,9 @@ FEW = 16
 """Tasks up to which subset programming takes a fraction of a second."""
 FEW_BETWEEN_STATES = 10
 """The same where nodes have several states."""
-LONG, FEW_UAVS = 18, 2
-"""Tasks per UAV from which, and UAVs up to which, branch-and-cut is the quicker of the two."""
-_SHARE = 0.75
+LONG, FEW_UAVS, FEW_KINDS = 18, 3, 2
+"""Tasks per UAV from which, and UAVs up to which, arcs prove what tours do not; and kinds of UAVs in which they do."""
+_ARCS_FIRST, _TOURS_FIRST = 0.75, 0.5
 _TELLING = 0.2  # seconds a peer is given to end by itself
 _PROVED = (Status.OPTIMAL, Status.INFEASIBLE)
 
@@ -67,7 +68,7 @@ class Exact(RecordedSolver):
             SubsetDp().prepare(instance)
             return
         BranchAndPrice().prepare(instance)
-        BranchAndCut().prepare(instance)
+        ArcTree().prepare(instance)
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of each tree."""
@@ -79,11 +80,14 @@ class Exact(RecordedSolver):
         assert isinstance(recorder, LinkedRecorder)
         columns = BranchAndPrice()
         columns.improve(recorder, 1000 * seed, columns.starts)
-        may_cut = refusal(BranchAndCut(), instance) is None
-        if recorder.limits.threads >= 2 and may_cut and _few_differ(instance):
-            return _side_by_side(recorder, columns, seed)
-        cuts_first = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
-        return _one_after_the_other(recorder, columns, seed, cuts_first and may_cut)
+        if refusal(ArcTree(), instance) is None:
+            few = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
+            if recorder.limits.threads >= 2 and (few or _kinds(instance) <= FEW_KINDS):
+                return _side_by_side(recorder, columns, seed)
+            if few:
+                return _in_turn(recorder, columns, seed)
+        ended, counts = columns.prove(recorder, seed, recorder.limits.threads)
+        return _result(recorder, ended, "branch-and-price", left_open(recorder), counts)
 
 
 def _few(instance: Instance) -> bool:
@@ -91,23 +95,27 @@ def _few(instance: Instance) -> bool:
     return instance.n_tasks <= (FEW_BETWEEN_STATES if "states" in instance.axes else FEW)
 
 
-def _few_differ(instance: Instance) -> bool:
-    """Say whether UAVs are of so few kinds, by costs, endurance and depot, that columns need no threads."""
-    return np.unique(Legs.of(stateless(instance)).kinds()).size <= FEW_UAVS
+def _kinds(instance: Instance) -> int:
+    """Return how many kinds of UAVs there are, by costs, endurance and depot."""
+    return np.unique(Legs.of(stateless(instance)).kinds()).size
 
 
-def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int, cuts_first: bool) -> Result:
-    """Columns, with what cuts found in three quarters of the time before them, if asked."""
+def _in_turn(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
+    """Arcs and columns, or columns and arcs, each with what the other found."""
+    arcs_first = recorder.instance.n_depots == 2 or _kinds(recorder.instance) == 1
+    turns = ("arc-tree", _ARCS_FIRST), ("branch-and-price", 1.0)
+    if not arcs_first:
+        turns = ("branch-and-price", _TOURS_FIRST), ("arc-tree", 1.0)
     counts: dict[str, Any] = {}
-    if cuts_first:
-        limits = Limits(time=max(_SHARE * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
-        cuts = BranchAndCut(warm_start=False)
-        cut = cuts.solve(recorder.instance, limits=limits, seed=seed, observe=_into(recorder), start=recorder.routes)
-        counts = {f"cut_{name}": value for name, value in cut.statistics.items()}
-        if cut.status in _PROVED or recorder.remaining <= 0:
-            return _result(recorder, cut.stopped_by, "branch-and-cut", cut.tolerance, counts)
-    ended, own = columns.prove(recorder, seed, recorder.limits.threads)
-    return _result(recorder, ended, "branch-and-price", left_open(recorder), {**own, **counts})
+    for by, share in turns:
+        limits = Limits(time=max(share * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
+        own = Recorder(recorder.instance, limits, _into(recorder), recorder.routes)
+        own.raise_bound(recorder.bound)
+        ended, found = ArcTree().prove(own, seed) if by == "arc-tree" else columns.prove(own, seed)
+        counts |= {f"arc_{name}": value for name, value in found.items()} if by == "arc-tree" else found
+        if ended == "proof" or recorder.remaining <= 0:
+            break
+    return _result(recorder, ended, by, left_open(recorder), counts)
 
 
 def _into(recorder: Recorder) -> Observer:
@@ -123,13 +131,13 @@ def _into(recorder: Recorder) -> Observer:
 
 
 def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) -> Result:
-    """Columns here, cuts in another process."""
+    """Columns here, arcs in another process."""
     methods = multiprocessing.get_all_start_methods()
     context: Any = multiprocessing.get_context("fork" if "fork" in methods else "spawn")
     here, there = context.Pipe()
     limits = Limits(time=max(recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
     about = here, there, recorder.instance, limits, seed, recorder.routes
-    peer = context.Process(target=_cut, args=about, daemon=True)
+    peer = context.Process(target=_over_arcs, args=about, daemon=True)
     peer.start()
     there.close()
     recorder.link = here
@@ -137,7 +145,7 @@ def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) 
         ended, counts = columns.prove(recorder, seed)
         while ended != "proof" and recorder.remaining > 0 and recorder.link is not None:
             here.poll(min(recorder.remaining, 0.1))
-        by = "branch-and-price" if ended == "proof" else "branch-and-cut"
+        by = "branch-and-price" if ended == "proof" else "arc-tree"
         tolerance = left_open(recorder)
         if recorder.met_by_peer:
             ended, tolerance = "proof", recorder.tolerance
@@ -150,17 +158,17 @@ def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) 
     return _result(recorder, ended, by, tolerance, counts)
 
 
-def _cut(
+def _over_arcs(
     others: Connection, link: Connection, instance: Instance, limits: Limits, seed: int, start: Routes | None
 ) -> None:
-    """Run branch-and-cut in this process and keep the peer informed."""
+    """Run arc-tree in this process and keep the peer informed."""
     others.close()
     recorder = LinkedRecorder(instance, limits, ignore, start)
     recorder.link = link
-    with contextlib.suppress(KeyboardInterrupt):  # how branch-and-cut says that it was interrupted: the peer was first
-        result = BranchAndCut().prove(recorder, seed)
-        if result.status in _PROVED:
-            recorder.tell_proof(result.tolerance)
+    with contextlib.suppress(KeyboardInterrupt):  # the peer is interrupted as well, and says so
+        ended, _ = ArcTree().prove(recorder, seed + 1)  # beside it the peer searches by its own seeds
+        if ended == "proof":
+            recorder.tell_proof(left_open(recorder))
     link.close()
 
 

@@ -19,7 +19,7 @@ BUILT_IN = {
         "the paper's MILP on SCIP, subtour cuts inside the tree",
     ),
     "arc-tree": (
-        "formulations.routing.arc_tree:ArcTreeSolver",
+        "formulations.routing.arc_tree:ArcTree",
         "the paper's MILP cut and branched here, bounds computed anew; strongest where tours are long",
     ),
     "branch-and-price": (

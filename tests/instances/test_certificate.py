@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
-from formulations.routing.arc_tree import ArcTreeSolver
+from formulations.routing.arc_tree import ArcTree
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.certifying import certify
 from formulations.routing.subset_dp import SubsetDp
@@ -164,7 +164,7 @@ def test_fleets_and_endurance_are_certified_too(seed):
 def over_arcs() -> tuple[Instance, Certificate]:
     """A proof over arcs of many cases, of UAVs that are alike, with tasks given and arcs flown."""
     instance = at_one_site(12, 2, 3)
-    return instance, certify(instance, limits=Limits(time=60.0), solver=ArcTreeSolver(starts=0, tried=2))
+    return instance, certify(instance, limits=Limits(time=60.0), solver=ArcTree(starts=0, tried=2))
 
 
 def test_a_proof_over_arcs_is_confirmed_also_from_its_file(over_arcs, tmp_path):
@@ -217,7 +217,7 @@ def test_stopped_early_or_of_fleets_arcs_certify_what_they_reached(seed):
     assume(solved.routes is not None)
     for nodes in (3, None):
         limits = Limits(time=60.0, iterations=nodes)
-        certificate = certify(instance, limits=limits, start=solved.routes, solver=ArcTreeSolver(starts=0))
+        certificate = certify(instance, limits=limits, start=solved.routes, solver=ArcTree(starts=0))
         assert 0 < certificate.bound < solved.objective
         assert verify(instance, certificate).problems == ()
     assert certificate.bound == pytest.approx(solved.objective, rel=1e-6)

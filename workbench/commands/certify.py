@@ -46,7 +46,7 @@ def command(
       workbench check a.json a.certificate.json.gz
     """
     from formulations.limits import Limits
-    from formulations.routing.arc_tree import ArcTreeSolver
+    from formulations.routing.arc_tree import ArcTree
     from formulations.routing.branch_and_price import BranchAndPrice
     from formulations.routing.certifying import certifier, certify
     from instances.certificate import SUFFIX, write_certificate
@@ -55,7 +55,7 @@ def command(
     limits, instance = Limits(time=time_limit), read_instance(instance_file)
     start = None if routes is None else read_routes(routes, instance)
     out = out or Path(f"{instance.name}{SUFFIX}")
-    solver = {None: certifier(instance), "tours": BranchAndPrice(), "arcs": ArcTreeSolver()}[by]
+    solver = {None: certifier(instance), "tours": BranchAndPrice(), "arcs": ArcTree()}[by]
     solver.prepare(instance)
     certificate = certify(instance, limits=limits, seed=seed, start=start, solver=solver)
     write_certificate(out, certificate)

@@ -25,8 +25,10 @@ from instances.arrays import Bools, Floats, Ints
 
 _NEAREST = 7
 """Arcs into and out of each node to begin with, for each UAV."""
-_DEAR = 10.0
-"""What leaving out a task costs, in longest tours."""
+_DEAR, _DEARER, _DEAREST = 10.0, 100.0, 1e5
+"""What leaving out a task costs, in longest tours; how many times as much where some still is; and at most."""
+_LEFT_OUT = 1e-9
+"""Share of a task that counts as left out."""
 _LEAST = 0.02
 """Violation of a cut worth adding."""
 _CHEAP = 1e-7
@@ -72,6 +74,7 @@ class Programme:
             lp.addCol(_DEAR, 0.0, _INFINITY, 1, np.array([i], dtype=np.int32), np.ones(1))
         self._add(np.argwhere(self._nearest() & ~self._known))
         self.case = Case.root(np.arange(m), n)
+        self._dear, self._left_out = _DEAR, 0.0
         self.value, self.bound, self.theta = np.inf, -np.inf, np.zeros_like(cost)
 
     def _nearest(self) -> Bools:
@@ -126,6 +129,7 @@ class Programme:
     def enter(self, case: Case) -> None:
         """Take up a case."""
         self.case, self._lost = case, case.lost_arcs()
+        self._ask(_DEAR)
         index = 1 + self.n + np.arange(self.uav.size)
         self._bound_arcs(index, self._lost[self.uav, self.tail, self.head])
         for arcs in case.needed:
@@ -134,6 +138,19 @@ class Programme:
         for row, needed in enumerate(self._rows):
             if needed is not None:
                 self._lp.changeRowBounds(self._own[-1] + row, 1.0 if needed in case.needed else -_INFINITY, _INFINITY)
+
+    def insist(self) -> bool:
+        """Make it dearer to leave out a task, where some is left out, unless it is dear enough; say whether it was."""
+        if self._left_out < _LEFT_OUT or self._dear >= _DEAREST:
+            return False
+        self._ask(self._dear * _DEARER)
+        return True
+
+    def _ask(self, price: float) -> None:
+        """Ask a price for leaving out a task."""
+        if price != self._dear:
+            self._dear, index = price, np.arange(1, 1 + self.n, dtype=np.int32)
+            self._lp.changeColsCost(self.n, index, np.full(self.n, price))
 
     def _bound_arcs(self, index: Ints, lost: Bools) -> None:
         upper = np.where(lost, 0.0, _INFINITY)
@@ -146,7 +163,9 @@ class Programme:
         solution = lp.getSolution()
         self.value = float(lp.getInfo().objective_function_value)
         self.theta = np.zeros_like(self.cost)
-        self.theta[self.uav, self.tail, self.head] = np.maximum(np.asarray(solution.col_value)[1 + n :], 0.0)
+        values = np.asarray(solution.col_value)
+        self.theta[self.uav, self.tail, self.head] = np.maximum(values[1 + n :], 0.0)
+        self._left_out = float(values[1 : 1 + n].max())
         self._entered, left, home, used, tours, limited, others = np.split(np.asarray(solution.row_dual), self._own[1:])
         sigma, of_limits = np.maximum(-tours, 0.0), np.maximum(-limited, 0.0) * np.isfinite(self.limits)
         sigma /= max(1.0, float(sigma.sum()) * (1 + 1e-12))

@@ -47,7 +47,7 @@ class Settled(Enum):
     """Time is up; its bound holds as far as it got."""
 
 
-class ArcTree:
+class CaseTree:
     """Branch and cut over a programme.
 
     kinds (m,) : UAVs of one number are alike; unit [s] : that of the programme's costs; far (n,) : the way to each
@@ -123,7 +123,7 @@ class ArcTree:
             whole = bool((np.abs(programme.theta - np.round(programme.theta)) < _WHOLE).all())
             found, grown = programme.cut(), programme.grow()
             self.counts["cuts"] += found
-            if not found and not grown:
+            if not found and not grown and not programme.insist():
                 return Settled.ROUTES if whole else Settled.OPEN
             dull = dull + 1 if not grown and rise < _PROGRESS * (cap() / self.unit - case.bound) else 0
             if dull > _DULL and not whole and case.number > 0:
@@ -179,7 +179,8 @@ class ArcTree:
         theta, n = self.programme.theta, self.programme.n
         visits = theta[:, :, :n].sum(axis=1)
         _, first = np.unique(case.kinds, return_index=True)
-        open_visits = np.minimum(visits, 1.0 - visits) * self.far
+        undecided = (~case.forbidden).sum(axis=0) > 1
+        open_visits = np.minimum(visits, 1.0 - visits) * self.far * undecided
         pairs = [(k, i) for k in first.tolist() for i in np.flatnonzero(open_visits[k] > _WHOLE * self.far)]
         if pairs:
             pairs.sort(key=lambda pair: -open_visits[pair])

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
-from formulations.routing.arc_tree import ArcTreeSolver
+from formulations.routing.arc_tree import ArcTree
 from formulations.routing.arcs.case import Case, Fly, Give
 from formulations.routing.arcs.lagrangian import ArcPrices, Cuts, bound_at, reduced_costs
 from formulations.routing.arcs.programme import Programme
@@ -24,7 +24,7 @@ LIMITS = Limits(time=300.0)
 
 def solved(instance: Instance, **options: int) -> Result:
     """Solve to the proof, and compare with subset programming."""
-    solver = ArcTreeSolver(**options)
+    solver = ArcTree(**options)
     solver.prepare(instance)
     result = solver.solve(instance, limits=LIMITS, start=greedy_routes(instance))
     optimum = SubsetDp().solve(instance, limits=LIMITS).objective
@@ -63,15 +63,15 @@ def test_cuts_are_needed_and_uavs_that_are_alike_told_apart() -> None:
 
 def test_bad_options_are_refused() -> None:
     with pytest.raises(InputError, match="tried must be at least 1, got 0"):
-        ArcTreeSolver(tried=0)
-    assert "641600 variables" in (ArcTreeSolver().accepts(Instance("large", np.zeros((404, 404)), 400, 4)) or "")
+        ArcTree(tried=0)
+    assert "641600 variables" in (ArcTree().accepts(Instance("large", np.zeros((404, 404)), 400, 4)) or "")
 
 
 def test_stopped_early_it_keeps_routes_and_a_true_bound() -> None:
     instance = random_instance(14, 3, 1)
     optimum = SubsetDp().solve(instance, limits=LIMITS).objective
     for limits, stopped_by in ((Limits(time=60, iterations=2), "iterations"), (Limits(time=1e-6), "time")):
-        result = ArcTreeSolver(starts=0).solve(instance, limits=limits)
+        result = ArcTree(starts=0).solve(instance, limits=limits)
         assert result.stopped_by == stopped_by
         assert result.status is Status.FEASIBLE
         assert (result.bound or 0.0) <= optimum
@@ -181,6 +181,6 @@ def test_a_recorder_that_runs_out_of_time_stops_the_tree() -> None:
     instance = random_instance(14, 3, 5)
     recorder = Impatient(instance, LIMITS, lambda event: None)
     recorder.incumbent(greedy_routes(instance))
-    ended, counts = ArcTreeSolver(starts=0).prove(recorder, 0)
+    ended, counts = ArcTree(starts=0).prove(recorder, 0)
     assert ended == "time"
     assert counts.get("nodes", 0) <= 1

@@ -1,4 +1,7 @@
-"""The tree over arcs: down from case to case until one is closed, then on from the least bound there is.
+"""The tree over arcs: down from case to case until one is closed, then on from the newest open one.
+
+Cases that follow each other then have most of their cuts in common, which a third less rounds came of than of going on
+from the least bound (eil51_3: 42 s, open after 83). Every tenth time it is the least, for bounds to rise meanwhile.
 
 A case is solved, cut and solved again until its bound passes the cap, or cuts hardly raise it; then it is split where
 that raises the value of both cases after it most: strong branching, first on who takes which task, then on arcs
@@ -7,7 +10,6 @@ that raises the value of both cases after it most: strong branching, first on wh
 
 from __future__ import annotations
 
-import heapq
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -30,6 +32,8 @@ _PROGRESS, _DULL = 0.02, 5
 """Share of the gap that a round of cuts is to close, and rounds in which it may close less."""
 _WHOLE = 1e-6
 """What numbers may be off whole ones."""
+_LOWEST = 10
+"""Of so many closed cases one is followed by that of the least bound."""
 _LEAST = 1e-6
 """What a trial counts for at least."""
 
@@ -68,19 +72,20 @@ class CaseTree:
     ) -> None:
         self.programme, self.unit, self.far, self.over, self.better = programme, unit, far, over, better
         self.tried, self.proof, self.counts = tried, proof, Counter[str]()
-        self._open: list[tuple[float, int, Case]] = []
+        self._open: list[Case] = []
+        """The newest last."""
         self._next: Case | None = Case.root(kinds, programme.n)
-        self._stuck = math.inf
+        self._stuck, self._taken = math.inf, 0
 
     def bound(self, cap: float) -> float:
         """Return a lower bound on all routes, no higher than `cap` [s]."""
-        least = min([self._stuck, *(bound for bound, _, _ in self._open[:1])])
+        least = min([self._stuck, *(case.bound for case in self._open)])
         least = least if self._next is None else min(least, self._next.bound)
         return min(cap, self.unit * least)
 
     def close(self) -> None:
         """Note the cases left open in the proof that is kept."""
-        for _, _, case in self._open:
+        for case in self._open:
             self.proof.leave(case)
         if self._next is not None:
             self.proof.leave(self._next)
@@ -90,7 +95,7 @@ class CaseTree:
         while self._next is not None or self._open:
             if nodes <= 0 or self.over():
                 return StoppedBy.ITERATIONS if nodes <= 0 else StoppedBy.TIME
-            self._next = self._next or heapq.heappop(self._open)[-1]
+            self._next = self._next or self._take()
             settled = self._settle(cap)
             if settled is Settled.INTERRUPTED:
                 recorder.raise_bound(self.bound(cap()))
@@ -103,6 +108,13 @@ class CaseTree:
             self._after(settled, cap())
             recorder.raise_bound(self.bound(cap()))
         return StoppedBy.PROOF if self.unit * self._stuck > cap() else StoppedBy.MEMORY
+
+    def _take(self) -> Case:
+        """Take an open case to go on with."""
+        self._taken += 1
+        if self._taken % _LOWEST:
+            return self._open.pop()
+        return self._open.pop(min(range(len(self._open)), key=lambda at: self._open[at].bound))
 
     def _settle(self, cap: Callable[[], float]) -> Settled:
         """Work on the next case until it is closed, or cuts do no more."""
@@ -156,7 +168,7 @@ class CaseTree:
             replace(part, number=self.proof.split(case, split, number == 1))
             for number, part in enumerate((split.without(case), split.within(case)))
         ]
-        heapq.heappush(self._open, (case.bound, -after[0].number, after[0]))
+        self._open.append(after[0])
         self._next = after[1]
 
     def _choose(self, case: Case, cap: float) -> Split | None:

@@ -127,7 +127,7 @@ class ArcTree(RecordedSolver):
             legs.kinds(),
             upper,
             far,
-            lambda: recorder.remaining <= 0,
+            lambda: recorder.remaining,
             better,
             self.tried,
             proof or ArcProof(),

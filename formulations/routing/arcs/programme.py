@@ -156,10 +156,13 @@ class Programme:
         upper = np.where(lost, 0.0, _INFINITY)
         self._lp.changeColsBounds(index.size, index.astype(np.int32), np.zeros(index.size), upper)
 
-    def solve(self) -> None:
-        """Solve, and compute the bound at the duals."""
+    def solve(self, time: float = np.inf) -> bool:
+        """Solve, and compute the bound at the duals; say whether that was done within `time` [s]."""
         lp, n, m = self._lp, self.n, self.m
+        lp.setOptionValue("time_limit", lp.getRunTime() + time)
         lp.run()
+        if lp.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+            return False
         solution = lp.getSolution()
         self.value = float(lp.getInfo().objective_function_value)
         self.theta = np.zeros_like(self.cost)
@@ -179,6 +182,7 @@ class Programme:
         )
         self.reduced = reduced_costs(self.prices, self.cost, self.case)
         self.bound = bound_at(self.prices, self.reduced, self.limits, self._lost)
+        return True
 
     def grow(self) -> bool:
         """Add arcs of negative reduced cost; say whether there were any."""
@@ -229,6 +233,7 @@ class Programme:
         for needed in case.needed[len(self.case.needed) :]:
             self._add_row(1.0, _among(needed, self.tail, self.head), needed)
         lp.setOptionValue("simplex_iteration_limit", pivots)
+        lp.setOptionValue("time_limit", _INFINITY)
         lp.run()
         value = float(lp.getInfo().objective_function_value)
         lp.setOptionValue("simplex_iteration_limit", highspy.kHighsIInf)

@@ -30,8 +30,8 @@ _PIVOTS = 40
 """Pivots of a trial."""
 _PROGRESS, _DULL = 0.02, 5
 """Share of the gap that a round of cuts is to close, and rounds in which it may close less."""
-_WHOLE = 1e-6
-"""What numbers may be off whole ones."""
+_WHOLE, _UNDECIDED = 1e-5, 1e-6
+"""What numbers may be off whole ones in routes, and from where on a split tells them apart."""
 _LOWEST = 10
 """Of so many closed cases one is followed by that of the least bound."""
 _LEAST = 1e-6
@@ -47,16 +47,18 @@ class Settled(Enum):
     """Nothing but a split helps."""
     ROUTES = auto()
     """The programme has come to routes."""
+    STUCK = auto()
+    """The programme could not be solved: its bound holds as far as it got."""
     INTERRUPTED = auto()
-    """Time is up; its bound holds as far as it got."""
+    """Time is up; the same."""
 
 
 class CaseTree:
     """Branch and cut over a programme.
 
     kinds (m,) : UAVs of one number are alike; unit [s] : that of the programme's costs; far (n,) : the way to each
-    task and back; over : says when to stop; better : searches on for routes where that is due; tried : splits that are
-    tried before one is chosen; proof : keeps what bounds rest on.
+    task and back; remaining : how long it may go on [s]; better : searches on for routes where that is due; tried :
+    splits that are tried before one is chosen; proof : keeps what bounds rest on.
     """
 
     def __init__(
@@ -65,12 +67,12 @@ class CaseTree:
         kinds: Ints,
         unit: float,
         far: Floats,
-        over: Callable[[], bool],
+        remaining: Callable[[], float],
         better: Callable[[], object],
         tried: int,
         proof: ArcProof,
     ) -> None:
-        self.programme, self.unit, self.far, self.over, self.better = programme, unit, far, over, better
+        self.programme, self.unit, self.far, self.remaining, self.better = programme, unit, far, remaining, better
         self.tried, self.proof, self.counts = tried, proof, Counter[str]()
         self._open: list[Case] = []
         """The newest last."""
@@ -93,7 +95,7 @@ class CaseTree:
     def grow(self, recorder: Recorder, cap: Callable[[], float], nodes: float) -> StoppedBy:
         """Improve the recorder's routes and bound until no case is below the `cap` [s], or until stopped."""
         while self._next is not None or self._open:
-            if nodes <= 0 or self.over():
+            if nodes <= 0 or self.remaining() <= 0:
                 return StoppedBy.ITERATIONS if nodes <= 0 else StoppedBy.TIME
             self._next = self._next or self._take()
             settled = self._settle(cap)
@@ -125,12 +127,13 @@ class CaseTree:
             return Settled.CLOSED
         programme.enter(case)
         while True:
-            programme.solve()
+            if not programme.solve(self.remaining()):
+                return Settled.STUCK if self.remaining() > 0 else Settled.INTERRUPTED
             self.counts["rounds"] += 1
             rise, case = programme.bound - case.bound, self._raised(programme.bound)
             if case.bound > cap() / self.unit:
                 return Settled.CLOSED
-            if self.over():
+            if self.remaining() <= 0:
                 return Settled.INTERRUPTED
             whole = bool((np.abs(programme.theta - np.round(programme.theta)) < _WHOLE).all())
             found, grown = programme.cut(), programme.grow()
@@ -138,8 +141,7 @@ class CaseTree:
             if not found and not grown and not programme.insist():
                 return Settled.ROUTES if whole else Settled.OPEN
             dull = dull + 1 if not grown and rise < _PROGRESS * (cap() / self.unit - case.bound) else 0
-            if dull > _DULL and not whole and case.number > 0:
-                programme.solve()
+            if dull > _DULL and not whole and case.number > 0 and programme.solve(self.remaining()):
                 case = self._raised(programme.bound)
                 return Settled.CLOSED if case.bound > cap() / self.unit else Settled.OPEN
 
@@ -159,8 +161,8 @@ class CaseTree:
         if case.bound * self.unit > cap:
             self.proof.leave(case)
             return
-        split = None if settled is Settled.ROUTES else self._choose(case, cap / self.unit)
-        if split is None:  # routes that UAVs cannot fly, by less than the programme can tell
+        split = self._choose(case, cap / self.unit) if settled is Settled.OPEN else None
+        if split is None:  # stuck, or routes that UAVs cannot fly, by less than the programme can tell
             self._stuck = min(self._stuck, case.bound)
             self.proof.leave(case)
             return
@@ -179,8 +181,9 @@ class CaseTree:
         candidates = self._candidates(case)[: self.tried]
         if len(candidates) < 2:
             return candidates[0] if candidates else None
-        programme.solve()
-        worth = []
+        worth: list[float] = []
+        if not programme.solve(self.remaining()):
+            return candidates[0]
         for split in candidates:
             rises = [programme.trial(part(case), _PIVOTS) - programme.value for part in (split.without, split.within)]
             worth.append(math.prod(min(max(rise, _LEAST), cap) for rise in rises))
@@ -193,15 +196,15 @@ class CaseTree:
         _, first = np.unique(case.kinds, return_index=True)
         undecided = (~case.forbidden).sum(axis=0) > 1
         open_visits = np.minimum(visits, 1.0 - visits) * self.far * undecided
-        pairs = [(k, i) for k in first.tolist() for i in np.flatnonzero(open_visits[k] > _WHOLE * self.far)]
+        pairs = [(k, i) for k in first.tolist() for i in np.flatnonzero(open_visits[k] > _UNDECIDED * self.far)]
         if pairs:
             pairs.sort(key=lambda pair: -open_visits[pair])
             return [Give(k, int(i)) for k, i in pairs]
         flown = theta.sum(axis=0)[:n, :n]
         for values, both in ((np.tril(flown + flown.T), True), (flown, False)):
             undecided = np.minimum(values, 1.0 - values)
-            arcs = np.argwhere(undecided > _WHOLE)
-            if len(arcs):
+            arcs = np.argwhere(undecided > _UNDECIDED)
+            if arcs.size:
                 order = np.argsort(-undecided[tuple(arcs.T)], kind="stable")
                 return [_fly(i, j, both) for i, j in arcs[order].tolist()]
         return []

@@ -6,7 +6,7 @@ both cases after it gain most: first on which UAV takes which task (after Appleg
 min-max vehicle routing problem", INFORMS J. Comput. 14, 2002, who do so in their tree). Bounds are the Lagrangian at
 the programme's duals, so that no tolerance of it is in them, and a proof can be kept (`certifying.py`).
 
-Strong where tours are long: two or three UAVs, 30 to 100 tasks.
+Strong where tours are long and UAVs three, and where two fly from one site; of two sites far apart `branch-and-cut` is.
 """
 
 from __future__ import annotations

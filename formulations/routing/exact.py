@@ -2,13 +2,14 @@
 
 * n ≤ 16, with several states a node n ≤ 10: `subset-dp`, which is then done at once.
 * otherwise `branch-and-price`, which closes tours of up to about twenty tasks each in seconds;
-* with two threads, where UAVs are few for the tasks, or of at most two kinds, `arc-tree` runs beside it in a process of
-  its own, for longer tours: both pass on every better incumbent and bound the moment they have it, and the first proof
-  ends both; else columns look for tours of two UAVs at once;
+* with two threads, where UAVs are few for the tasks, or of at most two kinds, cuts run beside it in a process of their
+  own, for longer tours: both pass on every better incumbent and bound the moment they have it, and the first proof ends
+  both; else columns look for tours of two UAVs at once;
 * with one thread and few UAVs for the tasks, one after the other, each with what the other found: where UAVs are two,
-  or nothing tells them apart, `arc-tree` for three quarters of the time and `branch-and-price` for the rest, else
-  `branch-and-price` for half of it and `arc-tree` for the rest.
+  or nothing tells them apart, cuts for three quarters of the time and columns for the rest, else columns for half of
+  it and cuts for the rest.
 
+Cuts are `branch-and-cut` of two UAVs, `arc-tree` of three and more.
 Methods that do not take the instance's axes are left out; with a window of take-off only `subset-dp` is left.
 A proof without routes is one that there are none.
 
@@ -29,6 +30,7 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.arc_tree import ArcTree
+from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.routing.branch_and_price import BranchAndPrice, left_open
 from formulations.routing.columns.legs import Legs
 from formulations.routing.recorder import LinkedRecorder, RecordedSolver, Recorder
@@ -42,8 +44,10 @@ FEW = 16
 FEW_BETWEEN_STATES = 10
 """The same where nodes have several states."""
 LONG, FEW_UAVS, FEW_KINDS = 18, 3, 2
-"""Tasks per UAV from which, and UAVs up to which, arcs prove what tours do not; and kinds of UAVs in which they do."""
-_ARCS_FIRST, _TOURS_FIRST = 0.75, 0.5
+"""Tasks per UAV from which, and UAVs up to which, cuts prove what columns do not; and kinds in which they do."""
+TWO = 2
+"""UAVs up to which `branch-and-cut` is the quicker with cuts."""
+_CUTS_FIRST, _COLUMNS_FIRST = 0.75, 0.5
 _TELLING = 0.2  # seconds a peer is given to end by itself
 _PROVED = (Status.OPTIMAL, Status.INFEASIBLE)
 
@@ -68,7 +72,7 @@ class Exact(RecordedSolver):
             SubsetDp().prepare(instance)
             return
         BranchAndPrice().prepare(instance)
-        ArcTree().prepare(instance)
+        _cuts(instance).prepare(instance)
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of each tree."""
@@ -80,7 +84,7 @@ class Exact(RecordedSolver):
         assert isinstance(recorder, LinkedRecorder)
         columns = BranchAndPrice()
         columns.improve(recorder, 1000 * seed, columns.starts)
-        if refusal(ArcTree(), instance) is None:
+        if recorder.objective > 0 and refusal(_cuts(instance), instance) is None:
             few = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
             if recorder.limits.threads >= 2 and (few or _kinds(instance) <= FEW_KINDS):
                 return _side_by_side(recorder, columns, seed)
@@ -100,22 +104,43 @@ def _kinds(instance: Instance) -> int:
     return np.unique(Legs.of(stateless(instance)).kinds()).size
 
 
+def _cuts(instance: Instance) -> BranchAndCut | ArcTree:
+    """Return the method with cuts."""
+    return BranchAndCut() if instance.n_depots <= TWO else ArcTree()
+
+
+def _cut(recorder: Recorder, seed: int) -> tuple[str, dict[str, Any], float]:
+    """Prove with cuts; return how that ended, the counters, and what a proof leaves open [s]."""
+    method = _cuts(recorder.instance)
+    if isinstance(method, ArcTree):
+        ended, counts = method.prove(recorder, seed)
+        return ended, counts, left_open(recorder)
+    result = method.prove(recorder, seed)
+    return "proof" if result.status in _PROVED else result.stopped_by, dict(result.statistics), result.tolerance
+
+
+def _name(instance: Instance) -> str:
+    """Return the name of the method with cuts."""
+    return "branch-and-cut" if isinstance(_cuts(instance), BranchAndCut) else "arc-tree"
+
+
 def _in_turn(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
-    """Arcs and columns, or columns and arcs, each with what the other found."""
-    arcs_first = recorder.instance.n_depots == 2 or _kinds(recorder.instance) == 1
-    turns = ("arc-tree", _ARCS_FIRST), ("branch-and-price", 1.0)
-    if not arcs_first:
-        turns = ("branch-and-price", _TOURS_FIRST), ("arc-tree", 1.0)
-    counts: dict[str, Any] = {}
-    for by, share in turns:
+    """Cuts and columns, or columns and cuts, each with what the other found."""
+    instance, counts = recorder.instance, dict[str, Any]()
+    cuts_first = instance.n_depots <= TWO or _kinds(instance) == 1
+    for cuts, share in ((True, _CUTS_FIRST), (False, 1.0)) if cuts_first else ((False, _COLUMNS_FIRST), (True, 1.0)):
         limits = Limits(time=max(share * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
-        own = Recorder(recorder.instance, limits, _into(recorder), recorder.routes)
+        own = Recorder(instance, limits, _into(recorder), recorder.routes)
         own.raise_bound(recorder.bound)
-        ended, found = ArcTree().prove(own, seed) if by == "arc-tree" else columns.prove(own, seed)
-        counts |= {f"arc_{name}": value for name, value in found.items()} if by == "arc-tree" else found
+        if cuts:
+            ended, found, tolerance = _cut(own, seed)
+            counts |= {f"cut_{name}": value for name, value in found.items()}
+        else:
+            ended, found = columns.prove(own, seed)
+            counts, tolerance = counts | found, left_open(recorder)
         if ended == "proof" or recorder.remaining <= 0:
             break
-    return _result(recorder, ended, by, left_open(recorder), counts)
+    return _result(recorder, ended, _name(instance) if cuts else "branch-and-price", tolerance, counts)
 
 
 def _into(recorder: Recorder) -> Observer:
@@ -131,13 +156,13 @@ def _into(recorder: Recorder) -> Observer:
 
 
 def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) -> Result:
-    """Columns here, arcs in another process."""
+    """Columns here, cuts in another process."""
     methods = multiprocessing.get_all_start_methods()
     context: Any = multiprocessing.get_context("fork" if "fork" in methods else "spawn")
     here, there = context.Pipe()
     limits = Limits(time=max(recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
     about = here, there, recorder.instance, limits, seed, recorder.routes
-    peer = context.Process(target=_over_arcs, args=about, daemon=True)
+    peer = context.Process(target=_cut_beside, args=about, daemon=True)
     peer.start()
     there.close()
     recorder.link = here
@@ -145,7 +170,7 @@ def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) 
         ended, counts = columns.prove(recorder, seed)
         while ended != "proof" and recorder.remaining > 0 and recorder.link is not None:
             here.poll(min(recorder.remaining, 0.1))
-        by = "branch-and-price" if ended == "proof" else "arc-tree"
+        by = "branch-and-price" if ended == "proof" else _name(recorder.instance)
         tolerance = left_open(recorder)
         if recorder.met_by_peer:
             ended, tolerance = "proof", recorder.tolerance
@@ -158,17 +183,17 @@ def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) 
     return _result(recorder, ended, by, tolerance, counts)
 
 
-def _over_arcs(
+def _cut_beside(
     others: Connection, link: Connection, instance: Instance, limits: Limits, seed: int, start: Routes | None
 ) -> None:
-    """Run arc-tree in this process and keep the peer informed."""
+    """Prove with cuts in this process and keep the peer informed."""
     others.close()
     recorder = LinkedRecorder(instance, limits, ignore, start)
     recorder.link = link
-    with contextlib.suppress(KeyboardInterrupt):  # the peer is interrupted as well, and says so
-        ended, _ = ArcTree().prove(recorder, seed + 1)  # beside it the peer searches by its own seeds
+    with contextlib.suppress(KeyboardInterrupt):  # how SCIP says that it was interrupted: the peer was first
+        ended, _, tolerance = _cut(recorder, seed + 1)  # beside it the peer searches by its own seeds
         if ended == "proof":
-            recorder.tell_proof(left_open(recorder))
+            recorder.tell_proof(tolerance)
     link.close()
 
 

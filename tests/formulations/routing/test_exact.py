@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
+from formulations.moving_cost.families import generate
 from formulations.routing.exact import Exact
 from formulations.routing.recorder import LinkedRecorder
 from formulations.routing.solver import Event, Status, ignore
@@ -25,8 +26,8 @@ def random_instance(n: int, m: int, seed: int) -> Instance:
     [
         (8, 2, 1, {"subset-dp"}),
         (17, 3, 1, {"branch-and-price"}),
-        (18, 1, 1, {"arc-tree"}),
-        (17, 2, 2, {"branch-and-price", "arc-tree"}),
+        (18, 1, 1, {"branch-and-cut"}),
+        (17, 2, 2, {"branch-and-price", "branch-and-cut"}),
         (17, 3, 2, {"branch-and-price"}),
     ],
 )
@@ -59,7 +60,7 @@ def test_a_fleet_that_cannot_fly_all_is_proved_to_be_one(threads: int, feasible:
     instance = Instance.of_travel("fleet", Travel.of_uavs([without, cost]), 17, endurance=endurance)
     result = Exact().solve(instance, limits=Limits(time=300.0, threads=threads))
     assert result.status is (Status.OPTIMAL if feasible else Status.INFEASIBLE)
-    assert result.statistics["proved_by"] in {"branch-and-price", "arc-tree"}
+    assert result.statistics["proved_by"] in {"branch-and-price", "branch-and-cut"}
     if feasible:
         oracle = SubsetDp().solve(instance, limits=Limits(time=300.0))
         assert result.objective == pytest.approx(oracle.objective, abs=result.tolerance)
@@ -67,12 +68,42 @@ def test_a_fleet_that_cannot_fly_all_is_proved_to_be_one(threads: int, feasible:
     assert not multiprocessing.active_children()
 
 
+def three_at_one_site(n: int, seed: int) -> Instance:
+    """Return three UAVs that nothing tells apart."""
+    nodes = [*range(n), n, n, n]
+    return Instance("one-site", random_instance(n, 1, seed).cost[np.ix_(nodes, nodes)], n, 3)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_three_uavs_of_one_site_are_proved_over_arcs_or_tours(threads: int) -> None:
+    instance = three_at_one_site(17, 4)
+    result = Exact().solve(instance, limits=Limits(time=300.0, threads=threads))
+    assert result.status is Status.OPTIMAL
+    assert result.statistics["proved_by"] in {"branch-and-price", "arc-tree"}
+    oracle = SubsetDp().solve(instance, limits=Limits(time=300.0))
+    assert result.objective == pytest.approx(oracle.objective, abs=result.tolerance)
+    assert not multiprocessing.active_children()
+
+
 @pytest.mark.slow
-def test_columns_go_on_from_arcs_that_ended_early() -> None:
-    """One case of arcs proves nothing here: columns take over, and nothing false is claimed."""
+@pytest.mark.parametrize("alike", [True, False])
+def test_three_uavs_and_long_tours_take_turns(alike: bool) -> None:
+    """One node of each proves nothing here: the other goes on, and nothing false is claimed."""
+    instance = three_at_one_site(54, 1) if alike else generate("square-wind", 60, 3, 8)
+    result = Exact().solve(instance, limits=Limits(time=60.0, iterations=1))
+    assert result.statistics["cut_nodes"] == 1
+    assert "rounds" in result.statistics
+    assert result.routes is not None
+    assert not check_routes(instance, result.routes)
+    assert 0 < (result.bound or 0.0) < (result.objective or 0.0)
+
+
+@pytest.mark.slow
+def test_columns_go_on_from_cuts_that_ended_early() -> None:
+    """One node of cuts proves nothing here: columns take over, and nothing false is claimed."""
     instance = random_instance(36, 2, 3)
     result = Exact().solve(instance, limits=Limits(time=60.0, iterations=1))
-    assert "arc_nodes" in result.statistics
+    assert "cut_nodes" in result.statistics
     assert "rounds" in result.statistics
     assert result.routes is not None
     assert not check_routes(instance, result.routes)

@@ -1,10 +1,11 @@
-"""arc-tree: branch and cut over the paper's MILP with strong branching, and bounds computed anew from prices.
+"""arc-tree: branch and cut over the paper's MILP by our own tree, and bounds computed anew from prices.
 
 Where `branch-and-cut` leaves cases, branches and bounds to SCIP, here they are our own (`arcs/`): the linear programme
-holds few arcs and prices the rest, cuts are const6 in its depot-linked form, and a case is split where trials say that
-both cases after it gain most: first on which UAV takes which task (after Applegate, Cook, Dash & Rohe, "Solution of a
-min-max vehicle routing problem", INFORMS J. Comput. 14, 2002, who do so in their tree). Bounds are the Lagrangian at
-the programme's duals, so that no tolerance of it is in them, and a proof can be kept (`certifying.py`).
+holds few arcs and prices the rest, cuts are const6 in its depot-linked form, and of the most undecided splits a case
+takes the one of which trials say that both cases after it gain most: first on which UAV takes which task (after
+Applegate, Cook, Dash & Rohe, "Solution of a min-max vehicle routing problem", INFORMS J. Comput. 14, 2002, who do so
+in their tree). Bounds are the Lagrangian at the programme's duals, so that no tolerance of it is in them, and a proof
+can be kept (`certifying.py`).
 
 Strong where tours are long and UAVs three, and where two fly from one site; of two sites far apart `branch-and-cut` is.
 """
@@ -51,7 +52,7 @@ class ArcTree(RecordedSolver):
     """
 
     starts: int = 1
-    tried: int = 10
+    tried: int = 3
 
     proves: ClassVar[bool] = True
     axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})

@@ -5,9 +5,8 @@
 * with two threads, where UAVs are few for the tasks, or of at most two kinds, cuts run beside it in a process of their
   own, for longer tours: both pass on every better incumbent and bound the moment they have it, and the first proof ends
   both; else columns look for tours of two UAVs at once;
-* with one thread and few UAVs for the tasks, one after the other, each with what the other found: where UAVs are two,
-  or nothing tells them apart, cuts for three quarters of the time and columns for the rest, else columns for half of
-  it and cuts for the rest.
+* with one thread and few UAVs for the tasks, which are two or which nothing tells apart, cuts for three quarters of the
+  time, then columns with what these found.
 
 Cuts are `branch-and-cut` of two UAVs, `arc-tree` of three and more.
 Methods that do not take the instance's axes are left out; with a window of take-off only `subset-dp` is left.
@@ -47,7 +46,7 @@ LONG, FEW_UAVS, FEW_KINDS = 18, 3, 2
 """Tasks per UAV from which, and UAVs up to which, cuts prove what columns do not; and kinds in which they do."""
 TWO = 2
 """UAVs up to which `branch-and-cut` is the quicker with cuts."""
-_CUTS_FIRST, _COLUMNS_FIRST = 0.75, 0.5
+_CUTS_FIRST = 0.75
 _TELLING = 0.2  # seconds a peer is given to end by itself
 _PROVED = (Status.OPTIMAL, Status.INFEASIBLE)
 
@@ -88,8 +87,8 @@ class Exact(RecordedSolver):
             few = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
             if recorder.limits.threads >= 2 and (few or _kinds(instance) <= FEW_KINDS):
                 return _side_by_side(recorder, columns, seed)
-            if few:
-                return _in_turn(recorder, columns, seed)
+            if few and (instance.n_depots <= TWO or _kinds(instance) == 1):
+                return _one_after_the_other(recorder, columns, seed)
         ended, counts = columns.prove(recorder, seed, recorder.limits.threads)
         return _result(recorder, ended, "branch-and-price", left_open(recorder), counts)
 
@@ -124,23 +123,17 @@ def _name(instance: Instance) -> str:
     return "branch-and-cut" if isinstance(_cuts(instance), BranchAndCut) else "arc-tree"
 
 
-def _in_turn(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
-    """Cuts and columns, or columns and cuts, each with what the other found."""
-    instance, counts = recorder.instance, dict[str, Any]()
-    cuts_first = instance.n_depots <= TWO or _kinds(instance) == 1
-    for cuts, share in ((True, _CUTS_FIRST), (False, 1.0)) if cuts_first else ((False, _COLUMNS_FIRST), (True, 1.0)):
-        limits = Limits(time=max(share * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
-        own = Recorder(instance, limits, _into(recorder), recorder.routes)
-        own.raise_bound(recorder.bound)
-        if cuts:
-            ended, found, tolerance = _cut(own, seed)
-            counts |= {f"cut_{name}": value for name, value in found.items()}
-        else:
-            ended, found = columns.prove(own, seed)
-            counts, tolerance = counts | found, left_open(recorder)
-        if ended == "proof" or recorder.remaining <= 0:
-            break
-    return _result(recorder, ended, _name(instance) if cuts else "branch-and-price", tolerance, counts)
+def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
+    """Cuts, and columns with what these found."""
+    limits = Limits(time=max(_CUTS_FIRST * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
+    own = Recorder(recorder.instance, limits, _into(recorder), recorder.routes)
+    own.raise_bound(recorder.bound)
+    ended, found, tolerance = _cut(own, seed)
+    counts = {f"cut_{name}": value for name, value in found.items()}
+    if ended == "proof" or recorder.remaining <= 0:
+        return _result(recorder, ended, _name(recorder.instance), tolerance, counts)
+    ended, own_counts = columns.prove(recorder, seed, recorder.limits.threads)
+    return _result(recorder, ended, "branch-and-price", left_open(recorder), {**own_counts, **counts})
 
 
 def _into(recorder: Recorder) -> Observer:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -24,9 +24,10 @@ from formulations.routing.arcs.programme import Programme
 from formulations.routing.arcs.proof import ArcProof
 from formulations.routing.arcs.tree import CaseTree
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.searching import STEPS, Search, search
+from formulations.routing.proved import TOLERANCE, StoppedBy, result_of
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
+from formulations.routing.search_beside import Search, first_routes
 from formulations.routing.separation import subtours, two_cycles
 from formulations.routing.simple_bounds import SIMPLE, worst_makespan
 from formulations.routing.solver import Result
@@ -35,12 +36,11 @@ from instances import InputError, Instance
 from instances.arrays import Floats
 from instances.routes import ENDURANCE_ROUNDING
 
-TOLERANCE = 1e-7
-"""Of the longest tour: routes better by less are neither looked for nor excluded."""
-
 MOST_THETA = 80_000
 """Beyond this a programme takes seconds for every case."""
 _ROUNDING = 1e-9
+_SEED = 500
+"""Of the search beside the tree, for another one than beside columns: in `exact` both may run."""
 
 
 @dataclass(frozen=True)
@@ -77,43 +77,28 @@ class ArcTree(RecordedSolver):
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts cases of the tree. Deterministic but for the clock."""
-        self.improve(recorder, 1000 * seed)
-        ended, counts = self.prove(recorder, seed)
-        proved = ended == "proof"
-        if proved and recorder.routes is None:
-            return recorder.infeasible(**counts)
-        return recorder.result(ended, proved=proved, tolerance=left_open(recorder), **counts)
+        first_routes(recorder, 1000 * seed, self.starts)
+        return self.prove(recorder, seed)
 
-    def improve(self, recorder: Recorder, seed: int) -> None:
-        """Look for routes for a third of the time left; there are some afterwards, unless UAVs cannot fly them."""
-        instance = recorder.instance
-        recorder.incumbent((tuple(instance.tasks), *((),) * (instance.n_depots - 1)))
-        for run in range(self.starts):
-            share = recorder.remaining / (3 * (self.starts - run))
-            search(recorder, STEPS * instance.n_tasks**2, seed, run, share)
-
-    def prove(self, recorder: Recorder, seed: int) -> tuple[str, dict[str, Any]]:
-        """Raise the recorder's bound to its incumbent, improving both; return `Result.stopped_by` and the counters.
-
-        "proof" without routes proves that there are none.
-        """
+    def prove(self, recorder: Recorder, seed: int) -> Result:
+        """Raise the recorder's bound to its incumbent, improving both; INFEASIBLE where that proves there are none."""
         instance = recorder.instance
         most = worst_makespan(instance) if instance.restricted else np.inf
         upper = min(recorder.objective, most)
         for simple_bound in SIMPLE.values():
             recorder.raise_bound(simple_bound(instance, upper))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
-            return "proof", {}
+            return result_of(recorder, StoppedBy.PROOF, {})
         tree = self.tree(recorder, seed, upper)
         nodes = np.inf if recorder.limits.iterations is None else recorder.limits.iterations
         ended = tree.grow(recorder, lambda: min(recorder.objective * (1 - TOLERANCE), most), nodes)
-        return ended.value, dict(tree.counts)
+        return result_of(recorder, ended.value, tree.counts)
 
     def tree(self, recorder: Recorder, seed: int, upper: float, proof: ArcProof | None = None) -> CaseTree:
         """Return the tree before it grows; `upper` [s] > 0 is a cost that the best routes do not pass."""
         instance, legs = recorder.instance, Legs.of(recorder.instance)
         counts: Counter[str] = Counter()
-        beside = Search(recorder, counts, 1000 * seed, self.starts, TOLERANCE)
+        beside = Search(recorder, counts, 1000 * seed + _SEED, self.starts, TOLERANCE)
 
         def better() -> None:
             if self.starts > 0:
@@ -121,33 +106,17 @@ class ArcTree(RecordedSolver):
                 beside.better(0.0, ())
 
         limits = instance.limits * (1 + ENDURANCE_ROUNDING)
-        programme = Programme(_costs(instance, upper, limits), np.where(limits < upper, limits, np.inf) / upper)
+        programme = Programme(_costs(legs, upper, limits), np.where(limits < upper, limits, np.inf) / upper)
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=upper) + _ROUNDING * upper
-        tree = CaseTree(
-            programme,
-            legs.kinds(),
-            upper,
-            far,
-            lambda: recorder.remaining,
-            better,
-            self.tried,
-            proof or ArcProof(),
-        )
+        kinds, proof = legs.kinds(), proof or ArcProof()
+        tree = CaseTree(programme, kinds, upper, far, lambda: recorder.remaining, better, self.tried, proof)
         return tree
 
 
-def left_open(recorder: Recorder) -> float:
-    """Return what a proof leaves open [s]."""
-    return 0.0 if recorder.routes is None else 2 * TOLERANCE * recorder.objective
-
-
-def _costs(instance: Instance, upper: float, limits: Floats) -> Floats:
-    """Return c_ijk, (m, n + 1, n + 1), the depot last, in units of `upper` [s], infinite beyond it or endurance."""
-    n = instance.n_tasks
-    costs = np.empty((instance.n_depots, n + 1, n + 1))
-    for k, (depot, of_class) in enumerate(zip(instance.depots, instance.classes.tolist(), strict=True)):
-        nodes = [*instance.tasks, depot]
-        costs[k] = instance.class_costs[of_class][np.ix_(nodes, nodes)]
-        np.fill_diagonal(costs[k], np.inf)
-        costs[k][costs[k] > min(upper, limits[k]) * (1 + _ROUNDING)] = np.inf
+def _costs(legs: Legs, upper: float, limits: Floats) -> Floats:
+    """Return c_ijk, (m, n + 1, n + 1), the depot last, in units of `upper`, infinite beyond it or `limits` (m,) [s]."""
+    n = legs.n_tasks
+    costs = np.full((legs.n_uavs, n + 1, n + 1), np.inf)
+    costs[:, :n, :n], costs[:, n, :n], costs[:, :n, n] = legs.between, legs.out, legs.home
+    costs[costs > np.minimum(limits, upper)[:, None, None] * (1 + _ROUNDING)] = np.inf
     return costs / upper

@@ -8,7 +8,7 @@ Let P_k be the tours of UAV k (over any set of tasks, from and to its depot) and
 λ binary: the paper's problem (eqs. c_max, const1–const6) after Dantzig–Wolfe decomposition. Its relaxation is far
 stronger than that of θ_ijk, most of all because P_k holds only tours that cost less than the best routes known.
 
-1. Incumbent: the memetic search, for a while, and again while a gap is left.                  `columns/searching.py`
+1. Incumbent: the memetic search, for a while, and again while a gap is left.                    `search_beside.py`
 2. A tree, branching on who takes which task.                                    `columns/tree.py`, `branching.py`
 3. Where tours are long, arcs left out by the capped total.                                          `capped_total.py`
    At a node the relaxation by column generation, at the root begun with walks; legs fixed away by reduced cost; a
@@ -51,22 +51,20 @@ from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pool import Pool, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer, efforts, walking
 from formulations.routing.columns.proof_log import ProofLog
-from formulations.routing.columns.searching import STEPS, Search, search
 from formulations.routing.columns.state_labelling import StateLabels
 from formulations.routing.columns.team import Team
-from formulations.routing.columns.tree import StoppedBy, Tree
+from formulations.routing.columns.tree import Tree
 from formulations.routing.columns.walks import relax_by_walks
+from formulations.routing.proved import TOLERANCE, StoppedBy, result_of
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.states.searching import warm_up
+from formulations.routing.search_beside import Search, first_routes
 from formulations.routing.simple_bounds import SIMPLE, worst_makespan
 from formulations.routing.solver import Result
 from formulations.routing.stateless import stateless
 from formulations.routing.time_windows import windowed
 from instances import InputError, Instance, Travel, tour_costs
-
-TOLERANCE = 1e-7
-"""Of the longest tour: routes better by less are neither looked for nor excluded."""
 
 MOST_TASKS = 300
 _MOST_LEGS = 4_000_000
@@ -148,12 +146,8 @@ class BranchAndPrice(RecordedSolver):
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of the tree. Deterministic but for the clock."""
-        self.improve(recorder, 1000 * seed, self.starts)
-        ended, counts = self.prove(recorder, seed, recorder.limits.threads)
-        proved = ended == StoppedBy.PROOF
-        if proved and recorder.routes is None:
-            return recorder.infeasible(**counts)
-        return recorder.result(ended, proved=proved, tolerance=left_open(recorder), **counts)
+        first_routes(recorder, 1000 * seed, self.starts)
+        return result_of(recorder, *self.prove(recorder, seed, recorder.limits.threads))
 
     def prove(self, recorder: Recorder, seed: int, threads: int = 1) -> tuple[str, dict[str, Any]]:
         """Raise the recorder's bound to its incumbent, improving both; return `Result.stopped_by` and the counters.
@@ -240,17 +234,6 @@ class BranchAndPrice(RecordedSolver):
             tree.grow(recorder, TOLERANCE, np.inf)
             high = min(high if recorder.bound >= cap * (1 - TOLERANCE) else cap, recorder.objective)
 
-    def improve(self, recorder: Recorder, seed: int, runs: int) -> None:
-        """Look for routes: search `runs` times, from different seeds, for a third of the time left.
-
-        There are some afterwards, however poor, unless UAVs cannot fly them.
-        """
-        instance = recorder.instance
-        recorder.incumbent((tuple(instance.tasks), *((),) * (instance.n_depots - 1)))
-        for run in range(runs):
-            share = recorder.remaining / (3 * (runs - run))
-            search(recorder, STEPS * instance.n_tasks**2, seed, run, share)
-
 
 def _long(instance: Instance, legs: Legs) -> bool:
     """Say whether tours are long and all UAVs alike, at costs that neither time nor the state of a node changes."""
@@ -263,11 +246,6 @@ def labels_for(instance: Instance, most: int) -> Labels:
     n = instance.n_tasks
     room = min(most, max(1000, n << min(n, 40)))
     return StateLabels.of(instance, room) if "states" in instance.axes else make_store(n, room)
-
-
-def left_open(recorder: Recorder) -> float:
-    """Return what a proof leaves open [s]."""
-    return 0.0 if recorder.routes is None else 2 * TOLERANCE * recorder.objective
 
 
 def _prepare_states() -> None:

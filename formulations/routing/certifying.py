@@ -6,19 +6,21 @@ that the whole proof is in it. Where time ends first, what is certified is the b
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from formulations.limits import Limits
 from formulations.routing.arc_tree import ArcTree
 from formulations.routing.arcs.proof import KeptArcProof
-from formulations.routing.branch_and_price import TOLERANCE, BranchAndPrice
+from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.proof_log import KeptProof
+from formulations.routing.proved import TOLERANCE
 from formulations.routing.recorder import Recorder
+from formulations.routing.search_beside import first_routes
 from formulations.routing.simple_bounds import worst_makespan
 from formulations.routing.solver import ignore, refusal
 from instances import InputError, Instance, Routes
-from instances.certificate import Certificate, Cut
+from instances.certificate import Certificate, Cut, Node, Step
 
 _BELOW = 1e-9
 """Share by which the bound claimed is below the one found: room for rounding in the check."""
@@ -53,6 +55,8 @@ def certify(
     if reason:
         raise InputError(f"{instance.name} cannot be certified: {reason}")
     recorder = Recorder(instance, limits, ignore, start)
+    if recorder.routes is None:
+        first_routes(recorder, 1000 * seed, solver.starts)
     kept = _over_arcs(recorder, seed, solver) if isinstance(solver, ArcTree) else _over_tours(recorder, seed, solver)
     bound = min(kept.bound, recorder.objective * (1 - TOLERANCE), kept.most) * (1 - _BELOW)
     if not bound > 0:
@@ -67,15 +71,13 @@ class _Kept(NamedTuple):
 
     bound: float
     most: float
-    nodes: list[Any]
-    steps: list[Any]
+    nodes: list[Node]
+    steps: list[Step]
     cuts: tuple[Cut, ...]
 
 
 def _over_tours(recorder: Recorder, seed: int, solver: BranchAndPrice) -> _Kept:
     log = KeptProof()
-    if recorder.routes is None:
-        solver.improve(recorder, 1000 * seed, solver.starts)
     tree = solver.tree(recorder, seed, lambda: recorder.remaining <= 0, Legs.of(recorder.instance), log=log)
     tree.grow(recorder, TOLERANCE, _nodes(recorder))
     tree.close()
@@ -84,8 +86,6 @@ def _over_tours(recorder: Recorder, seed: int, solver: BranchAndPrice) -> _Kept:
 
 def _over_arcs(recorder: Recorder, seed: int, solver: ArcTree) -> _Kept:
     instance = recorder.instance
-    if recorder.routes is None:
-        solver.improve(recorder, 1000 * seed)
     most = worst_makespan(instance) if instance.restricted else float("inf")
     unit = min(recorder.objective, most)
     proof = KeptArcProof(instance.n_depots, instance.n_tasks, unit)

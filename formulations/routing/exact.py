@@ -30,9 +30,11 @@ import numpy as np
 from formulations.limits import Limits
 from formulations.routing.arc_tree import ArcTree
 from formulations.routing.branch_and_cut import BranchAndCut
-from formulations.routing.branch_and_price import BranchAndPrice, left_open
+from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.legs import Legs
+from formulations.routing.proved import left_open
 from formulations.routing.recorder import LinkedRecorder, RecordedSolver, Recorder
+from formulations.routing.search_beside import first_routes
 from formulations.routing.solver import Observer, Result, Status, ignore, refusal
 from formulations.routing.stateless import stateless
 from formulations.routing.subset_dp import SubsetDp
@@ -71,7 +73,7 @@ class Exact(RecordedSolver):
             SubsetDp().prepare(instance)
             return
         BranchAndPrice().prepare(instance)
-        _cuts(instance).prepare(instance)
+        _cuts(instance)[1].prepare(instance)
 
     def search(self, recorder: Recorder, seed: int) -> Result:
         """Solve to proof or limit; `limits.iterations` counts nodes of each tree."""
@@ -82,8 +84,8 @@ class Exact(RecordedSolver):
             return dataclasses.replace(result, statistics={**result.statistics, "proved_by": proved_by})
         assert isinstance(recorder, LinkedRecorder)
         columns = BranchAndPrice()
-        columns.improve(recorder, 1000 * seed, columns.starts)
-        if recorder.objective > 0 and refusal(_cuts(instance), instance) is None:
+        first_routes(recorder, 1000 * seed, columns.starts)
+        if recorder.objective > 0 and refusal(_cuts(instance)[1], instance) is None:
             few = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
             if recorder.limits.threads >= 2 and (few or _kinds(instance) <= FEW_KINDS):
                 return _side_by_side(recorder, columns, seed)
@@ -103,24 +105,9 @@ def _kinds(instance: Instance) -> int:
     return np.unique(Legs.of(stateless(instance)).kinds()).size
 
 
-def _cuts(instance: Instance) -> BranchAndCut | ArcTree:
-    """Return the method with cuts."""
-    return BranchAndCut() if instance.n_depots <= TWO else ArcTree()
-
-
-def _cut(recorder: Recorder, seed: int) -> tuple[str, dict[str, Any], float]:
-    """Prove with cuts; return how that ended, the counters, and what a proof leaves open [s]."""
-    method = _cuts(recorder.instance)
-    if isinstance(method, ArcTree):
-        ended, counts = method.prove(recorder, seed)
-        return ended, counts, left_open(recorder)
-    result = method.prove(recorder, seed)
-    return "proof" if result.status in _PROVED else result.stopped_by, dict(result.statistics), result.tolerance
-
-
-def _name(instance: Instance) -> str:
-    """Return the name of the method with cuts."""
-    return "branch-and-cut" if isinstance(_cuts(instance), BranchAndCut) else "arc-tree"
+def _cuts(instance: Instance) -> tuple[str, BranchAndCut | ArcTree]:
+    """Return the method with cuts, and its name."""
+    return ("branch-and-cut", BranchAndCut()) if instance.n_depots <= TWO else ("arc-tree", ArcTree())
 
 
 def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
@@ -128,10 +115,11 @@ def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int)
     limits = Limits(time=max(_CUTS_FIRST * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
     own = Recorder(recorder.instance, limits, _into(recorder), recorder.routes)
     own.raise_bound(recorder.bound)
-    ended, found, tolerance = _cut(own, seed)
-    counts = {f"cut_{name}": value for name, value in found.items()}
-    if ended == "proof" or recorder.remaining <= 0:
-        return _result(recorder, ended, _name(recorder.instance), tolerance, counts)
+    by, cuts = _cuts(recorder.instance)
+    cut = cuts.prove(own, seed)
+    counts = {f"cut_{name}": value for name, value in cut.statistics.items()}
+    if cut.status in _PROVED or recorder.remaining <= 0:
+        return _result(recorder, cut.stopped_by, by, cut.tolerance, counts)
     ended, own_counts = columns.prove(recorder, seed, recorder.limits.threads)
     return _result(recorder, ended, "branch-and-price", left_open(recorder), {**own_counts, **counts})
 
@@ -163,7 +151,7 @@ def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) 
         ended, counts = columns.prove(recorder, seed)
         while ended != "proof" and recorder.remaining > 0 and recorder.link is not None:
             here.poll(min(recorder.remaining, 0.1))
-        by = "branch-and-price" if ended == "proof" else _name(recorder.instance)
+        by = "branch-and-price" if ended == "proof" else _cuts(recorder.instance)[0]
         tolerance = left_open(recorder)
         if recorder.met_by_peer:
             ended, tolerance = "proof", recorder.tolerance
@@ -184,9 +172,9 @@ def _cut_beside(
     recorder = LinkedRecorder(instance, limits, ignore, start)
     recorder.link = link
     with contextlib.suppress(KeyboardInterrupt):  # how SCIP says that it was interrupted: the peer was first
-        ended, _, tolerance = _cut(recorder, seed + 1)  # beside it the peer searches by its own seeds
-        if ended == "proof":
-            recorder.tell_proof(tolerance)
+        result = _cuts(instance)[1].prove(recorder, seed)
+        if result.status in _PROVED:
+            recorder.tell_proof(result.tolerance)
     link.close()
 
 

@@ -1,10 +1,10 @@
-"""Proofs over arcs beside those of SCIP, and what strong branching is worth, in one run.
+"""Proofs over arcs beside those of SCIP, and what trials of splits are worth, in one run.
 
-    python tests/benchmarks/arc_tree.py [--seconds 120] [--instances eil76_2,rat99_2] [--benchmarks DIR]
+    python tests/benchmarks/arc_tree.py [--seconds 120] [--instances eil76_2,100:2:0] [--tried 1,3,10] [--benchmarks DIR]
 
-Each line: how a method ended on an instance of mTSPLib with two or three UAVs, gap, CPU seconds of one thread from the
-same routes (a memetic search of ten seconds, not counted), cases of its tree. `tried` 1 branches on what is most
-undecided; the certificate's line says how long its check takes, and how large its file is.
+Instances: names of mTSPLib, or tasks:UAVs:seed of the family square-wind, whose depots are apart. Each line: how a
+method ended, gap, CPU seconds of one thread from the same routes (a memetic search of ten seconds, not counted), cases
+of its tree. The certificate's line says how long its check takes, and how large its file is.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 import public_sets
 
 from formulations.limits import Limits
+from formulations.moving_cost.families import generate
 from formulations.routing.arc_tree import ArcTree
 from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.routing.certifying import certify
@@ -25,12 +26,10 @@ from instances import Instance, Routes
 from instances.certificate import verify, write_certificate
 
 NAMES = ("eil51_2", "berlin52_2", "eil76_2", "rat99_2", "berlin52_3", "eil51_3")
-METHODS = {"arc-tree": ArcTree(), "arc-tree, tried 1": ArcTree(tried=1), "branch-and-cut": BranchAndCut()}
 
 
-def proof(name: str, instance: Instance, start: Routes, seconds: float) -> None:
+def proof(name: str, method: ArcTree | BranchAndCut, instance: Instance, start: Routes, seconds: float) -> None:
     """Print how one method ends."""
-    method = METHODS[name]
     method.prepare(instance)
     began = time.process_time()
     result = method.solve(instance, limits=Limits(time=seconds), start=start)
@@ -56,17 +55,24 @@ def main() -> None:
     """Print the lines."""
     parser = argparse.ArgumentParser(description="Proofs over arcs.")
     parser.add_argument("--seconds", type=float, default=120.0, help="limit of each method")
-    parser.add_argument("--instances", default=",".join(NAMES), help="names, with commas between")
+    parser.add_argument("--instances", default=",".join(NAMES), help="names, or n:m:seed, with commas between")
+    parser.add_argument("--tried", default="1,3", help="splits tried, with commas between")
     public_sets.add_option(parser)
     asked = parser.parse_args()
-    search = make_solver("memetic")
+    search, methods = make_solver("memetic"), dict[str, ArcTree | BranchAndCut]()
+    methods |= {f"arc-tree, {tried} tried": ArcTree(tried=int(tried)) for tried in asked.tried.split(",")}
+    methods["branch-and-cut"] = BranchAndCut()
     print("instance | method | status | gap | CPU s | cases")
-    for instance, _ in public_sets.public(asked.benchmarks, "single_mtsplib", only=tuple(asked.instances.split(","))):
+    for name in asked.instances.split(","):
+        if ":" in name:
+            instance = generate("square-wind", *map(int, name.split(":")))
+        else:
+            instance = public_sets.public(asked.benchmarks, "single_mtsplib", only=(name,))[0][0]
         search.prepare(instance)
         start = search.solve(instance, limits=Limits(time=10.0)).routes
         assert start is not None
-        for name in METHODS:
-            proof(name, instance, start, asked.seconds)
+        for label, method in methods.items():
+            proof(label, method, instance, start, asked.seconds)
         certificate(instance, start, asked.seconds)
 
 

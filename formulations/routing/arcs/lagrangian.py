@@ -45,7 +45,10 @@ class Cuts(NamedTuple):
 
 
 class ArcPrices(NamedTuple):
-    """σ (m,), λ (m,), w (m, n + 1), the depot last, u (m,), cuts with their μ (c,), and ρ of what the case needs."""
+    """σ (m,), λ (m,), w (m, n + 1), the depot last, u (m,), cuts with their μ (c,), and ρ of what the case needs.
+
+    σ and λ are shares, the others in units of U.
+    """
 
     sigma: Floats
     endurance: Floats

@@ -45,8 +45,9 @@ class Programme:
 
     cost (m, n + 1, n + 1), limits (m,) : c_ijk, infinite where there is no arc, and L_k, infinite where there is none,
         in units of U; the depot is the last node of each UAV.
-    value : of the programme as last solved; theta (m, n + 1, n + 1) : its arcs; cuts : the cuts in it.
-    prices, bound : its duals, and the bound of the case at these.
+    case : that one; cuts : the cuts in the programme; uav, tail, head : its arcs, (a,).
+    value : of the programme as last solved, in units of U; theta (m, n + 1, n + 1) : θ of its arcs.
+    prices, reduced, bound : its duals, the reduced costs of all arcs at these and the bound of the case, the same.
     """
 
     def __init__(self, cost: Floats, limits: Floats) -> None:

@@ -25,8 +25,8 @@ class ArcProof:
     def __init__(self) -> None:
         self.cases = 1
 
-    def split(self, parent: Case, split: Split, within: bool) -> int:
-        """Note the case after `parent` on one side of a split; return its number."""
+    def split(self, parent: Case, split: Split, after: Case) -> int:
+        """Note the case `after` one on one side of a split; return its number."""
         self.cases += 1
         return self.cases - 1
 
@@ -56,16 +56,15 @@ class KeptArcProof(ArcProof):
         """The cuts that prices name, by their numbers."""
         return tuple(self._known)
 
-    def split(self, parent: Case, split: Split, within: bool) -> int:
+    def split(self, parent: Case, split: Split, after: Case) -> int:
         """Note a case."""
-        number, after = super().split(parent, split, within), split.within(parent) if within else split.without(parent)
+        number, more = super().split(parent, split, after), len(after.needed) - len(parent.needed)
         if isinstance(split, Give):
-            before = parent.forbidden[:, split.task]
-            new = np.flatnonzero(after.forbidden[:, split.task] & ~before).tolist()
-            self.nodes.append(Node(parent.number, split.task, tuple(new)))
+            new = after.forbidden[:, split.task] & ~parent.forbidden[:, split.task]
+            self.nodes.append(Node(parent.number, split.task, tuple(np.flatnonzero(new).tolist())))
         else:
-            self.nodes.append(Node(parent.number, arcs=split.arcs, flown=within))
-        last, more = self._last[parent.number], len(after.needed) - len(parent.needed)
+            self.nodes.append(Node(parent.number, arcs=split.arcs, flown=more > 0))
+        last = self._last[parent.number]
         self._last[number] = replace(last, rho=last.rho + (0.0,) * more)
         return number
 

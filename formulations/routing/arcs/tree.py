@@ -1,10 +1,10 @@
 """The tree over arcs: down from case to case until one is closed, then on from the newest open one.
 
 Cases that follow each other then have most of their cuts in common, which a third less rounds came of than of going on
-from the least bound (eil51_3: 42 s, open after 83). Every tenth time it is the least, for bounds to rise meanwhile.
+from the least bound. Every tenth time it is the least, for bounds to rise meanwhile.
 
 A case is solved, cut and solved again until its bound passes the cap, or cuts hardly raise it; then it is split where
-that raises the value of both cases after it most: strong branching, first on who takes which task, then on arcs
+that raises the value of both cases after it most, as trials say: first on who takes which task, then on arcs
 (Applegate, Bixby, Chvátal & Cook, "Finding cuts in the TSP", DIMACS 1995).
 """
 
@@ -21,7 +21,7 @@ import numpy as np
 from formulations.routing.arcs.case import Case, Fly, Give, Split
 from formulations.routing.arcs.programme import Programme
 from formulations.routing.arcs.proof import ArcProof
-from formulations.routing.columns.tree import StoppedBy
+from formulations.routing.proved import StoppedBy
 from formulations.routing.recorder import Recorder
 from instances import Routes
 from instances.arrays import Floats, Ints
@@ -109,7 +109,7 @@ class CaseTree:
             self.better()
             self._after(settled, cap())
             recorder.raise_bound(self.bound(cap()))
-        return StoppedBy.PROOF if self.unit * self._stuck > cap() else StoppedBy.MEMORY
+        return StoppedBy.PROOF if self.unit * self._stuck > cap() else StoppedBy.STUCK
 
     def _take(self) -> Case:
         """Take an open case to go on with."""
@@ -166,12 +166,12 @@ class CaseTree:
             self._stuck = min(self._stuck, case.bound)
             self.proof.leave(case)
             return
-        after = [
-            replace(part, number=self.proof.split(case, split, number == 1))
-            for number, part in enumerate((split.without(case), split.within(case)))
-        ]
-        self._open.append(after[0])
-        self._next = after[1]
+        without, within = (
+            replace(part, number=self.proof.split(case, split, part))
+            for part in (split.without(case), split.within(case))
+        )
+        self._open.append(without)
+        self._next = within
 
     def _choose(self, case: Case, cap: float) -> Split | None:
         """Return the split that raises the values of the cases after it most."""

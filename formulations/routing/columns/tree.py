@@ -12,7 +12,6 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Sequence
-from enum import StrEnum
 
 import numpy as np
 
@@ -20,22 +19,12 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pricing import Column
 from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
+from formulations.routing.proved import StoppedBy
 from formulations.routing.recorder import Recorder
 from instances.arrays import Ints
 
 _EQUAL = 1e-4
 """Bounds count as equal within this share."""
-
-
-class StoppedBy(StrEnum):
-    """Why the tree stopped growing, in the words of `Result.stopped_by`."""
-
-    PROOF = "proof"
-    """No routes of cost ≤ cap are left."""
-    TIME = "time"
-    ITERATIONS = "iterations"
-    MEMORY = "memory"
-    """Nodes were left aside whose tours are too many for the label store, whatever else ended it."""
 
 
 class Tree:

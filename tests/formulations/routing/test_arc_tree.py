@@ -181,6 +181,7 @@ def test_a_recorder_that_runs_out_of_time_stops_the_tree() -> None:
     instance = random_instance(14, 3, 5)
     recorder = Impatient(instance, LIMITS, lambda event: None)
     recorder.incumbent(greedy_routes(instance))
-    ended, counts = ArcTree(starts=0).prove(recorder, 0)
-    assert ended == "time"
-    assert counts.get("nodes", 0) <= 1
+    result = ArcTree(starts=0).prove(recorder, 0)
+    assert result.stopped_by == "time"
+    assert result.status is Status.FEASIBLE
+    assert result.statistics.get("nodes", 0) <= 1

@@ -16,11 +16,11 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer, efforts
-from formulations.routing.columns.searching import part, search
 from formulations.routing.columns.team import Team
 from formulations.routing.columns.tree import Tree
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
+from formulations.routing.search_beside import part, search
 from formulations.routing.solver import Result, Status, ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Routes, check_routes

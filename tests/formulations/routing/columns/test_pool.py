@@ -14,9 +14,9 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool, PoolPricer, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer
-from formulations.routing.columns.searching import search_around
 from formulations.routing.columns.tightening import long_tours
 from formulations.routing.recorder import Recorder
+from formulations.routing.search_beside import search_around
 from formulations.routing.solver import ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes

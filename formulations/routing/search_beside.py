@@ -65,6 +65,18 @@ class Search:
         return self.recorder.objective < before * (1 - self.tolerance)
 
 
+def first_routes(recorder: Recorder, seed: int, runs: int) -> None:
+    """Look for routes: search `runs` times, from different seeds, for a third of the time left.
+
+    There are some afterwards, however poor, unless UAVs cannot fly them.
+    """
+    instance = recorder.instance
+    recorder.incumbent((tuple(instance.tasks), *((),) * (instance.n_depots - 1)))
+    for run in range(runs):
+        share = recorder.remaining / (3 * (runs - run))
+        search(recorder, STEPS * instance.n_tasks**2, seed, run, share)
+
+
 def search(recorder: Recorder, steps: int, seed: int, run: int, time: float) -> None:
     """Run the memetic search for the `run`-th time, where it takes the instance: the tree needs no routes to begin.
 

@@ -177,7 +177,9 @@ class Run:
     )
     bound: float | None = _kept("number", "s", "lower bound on the objective, in its unit", required=True)
     elapsed: float = _kept("amount", "s", "wall clock of the solve alone")
-    stopped_by: str = _kept("line", "", "what ended the run: proof, time, iterations, memory, finished, killed, error")
+    stopped_by: str = _kept(
+        "line", "", "what ended the run: proof, time, iterations, memory, stuck, finished, killed, error"
+    )
     message: str = _kept("line", "", "one sentence")
     tolerance: float | None = _kept("number", "s", "OPTIMAL means objective − bound ≤ tolerance")
     claimed_objective: float | None = _kept("number", "s", "what the method claimed")

@@ -1,6 +1,6 @@
 """Proofs over arcs beside those of SCIP, and what trials of splits are worth, in one run.
 
-    python tests/benchmarks/arc_tree.py [--seconds 120] [--instances eil76_2,100:2:0] [--tried 1,3,10] [--benchmarks DIR]
+    python tests/benchmarks/arc_tree.py [--seconds 120] [--instances eil76_2,100:2:0] [--tried 1,3] [--benchmarks DIR]
 
 Instances: names of mTSPLib, or tasks:UAVs:seed of the family square-wind, whose depots are apart. Each line: how a
 method ended, gap, CPU seconds of one thread from the same routes (a memetic search of ten seconds, not counted), cases

@@ -19,6 +19,7 @@ from typing import ClassVar
 import numpy as np
 
 from formulations.routing.arcs.case import Case
+from formulations.routing.arcs.crowds import one_tree
 from formulations.routing.arcs.lagrangian import ArcPrices, Cuts, reduced_costs
 from formulations.routing.arcs.programme import Programme
 from formulations.routing.arcs.proof import ArcProof
@@ -28,7 +29,7 @@ from formulations.routing.proved import TOLERANCE, StoppedBy, result_of
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search_beside import Search, first_routes
-from formulations.routing.separation import subtours, two_cycles
+from formulations.routing.separation import cut_tree, subtours, two_cycles
 from formulations.routing.simple_bounds import SIMPLE, worst_makespan
 from formulations.routing.solver import Result
 from formulations.routing.theta_count import why_too_large
@@ -71,8 +72,11 @@ class ArcTree(RecordedSolver):
         Memetic().prepare(instance)
         subtours(np.zeros((2, 2)), 0.0)
         two_cycles(np.zeros((2, 2)), 0.0)
+        cut_tree(np.zeros((2, 2)))
+        one_tree(np.ones((3, 3)), 4.0, 1)
         one, nothing = np.ones(1), np.zeros(1)
-        prices = ArcPrices(one, nothing, np.zeros((1, 2)), nothing, Cuts.none(1), np.zeros(0), np.zeros(0))
+        none = np.zeros(0)
+        prices = ArcPrices(one, nothing, np.zeros((1, 2)), nothing, Cuts.none(1), none, none, (), none)
         reduced_costs(prices, np.ones((1, 2, 2)), Case.root(np.zeros(1, np.int64), 1))
 
     def search(self, recorder: Recorder, seed: int) -> Result:

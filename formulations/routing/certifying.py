@@ -20,7 +20,7 @@ from formulations.routing.search_beside import first_routes
 from formulations.routing.simple_bounds import worst_makespan
 from formulations.routing.solver import ignore, refusal
 from instances import InputError, Instance, Routes
-from instances.certificate import Certificate, Cut, Node, Step
+from instances.certificate import Certificate, Crowd, Cut, Node, Parity, Step
 
 _BELOW = 1e-9
 """Share by which the bound claimed is below the one found: room for rounding in the check."""
@@ -63,7 +63,8 @@ def certify(
         raise InputError(f"{instance.name}: no bound was reached in {limits.time:g} s")
     objective = None if recorder.routes is None else recorder.objective
     nodes, steps = tuple(kept.nodes), tuple(kept.steps)
-    return Certificate(instance.name, instance.digest, bound, objective, recorder.routes or (), nodes, steps, kept.cuts)
+    about = (instance.name, instance.digest, bound, objective, recorder.routes or ())
+    return Certificate(*about, nodes, steps, kept.cuts, kept.joint)
 
 
 class _Kept(NamedTuple):
@@ -73,7 +74,8 @@ class _Kept(NamedTuple):
     most: float
     nodes: list[Node]
     steps: list[Step]
-    cuts: tuple[Cut, ...]
+    cuts: tuple[Cut, ...] = ()
+    joint: tuple[Parity | Crowd, ...] = ()
 
 
 def _over_tours(recorder: Recorder, seed: int, solver: BranchAndPrice) -> _Kept:
@@ -81,7 +83,7 @@ def _over_tours(recorder: Recorder, seed: int, solver: BranchAndPrice) -> _Kept:
     tree = solver.tree(recorder, seed, lambda: recorder.remaining <= 0, Legs.of(recorder.instance), log=log)
     tree.grow(recorder, TOLERANCE, _nodes(recorder))
     tree.close()
-    return _Kept(log.bound, tree.most, log.nodes, log.steps, ())
+    return _Kept(log.bound, tree.most, log.nodes, log.steps)
 
 
 def _over_arcs(recorder: Recorder, seed: int, solver: ArcTree) -> _Kept:
@@ -92,7 +94,7 @@ def _over_arcs(recorder: Recorder, seed: int, solver: ArcTree) -> _Kept:
     tree = solver.tree(recorder, seed, unit, proof)
     tree.grow(recorder, lambda: min(recorder.objective * (1 - TOLERANCE), most), _nodes(recorder))
     tree.close()
-    return _Kept(unit * proof.bound, most, proof.nodes, proof.steps, proof.cuts)
+    return _Kept(unit * proof.bound, most, proof.nodes, proof.steps, proof.cuts, proof.joint)
 
 
 def _nodes(recorder: Recorder) -> float:

@@ -97,6 +97,31 @@ def _subtours(theta: Floats, y: Floats, order: Ints, least: float) -> tuple[Bool
 
 
 @njit(cache=True)
+def cut_tree(weight: Floats) -> Bools:
+    """Return the sides of the fundamental cuts of a cut tree, (nodes − 1, nodes), of symmetric weights (Gusfield 1990).
+
+    Each is a smallest cut between the two nodes that it tells apart in the tree.
+    """
+    size = len(weight)
+    near, degree = _neighbours(weight)
+    above = np.full(size, size - 1)
+    sides = np.zeros((size - 1, size), dtype=np.bool_)
+    parent = np.empty(size, dtype=np.int64)
+    queue = np.empty(size, dtype=np.int64)
+    for v in range(size - 1):
+        residual = weight.copy()
+        _search(residual, near, degree, v, above[v], True, parent, queue)
+        while parent[above[v]] >= 0:
+            _augment(residual, parent, v, above[v])
+            _search(residual, near, degree, v, above[v], True, parent, queue)
+        for i in range(size):
+            sides[v, i] = parent[i] >= 0
+            if i > v and sides[v, i] and above[i] == above[v]:
+                above[i] = v
+    return sides
+
+
+@njit(cache=True)
 def _neighbours(theta: Floats) -> tuple[Ints, Ints]:
     """Return for each node the nodes it shares an arc with, and their number."""
     size = len(theta)

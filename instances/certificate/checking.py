@@ -28,7 +28,8 @@ import numpy as np
 
 from instances.arrays import Bools, Floats
 from instances.certificate.arcs import least_of_arcs, sound_arcs
-from instances.certificate.file import ArcPrices, Certificate, Node, Prices, Step
+from instances.certificate.file import ArcPrices, Certificate, Crowd, Node, Prices, Step
+from instances.certificate.joint import holds_no_tour, joint_row
 from instances.certificate.tours import Tours, UavLegs, list_tours
 from instances.errors import InputError
 from instances.instance import Instance
@@ -129,6 +130,7 @@ class _Check:
         for cut in certificate.cuts:
             if not {cut.visited} <= {*cut.tasks} <= {*range(self.n)} or not 0 <= cut.uav < self.m:
                 raise InputError("a cut must be of one of the UAVs, and of tasks, one of which is visited")
+        self.joint = [joint_row(cut, self.n) for cut in certificate.joint]
         for step in certificate.steps:
             self._sound(step)
             self.steps.setdefault(step.node, []).append(step)
@@ -142,6 +144,9 @@ class _Check:
         """Close every case from the first on."""
         if self.children.get(None) != [0]:
             raise _RefutedError("the first node alone must have no parent")
+        for number, cut in enumerate(self.certificate.joint):
+            if isinstance(cut, Crowd) and not holds_no_tour(cut, self.legs, self.caps):
+                raise _RefutedError(f"cut {number} of all UAVs: that its tasks are too many for one is not proved")
         open_cases = [(0, _Case(np.zeros((self.m, self.n), np.bool_), {}))]
         while open_cases:
             number, case = open_cases.pop()
@@ -155,7 +160,7 @@ class _Check:
         """Refuse prices of other sizes or signs than they must have."""
         at, prices = f"node {step.node}", step.prices
         if isinstance(prices, ArcPrices):
-            sound_arcs(at, prices, self.n, self.m, len(self.certificate.cuts))
+            sound_arcs(at, prices, self.n, self.m, len(self.certificate.cuts), len(self.joint))
             return
         numbers = np.array([*prices.task, *prices.uav, *prices.least, *prices.rho])
         sizes = len(prices.task), len(prices.uav), len(prices.least), len(prices.rho)
@@ -225,8 +230,8 @@ class _Check:
         """Close a case at prices of arcs, or refute it."""
         if len(prices.rho) != len(case.needed):
             raise InputError(f"node {number}: must have {len(case.needed)} prices rho, got {len(prices.rho)}")
-        cuts = self.certificate.cuts
-        beyond = least_of_arcs(self.legs, self.caps, prices, cuts, case.forbidden, case.banned, case.needed)
+        cuts, of_case = self.certificate.cuts, (case.forbidden, case.banned, case.needed)
+        beyond = least_of_arcs(self.legs, self.caps, prices, cuts, self.joint, *of_case)
         if not beyond > 0:
             raise _RefutedError(f"node {number} is not closed: its bound is {-beyond!r} s below {self.bound!r} s")
         return True

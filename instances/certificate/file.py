@@ -17,8 +17,8 @@ from instances.documents import json_of, text_of
 from instances.errors import InputError, naming, shown
 
 SUFFIX = ".certificate.json.gz"
-_FORMAT, _BY_TOURS, _BY_ARCS = "mmmdmtsp-certificate", 1, 2
-"""A file of version 1 closes its cases by tours alone."""
+_FORMAT, _BY_TOURS, _BY_ARCS, _WITH_JOINT = "mmmdmtsp-certificate", 1, 2, 3
+"""A file of version 1 closes its cases by tours alone, one of version 2 has no cuts of all UAVs."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,8 @@ class Prices:
 @dataclass(frozen=True)
 class ArcPrices:
     """Dual prices of arcs: `uav` σ_k ≥ 0 (m,); `potential` w_k(i) [s] (m, n + 1), the depot's last; `use` u_k ≤ 0 [s],
-    (m,); `mu` μ ≥ 0 [s] of the `cuts` of these numbers; `rho` ρ ≥ 0 [s] of what the case needs, in the order it came.
+    (m,); `mu` μ ≥ 0 [s] of the `cuts` of these numbers; `rho` ρ ≥ 0 [s] of what the case needs, in the order it came;
+    `nu` ν ≥ 0 [s] of the cuts of all UAVs of the numbers `joint`.
     """
 
     uav: tuple[float, ...]
@@ -47,6 +48,8 @@ class ArcPrices:
     cuts: tuple[int, ...] = ()
     mu: tuple[float, ...] = ()
     rho: tuple[float, ...] = ()
+    joint: tuple[int, ...] = ()
+    nu: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,25 @@ class Cut:
     uav: int
     visited: int
     tasks: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Parity:
+    """That what crosses the tasks `handle` is even: with `teeth` (i, j), of odd number and flown once at most, either
+    way where both are tasks, something else crosses, or not all of them are flown. The depot comes after the tasks.
+    """
+
+    handle: tuple[int, ...]
+    teeth: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class Crowd:
+    """That the `tasks` are entered twice, as a 1-tree at `potential` [s], the depot's first, says that no UAV can take
+    them all within the bound."""
+
+    tasks: tuple[int, ...]
+    potential: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -85,7 +107,8 @@ class Step:
 class Certificate:
     """The claim that no routes of the instance with that `digest` have a longest tour of at most `bound` [s].
 
-    `routes`, where there are any, are those known, of cost `objective` [s]; `cuts` are those that prices of arcs name.
+    `routes`, where there are any, are those known, of cost `objective` [s]; `cuts` are those that prices of arcs name,
+    `joint` those of all UAVs.
     """
 
     instance: str
@@ -96,11 +119,13 @@ class Certificate:
     nodes: tuple[Node, ...]
     steps: tuple[Step, ...]
     cuts: tuple[Cut, ...] = ()
+    joint: tuple[Parity | Crowd, ...] = ()
 
 
 def write_certificate(path: Path, certificate: Certificate) -> None:
     """Write the file, whole or not at all."""
-    version = _BY_ARCS if any(isinstance(step.prices, ArcPrices) for step in certificate.steps) else _BY_TOURS
+    by_arcs = any(isinstance(step.prices, ArcPrices) for step in certificate.steps)
+    version = (_WITH_JOINT if certificate.joint else _BY_ARCS) if by_arcs else _BY_TOURS
     text = json.dumps({"format": _FORMAT, "version": version, **asdict(certificate)}, separators=(",", ":"))
     write_aside(path, gzip.compress(text.encode(), mtime=0))
 
@@ -111,8 +136,9 @@ def read_certificate(path: Path) -> Certificate:
         content = json_of(text_of(read_unpacked(path)))
         if not isinstance(content, dict) or content.get("format") != _FORMAT:
             raise InputError(f"is no certificate: its format must be {_FORMAT!r}")
-        if content.get("version") not in (_BY_TOURS, _BY_ARCS):
-            raise InputError(f"version must be {_BY_TOURS} or {_BY_ARCS}, got {shown(content.get('version'))}")
+        if content.get("version") not in (_BY_TOURS, _BY_ARCS, _WITH_JOINT):
+            versions = f"{_BY_TOURS}, {_BY_ARCS} or {_WITH_JOINT}"
+            raise InputError(f"version must be {versions}, got {shown(content.get('version'))}")
         try:
             return _certificate(content)
         except (KeyError, TypeError, ValueError, OverflowError) as error:
@@ -147,14 +173,23 @@ def _certificate(content: dict[str, Any]) -> Certificate:
             Cut(int(cut["uav"]), int(cut["visited"]), tuple(int(i) for i in cut["tasks"]))
             for cut in content.get("cuts", ())
         ),
+        tuple(_joint(cut) for cut in content.get("joint", ())),
     )
+
+
+def _joint(content: dict[str, Any]) -> Parity | Crowd:
+    if "handle" in content:
+        teeth = tuple((int(i), int(j)) for i, j in content["teeth"])
+        return Parity(tuple(int(i) for i in content["handle"]), teeth)
+    return Crowd(tuple(int(i) for i in content["tasks"]), tuple(float(w) for w in content["potential"]))
 
 
 def _prices(content: dict[str, Any]) -> Prices | ArcPrices:
     if "potential" in content:
         uav, use, mu, by_need = (tuple(float(x) for x in content[name]) for name in ("uav", "use", "mu", "rho"))
         potential = tuple(tuple(float(x) for x in row) for row in content["potential"])
-        return ArcPrices(uav, potential, use, tuple(int(c) for c in content["cuts"]), mu, by_need)
+        joint, nu = tuple(int(c) for c in content.get("joint", ())), tuple(float(x) for x in content.get("nu", ()))
+        return ArcPrices(uav, potential, use, tuple(int(c) for c in content["cuts"]), mu, by_need, joint, nu)
     task, uav, least, rho = (tuple(float(x) for x in content[name]) for name in ("task", "uav", "least", "rho"))
     sets = tuple((int(a), int(b), int(c)) for a, b, c in content["sets"])
     return Prices(task, uav, least, sets, rho)

@@ -1,7 +1,7 @@
 """Certificates: those of true bounds hold, what is false is refuted, by code that shares none with what makes them."""
 
 from dataclasses import replace
-from itertools import permutations
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
@@ -14,7 +14,19 @@ from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.certifying import certify
 from formulations.routing.subset_dp import SubsetDp
 from instances import InputError, Instance, makespan
-from instances.certificate import Certificate, Cut, Node, Prices, Step, read_certificate, verify, write_certificate
+from instances.certificate import (
+    Certificate,
+    Crowd,
+    Cut,
+    Node,
+    Parity,
+    Prices,
+    Step,
+    read_certificate,
+    verify,
+    write_certificate,
+)
+from instances.certificate.joint import holds_no_tour
 from instances.certificate.tours import TooManyError, UavLegs, list_tours
 
 
@@ -207,6 +219,60 @@ def test_what_arcs_do_not_prove_is_refuted(over_arcs):
             verify(instance, replace(true, steps=(*true.steps[:-1], replace(last, prices=prices))))
     with pytest.raises(InputError, match="a cut must be of"):
         verify(instance, replace(true, cuts=(Cut(0, 11, (0, 1)), *true.cuts[1:])))
+
+
+def test_cuts_of_all_uavs_are_checked_for_themselves(over_arcs):
+    instance, true = over_arcs
+    kinds = [type(cut) for cut in true.joint]
+    parity, crowd = (next(cut for cut in true.joint if isinstance(cut, kind)) for kind in (Parity, Crowd))
+    assert any(step.prices.nu for step in true.steps)
+    easy = replace(crowd, tasks=crowd.tasks[:2], potential=(0.0, 0.0, 0.0))
+    where = kinds.index(Crowd)
+    false = replace(true, joint=(*true.joint[:where], easy, *true.joint[where + 1 :]))
+    assert "too many for one is not proved" in verify(instance, false).problems[0]
+    unusable = {
+        "odd number of teeth": replace(parity, teeth=parity.teeth[1:]),
+        "which cross its handle": replace(parity, teeth=((parity.handle[0], parity.handle[1]), *parity.teeth[1:])),
+        "must be different edges": replace(parity, teeth=(parity.teeth[1][::-1], *parity.teeth[1:])),
+        "some of the tasks 0": replace(parity, handle=(*parity.handle, 12)),
+        "finite potential": replace(crowd, potential=crowd.potential[1:]),
+    }
+    for said, cut in unusable.items():
+        with pytest.raises(InputError, match=said):
+            verify(
+                instance, replace(true, joint=(*true.joint, cut) if isinstance(cut, Parity) else (cut,) * len(kinds))
+            )
+    step = true.steps[-1]
+    for said, prices in {
+        "must be finite numbers": replace(step.prices, nu=(*step.prices.nu, 0.0)),
+        "cuts of all UAVs are 0": replace(step.prices, nu=(1.0,), joint=(len(kinds),)),
+        "must not be negative": replace(step.prices, nu=(-1.0,), joint=(0,)),
+    }.items():
+        with pytest.raises(InputError, match=said):
+            verify(instance, replace(true, steps=(*true.steps[:-1], replace(step, prices=prices))))
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_a_crowd_is_believed_only_where_no_tour_of_any_uav_holds_it(seed):
+    rng = np.random.default_rng(seed)
+    instance = drawn(5, 2, seed)
+    legs = [UavLegs(instance.cost[5 + k, :5], instance.cost[:5, :5].copy(), instance.cost[:5, 5 + k]) for k in range(2)]
+    for of in legs:
+        np.fill_diagonal(of.between, np.inf)
+    tasks = tuple(rng.choice(5, 3, replace=False).tolist())
+    others = [i for i in range(5) if i not in tasks]
+    tours = [order for more in ([], others[:1], others[1:], others) for order in permutations((*tasks, *more))]
+    shortest = min(
+        of.out[order[0]] + sum(of.between[i, j] for i, j in pairwise(order)) + of.home[order[-1]]
+        for of in legs
+        for order in tours
+    )
+    potential = tuple(rng.normal(0, 15, 4).tolist())
+    for share in rng.uniform(0.2, 1.0, 5):
+        if holds_no_tour(Crowd(tasks, potential), legs, np.array([share * shortest, 20.0])):
+            assert share < 1.0
+    assert not holds_no_tour(Crowd(tasks, potential), legs, np.array([shortest, 20.0]))
 
 
 @settings(max_examples=8, deadline=None)

@@ -1,15 +1,16 @@
 r"""The bound of a case at any prices: what a proof over arcs rests on, whatever the linear programme's tolerances.
 
 With c_ijk in units of a cost U, for σ_k ≥ 0 with Σσ ≤ 1, λ_k ≥ 0, any potentials w_k(i) (the depot's, w_k(k), too),
-u_k ≤ 0, ρ_e ≥ 0 of the sets of arcs e a case needs, and μ ≥ 0 of cuts (k, S, v), const6 in its depot-linked form,
+u_k ≤ 0, ρ_e ≥ 0 of the sets of arcs e a case needs, μ ≥ 0 of cuts (k, S, v), const6 in its depot-linked form, and ν ≥ 0
+of cuts Σ_k Σ_ij a_ij θ_ijk ≥ b of all UAVs (`joint.py`),
 
-    r_ijk = (σ_k + λ_k) c_ijk + w_k(i) − w_k(j) − Σ{μ : i ∉ S, j ∈ S} + Σ{μ : j = v} − Σ{ρ_e : ij ∈ e}
+    r_ijk = (σ_k + λ_k) c_ijk + w_k(i) − w_k(j) − Σ{μ : i ∉ S, j ∈ S} + Σ{μ : j = v} − Σ{ρ_e : ij ∈ e} − Σν a_ij
 
 and r_kik − u_k where the arc leaves the depot. Every task is entered once, and every UAV flies home at most once, so
 
-    C_max / U ≥ Σρ + Σu − Σ_k λ_k L_k / U + Σ_j min_{i,k} r_ijk + Σ_k min(0, min_i r_ikk)
+    C_max / U ≥ Σρ + Σν b + Σu − Σ_k λ_k L_k / U + Σ_j min_{i,k} r_ijk + Σ_k min(0, min_i r_ikk)
 
-over the arcs that the case allows. Rounding: no r is a sum of more than the cuts + 6 numbers, each at most `size`.
+over the arcs that the case allows. Rounding: no r is a sum of more numbers than cuts, needs and 6, each at most `size`.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from formulations.routing.arcs.case import Case
+from formulations.routing.arcs.joint import Joint
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
@@ -45,7 +47,8 @@ class Cuts(NamedTuple):
 
 
 class ArcPrices(NamedTuple):
-    """σ (m,), λ (m,), w (m, n + 1), the depot last, u (m,), cuts with their μ (c,), and ρ of what the case needs.
+    """σ (m,), λ (m,), w (m, n + 1), the depot last, u (m,), cuts with their μ (c,), ρ of what the case needs, and cuts
+    of all UAVs with their ν.
 
     σ and λ are shares, the others in units of U.
     """
@@ -57,6 +60,8 @@ class ArcPrices(NamedTuple):
     cuts: Cuts
     mu: Floats
     rho: Floats
+    joint: tuple[Joint, ...]
+    nu: Floats
 
 
 def reduced_costs(prices: ArcPrices, cost: Floats, case: Case) -> Floats:
@@ -69,6 +74,8 @@ def reduced_costs(prices: ArcPrices, cost: Floats, case: Case) -> Floats:
     for arcs, rho in zip(case.needed, prices.rho, strict=True):
         for i, j in arcs:
             reduced[:, i, j] -= rho
+    for joint, nu in zip(prices.joint, prices.nu, strict=True):
+        reduced -= nu * joint.entries
     return np.where(np.isfinite(cost), reduced, np.inf)
 
 
@@ -81,10 +88,12 @@ def bound_at(prices: ArcPrices, reduced: Floats, limits: Floats, lost: Bools) ->
         return np.inf
     home = np.minimum(left[:, :, n].min(axis=1), 0.0)
     of_limits = float(prices.endurance[prices.endurance > 0] @ limits[prices.endurance > 0])
-    value = float(prices.rho.sum() + prices.use.sum() + entered.sum() + home.sum()) - of_limits
+    of_joint = np.array([joint.least for joint in prices.joint]) * prices.nu
+    value = float(prices.rho.sum() + of_joint.sum() + prices.use.sum() + entered.sum() + home.sum()) - of_limits
     size = 2.0 + 2 * np.abs(prices.potential).max() + prices.mu.sum() + prices.rho.sum() + np.abs(prices.use).max()
-    size += prices.endurance.max() + of_limits
-    return value - 4 * (n + prices.use.size + 4) * (prices.mu.size + prices.rho.size + 6) * 2.0**-53 * float(size)
+    size += prices.endurance.max() + of_limits + prices.nu.sum() + np.abs(of_joint).sum()
+    terms = prices.mu.size + prices.rho.size + prices.nu.size + 6
+    return value - 4 * (n + prices.use.size + 4) * terms * 2.0**-53 * float(size)
 
 
 @njit(cache=True)

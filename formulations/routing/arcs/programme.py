@@ -7,6 +7,7 @@ r"""The linear programme of a case over arcs, solved warm by HiGHS from case to 
             Σ c_ijk θ_ijk ≤ z,  ≤ L_k                    every UAV k, duals −σ_k, −λ_k     (const5, endurance)
             Σ_{i∉S,j∈S} θ_ijk ≥ Σ_i θ_ivk                cuts (k, S, v), dual μ                     (const6)
             Σ_k Σ_{ij∈e} θ_ijk ≥ 1                       arcs e of which the case needs one, dual ρ
+            Σ_k Σ_ij a_ij θ_ijk ≥ b                      cuts of all UAVs, dual ν                   (`joint.py`)
 
 Arcs are priced: the nearest first, then what has a negative reduced cost. s keeps it feasible while arcs are missing.
 Its value is no bound: that comes of its duals (`lagrangian.py`).
@@ -18,7 +19,10 @@ import highspy
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.arcs.blossoms import blossoms
 from formulations.routing.arcs.case import Arcs, Case
+from formulations.routing.arcs.crowds import Crowds
+from formulations.routing.arcs.joint import Joint
 from formulations.routing.arcs.lagrangian import ArcPrices, Cuts, bound_at, reduced_costs
 from formulations.routing.separation import subtours, two_cycles
 from instances.arrays import Bools, Floats, Ints
@@ -37,6 +41,9 @@ _NEW = 2
 """Arcs added at once, for each node."""
 _SLACK, _SPARE = 1e-6, 100
 """A cut looser than that, and unpaid, may go; how many of these, and half of all, are kept."""
+_PIVOTS, _GOES = 5000, 20
+"""Pivots after which HiGHS begins anew from where it is, as it may stall (one ran 40 s, and ended in 0.4 s so); how
+often at most."""
 _INFINITY = highspy.kHighsInf
 
 
@@ -57,6 +64,7 @@ class Programme:
         self.cuts = Cuts.none(n)
         self.uav = self.tail = self.head = np.zeros(0, np.int64)
         self._known = ~np.isfinite(cost)
+        self._crowds = Crowds(cost, limits)
         self._lost = np.zeros_like(self._known)
         lp = self._lp = highspy.Highs()
         for option, value in (("output_flag", False), ("threads", 1), ("random_seed", 0)):
@@ -68,8 +76,8 @@ class Programme:
             lp.addRow(low, high, 0, np.array([], dtype=np.int32), np.array([]))
         self._own = [0, *np.cumsum([n, m * n, m, m, m, m]).tolist()]
         """Where each group of rows begins: entered, left, home, used, tours, endurance; then needs and cuts."""
-        self._rows: list[Arcs | None] = []
-        """What each row after these is: arcs of which one is needed, or the next cut."""
+        self._rows: list[Arcs | Joint | None] = []
+        """What each row after these is: arcs of which one is needed, a cut of all UAVs, or the next of `cuts`."""
         lp.addCol(1.0, 0.0, _INFINITY, m, np.arange(self._own[4], self._own[5], dtype=np.int32), -np.ones(m))
         for i in range(n):
             lp.addCol(_DEAR, 0.0, _INFINITY, 1, np.array([i], dtype=np.int32), np.ones(1))
@@ -110,17 +118,25 @@ class Programme:
 
     def _coefficients(self, uav: Ints, tail: Ints, head: Ints) -> Floats:
         """Return the entries of arcs in the rows after the first, (a, rows)."""
-        entries, of_cut = np.zeros((uav.size, len(self._rows))), [needed is None for needed in self._rows]
-        entries[:, of_cut] = _in_cuts(self.cuts, uav, tail, head)
-        for row, needed in enumerate(self._rows):
-            if needed is not None:
-                entries[:, row] = _among(needed, tail, head)
+        entries = np.zeros((uav.size, len(self._rows)))
+        entries[:, self._of_cuts()] = _in_cuts(self.cuts, uav, tail, head)
+        for number, row in enumerate(self._rows):
+            if row is not None:
+                entries[:, number] = _in_row(row, tail, head)
         return entries
 
-    def _add_row(self, low: float, entries: Floats, needed: Arcs | None) -> None:
+    def _of_cuts(self) -> list[bool]:
+        """Say which of the rows are those of `cuts`."""
+        return [row is None for row in self._rows]
+
+    def _needs(self) -> dict[Arcs, int]:
+        """Return arcs of which one is needed, each with its row."""
+        return {row: number for number, row in enumerate(self._rows) if isinstance(row, tuple)}
+
+    def _add_row(self, low: float, entries: Floats, row: Arcs | Joint | None) -> None:
         at = np.flatnonzero(entries)
         self._lp.addRow(low, _INFINITY, at.size, (1 + self.n + at).astype(np.int32), entries[at])
-        self._rows.append(needed)
+        self._rows.append(row)
 
     def _add_cuts(self, cuts: Cuts) -> None:
         for entries in _in_cuts(cuts, self.uav, self.tail, self.head).T:
@@ -135,10 +151,10 @@ class Programme:
         self._bound_arcs(index, self._lost[self.uav, self.tail, self.head])
         for arcs in case.needed:
             if arcs not in self._rows:
-                self._add_row(-_INFINITY, _among(arcs, self.tail, self.head), arcs)
-        for row, needed in enumerate(self._rows):
-            if needed is not None:
-                self._lp.changeRowBounds(self._own[-1] + row, 1.0 if needed in case.needed else -_INFINITY, _INFINITY)
+                self._add_row(-_INFINITY, _in_row(arcs, self.tail, self.head), arcs)
+        for arcs, number in self._needs().items():
+            low = 1.0 if arcs in case.needed else -_INFINITY
+            self._lp.changeRowBounds(self._own[-1] + number, low, _INFINITY)
 
     def insist(self) -> bool:
         """Make it dearer to leave out a task, where some is left out, unless it is dear enough; say whether it was."""
@@ -161,7 +177,11 @@ class Programme:
         """Solve, and compute the bound at the duals; say whether that was done within `time` [s]."""
         lp, n, m = self._lp, self.n, self.m
         lp.setOptionValue("time_limit", lp.getRunTime() + time)
-        lp.run()
+        lp.setOptionValue("simplex_iteration_limit", _PIVOTS)
+        for _ in range(_GOES):
+            lp.run()
+            if lp.getModelStatus() != highspy.HighsModelStatus.kIterationLimit:
+                break
         if lp.getModelStatus() != highspy.HighsModelStatus.kOptimal:
             return False
         solution = lp.getSolution()
@@ -173,14 +193,14 @@ class Programme:
         self._entered, left, home, used, tours, limited, others = np.split(np.asarray(solution.row_dual), self._own[1:])
         sigma, of_limits = np.maximum(-tours, 0.0), np.maximum(-limited, 0.0) * np.isfinite(self.limits)
         sigma /= max(1.0, float(sigma.sum()) * (1 + 1e-12))
-        rows = {needed: row for row, needed in enumerate(self._rows) if needed is not None}
-        rho = np.maximum([others[rows[needed]] for needed in self.case.needed], 0.0)
-        mu = np.maximum(others[[needed is None for needed in self._rows]], 0.0)
+        needs = self._needs()
+        rho = np.array([max(others[needs[arcs]], 0.0) for arcs in self.case.needed])
+        mu = np.maximum(others[self._of_cuts()], 0.0)
         potential = np.column_stack([left.reshape(m, n), -home])
-        paid = mu > 0
-        self.prices = ArcPrices(
-            sigma, of_limits, potential, np.minimum(used, 0.0), self.cuts.of(paid), mu[paid], np.asarray(rho)
-        )
+        paid, of_uavs = mu > 0, (sigma, of_limits, potential, np.minimum(used, 0.0))
+        joint = {row: nu for row, nu in zip(self._rows, others, strict=True) if isinstance(row, Joint) and nu > 0}
+        nu = np.array(list(joint.values()))
+        self.prices = ArcPrices(*of_uavs, self.cuts.of(paid), mu[paid], rho, tuple(joint), nu)
         self.reduced = reduced_costs(self.prices, self.cost, self.case)
         self.bound = bound_at(self.prices, self.reduced, self.limits, self._lost)
         return True
@@ -195,8 +215,11 @@ class Programme:
             self._add(arcs[order[: _NEW * (self.n + 1)]])
         return arcs.size > 0
 
-    def cut(self) -> int:
-        """Add the cuts that θ violates, of two tasks where there are any; return how many."""
+    def cut(self, cap: float) -> int:
+        """Add the cuts that θ violates and return how many: of two tasks, else of more, else of all UAVs together.
+
+        cap : what routes may cost that these must not cut off, in units of U.
+        """
         found = 0
         for k, theta in enumerate(self.theta):
             sets, visited = two_cycles(theta, _LEAST)
@@ -205,7 +228,13 @@ class Programme:
             tasks = np.pad(sets, ((0, 0), (0, 1)))
             self._add_cuts(Cuts(np.full(len(sets), k), tasks, visited.astype(np.int64)))
             found += len(sets)
-        return found
+        if found:
+            return found
+        together = self.theta.sum(axis=0)
+        joint: list[Joint] = [*self._crowds.cuts(together, cap, _LEAST), *blossoms(together, _LEAST)]
+        for cut in joint:
+            self._add_row(cut.least, _in_row(cut, self.tail, self.head), cut)
+        return len(joint)
 
     def forget(self) -> None:
         """Drop cuts that nothing pays for, and needs that the case does not need, where they have become many."""
@@ -213,17 +242,18 @@ class Programme:
         dual, value = (np.asarray(part)[self._own[-1] :] for part in (solution.row_dual, solution.row_value))
         if dual.size != len(self._rows):
             return
-        loose = (dual <= 0) & (value > _SLACK)
+        least = np.array([row.least if isinstance(row, Joint) else 0.0 for row in self._rows])
+        loose = (dual <= 0) & (value > least + _SLACK)
         spare = [
-            not loose[row] if needed is None else needed in self.case.needed for row, needed in enumerate(self._rows)
+            row in self.case.needed if isinstance(row, tuple) else not of_row
+            for row, of_row in zip(self._rows, loose, strict=True)
         ]
         drop = np.flatnonzero(~np.array(spare, dtype=np.bool_))
         if drop.size <= _SPARE + len(self._rows) / 2:
             return
         self._lp.deleteRows(drop.size, (self._own[-1] + drop).astype(np.int32))
-        of_cut = np.array([needed is None for needed in self._rows])
-        self.cuts = self.cuts.of(np.array(spare)[of_cut])
-        self._rows = [needed for needed, kept in zip(self._rows, spare, strict=True) if kept]
+        self.cuts = self.cuts.of(np.array(spare)[self._of_cuts()])
+        self._rows = [row for row, kept in zip(self._rows, spare, strict=True) if kept]
 
     def trial(self, case: Case, pivots: int) -> float:
         """Return what a few pivots raise the value to in a case after this one; leave everything as it was."""
@@ -232,7 +262,7 @@ class Programme:
         changed = np.flatnonzero(case.lost_arcs()[self.uav, self.tail, self.head] & ~arcs)
         self._bound_arcs(1 + self.n + changed, np.ones(changed.size, np.bool_))
         for needed in case.needed[len(self.case.needed) :]:
-            self._add_row(1.0, _among(needed, self.tail, self.head), needed)
+            self._add_row(1.0, _in_row(needed, self.tail, self.head), needed)
         lp.setOptionValue("simplex_iteration_limit", pivots)
         lp.setOptionValue("time_limit", _INFINITY)
         lp.run()
@@ -254,6 +284,8 @@ def _in_cuts(cuts: Cuts, uav: Ints, tail: Ints, head: Ints) -> Floats:
     return np.ascontiguousarray((entries * (cuts.uav[:, None] == uav)).T)
 
 
-def _among(arcs: Arcs, tail: Ints, head: Ints) -> NDArray[np.float64]:
-    """Return the entries of arcs in the row of those of which one is needed, (a,)."""
-    return np.any([(tail == i) & (head == j) for i, j in arcs], axis=0).astype(float)
+def _in_row(row: Arcs | Joint, tail: Ints, head: Ints) -> NDArray[np.float64]:
+    """Return the entries of arcs in the row of those of which one is needed, or of a cut of all UAVs, (a,)."""
+    if isinstance(row, tuple):
+        return np.any([(tail == i) & (head == j) for i, j in row], axis=0).astype(float)
+    return row.entries[tail, head].astype(float)

@@ -10,10 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from formulations.routing.arcs.case import Case, Give, Split
+from formulations.routing.arcs.joint import Blossom, Joint
 from formulations.routing.arcs.lagrangian import ArcPrices
 from instances.arrays import Floats
 from instances.certificate import ArcPrices as StoredPrices
-from instances.certificate import Cut, Node, Step
+from instances.certificate import Crowd, Cut, Node, Parity, Step
 
 _DIGITS = 9
 """Of a second, in what is kept: any prices prove something, and these nearly as much."""
@@ -50,11 +51,17 @@ class KeptArcProof(ArcProof):
         nothing = StoredPrices(_rounded(none), (_rounded(np.zeros(n_tasks + 1)),) * n_uavs, _rounded(none))
         self._last = {0: nothing}
         self._known: dict[Cut, int] = {}
+        self._joint: dict[Parity | Crowd, int] = {}
 
     @property
     def cuts(self) -> tuple[Cut, ...]:
         """The cuts that prices name, by their numbers."""
         return tuple(self._known)
+
+    @property
+    def joint(self) -> tuple[Parity | Crowd, ...]:
+        """The cuts of all UAVs that prices name, by their numbers."""
+        return tuple(self._joint)
 
     def split(self, parent: Case, split: Split, after: Case) -> int:
         """Note a case."""
@@ -76,8 +83,14 @@ class KeptArcProof(ArcProof):
         ]
         uav, unit = tuple(float(x) for x in prices.sigma + prices.endurance), self.unit
         potential = tuple(_rounded(unit * row) for row in prices.potential)
-        use, mu, rho = (_rounded(unit * part) for part in (prices.use, prices.mu, prices.rho))
-        self._last[case.number] = StoredPrices(uav, potential, use, tuple(paid), mu, rho)
+        joint = tuple(self._joint.setdefault(self._stored(cut), len(self._joint)) for cut in prices.joint)
+        use, mu, rho, nu = (_rounded(unit * part) for part in (prices.use, prices.mu, prices.rho, prices.nu))
+        self._last[case.number] = StoredPrices(uav, potential, use, tuple(paid), mu, rho, joint, nu)
+
+    def _stored(self, cut: Joint) -> Parity | Crowd:
+        if isinstance(cut, Blossom):
+            return Parity(cut.handle, cut.teeth)
+        return Crowd(cut.tasks, _rounded(self.unit * np.array(cut.potential)))
 
     def leave(self, case: Case) -> None:
         """Note a leaf and its bound."""

@@ -46,7 +46,7 @@ class Settled(Enum):
     OPEN = auto()
     """Nothing but a split helps."""
     ROUTES = auto()
-    """The programme has come to routes."""
+    """The programme has come to routes, as far as its tolerances tell."""
     STUCK = auto()
     """The programme could not be solved: its bound holds as far as it got."""
     INTERRUPTED = auto()
@@ -136,7 +136,7 @@ class CaseTree:
             if self.remaining() <= 0:
                 return Settled.INTERRUPTED
             whole = bool((np.abs(programme.theta - np.round(programme.theta)) < _WHOLE).all())
-            found, grown = programme.cut(), programme.grow()
+            found, grown = programme.cut(cap() / self.unit), programme.grow()
             self.counts["cuts"] += found
             if not found and not grown and not programme.insist():
                 return Settled.ROUTES if whole else Settled.OPEN
@@ -161,8 +161,8 @@ class CaseTree:
         if case.bound * self.unit > cap:
             self.proof.leave(case)
             return
-        split = self._choose(case, cap / self.unit) if settled is Settled.OPEN else None
-        if split is None:  # stuck, or routes that UAVs cannot fly, by less than the programme can tell
+        split = None if settled is Settled.STUCK else self._choose(case, cap / self.unit)
+        if split is None:  # stuck, or nothing is left to be decided
             self._stuck = min(self._stuck, case.bound)
             self.proof.leave(case)
             return
@@ -190,7 +190,10 @@ class CaseTree:
         return candidates[int(np.argmax(worth))]
 
     def _candidates(self, case: Case) -> list[Split]:
-        """Return splits that the programme's θ leaves open, the most undecided first: tasks, else edges, else arcs."""
+        """Return splits that the programme's θ leaves open, the most undecided first: tasks, else edges, else arcs.
+
+        Where it leaves none but the case does, by less than the programme can tell, those that it says are decided.
+        """
         theta, n = self.programme.theta, self.programme.n
         visits = theta[:, :, :n].sum(axis=1)
         _, first = np.unique(case.kinds, return_index=True)
@@ -207,7 +210,11 @@ class CaseTree:
             if arcs.size:
                 order = np.argsort(-undecided[tuple(arcs.T)], kind="stable")
                 return [_fly(i, j, both) for i, j in arcs[order].tolist()]
-        return []
+        taken = np.argwhere((visits[first] > 0.5) & ((~case.forbidden).sum(axis=0) > 1))
+        flies = (_fly(i, j, False) for i, j in np.argwhere(flown > 0.5).tolist())
+        return [Give(int(first[k]), i) for k, i in taken.tolist()] or [
+            split for split in flies if split.arcs not in case.needed
+        ]
 
     def _routes(self) -> Routes:
         """Return the routes that θ is."""

@@ -13,13 +13,16 @@ Strong where tours are long and UAVs three, and where two fly from one site; of 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
 
 from formulations.routing.arcs.case import Case
 from formulations.routing.arcs.crowds import one_tree
+from formulations.routing.arcs.helper import Helper
 from formulations.routing.arcs.lagrangian import ArcPrices, Cuts, reduced_costs
 from formulations.routing.arcs.programme import Programme
 from formulations.routing.arcs.proof import ArcProof
@@ -93,28 +96,47 @@ class ArcTree(RecordedSolver):
             recorder.raise_bound(simple_bound(instance, upper))
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
             return result_of(recorder, StoppedBy.PROOF, {})
-        tree = self.tree(recorder, seed, upper)
-        nodes = np.inf if recorder.limits.iterations is None else recorder.limits.iterations
-        ended = tree.grow(recorder, lambda: min(recorder.objective * (1 - TOLERANCE), most), nodes)
+        nodes, threads = recorder.limits.iterations, recorder.limits.threads
+        make = partial(_tree_of, instance, upper, self.tried)
+        # cases in turn are counted, and which a helper has depends on the clock
+        helpers = [Helper(instance, make) for _ in range(threads - 1)] if nodes is None else []
+        try:
+            tree = self.tree(recorder, seed, upper, helpers=helpers)
+            cap = lambda: min(recorder.objective * (1 - TOLERANCE), most)  # noqa: E731
+            ended = tree.grow(recorder, cap, np.inf if nodes is None else nodes)
+        finally:
+            for helper in helpers:
+                helper.close()
         return result_of(recorder, ended.value, tree.counts)
 
-    def tree(self, recorder: Recorder, seed: int, upper: float, proof: ArcProof | None = None) -> CaseTree:
+    def tree(
+        self,
+        recorder: Recorder,
+        seed: int,
+        upper: float,
+        proof: ArcProof | None = None,
+        helpers: Sequence[Helper] = (),
+    ) -> CaseTree:
         """Return the tree before it grows; `upper` [s] > 0 is a cost that the best routes do not pass."""
-        instance, legs = recorder.instance, Legs.of(recorder.instance)
         counts: Counter[str] = Counter()
         beside = Search(recorder, counts, 1000 * seed + _SEED, self.starts, TOLERANCE)
+        tree = _tree_of(recorder.instance, upper, self.tried, lambda: recorder.remaining)
 
         def better() -> None:
-            if self.starts > 0:
-                counts["rounds"] = tree.counts["rounds"]
-                beside.better(0.0, ())
+            counts["rounds"] = tree.counts["rounds"]
+            beside.better(0.0, ())
 
-        limits = instance.limits * (1 + ENDURANCE_ROUNDING)
-        programme = Programme(_costs(legs, upper, limits), np.where(limits < upper, limits, np.inf) / upper)
-        far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=upper) + _ROUNDING * upper
-        kinds, proof = legs.kinds(), proof or ArcProof()
-        tree = CaseTree(programme, kinds, upper, far, lambda: recorder.remaining, better, self.tried, proof)
+        tree.better, tree.helpers = better if self.starts > 0 else tree.better, helpers
+        tree.proof = proof or tree.proof
         return tree
+
+
+def _tree_of(instance: Instance, upper: float, tried: int, remaining: Callable[[], float]) -> CaseTree:
+    """Return a tree of the instance that searches for nothing beside, and keeps no proof."""
+    legs, limits = Legs.of(instance), instance.limits * (1 + ENDURANCE_ROUNDING)
+    programme = Programme(_costs(legs, upper, limits), np.where(limits < upper, limits, np.inf) / upper)
+    far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=upper) + _ROUNDING * upper
+    return CaseTree(programme, legs.kinds(), upper, far, remaining, tried)
 
 
 def _costs(legs: Legs, upper: float, limits: Floats) -> Floats:

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from enum import Enum, auto
 
 import numpy as np
 
 from formulations.routing.arcs.case import Case, Fly, Give, Split
+from formulations.routing.arcs.helper import TURN, Found, Helper
 from formulations.routing.arcs.programme import Programme
 from formulations.routing.arcs.proof import ArcProof
 from formulations.routing.proved import StoppedBy
@@ -34,6 +35,8 @@ _WHOLE, _UNDECIDED = 1e-5, 1e-6
 """What numbers may be off whole ones in routes, and from where on a split tells them apart."""
 _LOWEST = 10
 """Of so many closed cases one is followed by that of the least bound."""
+_WAIT = 0.05
+"""How long to wait for a helper where nothing else is to be done [s]."""
 _LEAST = 1e-6
 """What a trial counts for at least."""
 
@@ -57,8 +60,10 @@ class CaseTree:
     """Branch and cut over a programme.
 
     kinds (m,) : UAVs of one number are alike; unit [s] : that of the programme's costs; far (n,) : the way to each
-    task and back; remaining : how long it may go on [s]; better : searches on for routes where that is due; tried :
-    splits that are tried before one is chosen; proof : keeps what bounds rest on.
+    task and back; remaining : how long it may go on [s]; tried : splits that are tried before one is chosen.
+
+    better : searches on for routes where that is due; proof : keeps what bounds rest on; helpers : work on cases too,
+    where no proof is kept. None does anything unless set.
     """
 
     def __init__(
@@ -68,12 +73,12 @@ class CaseTree:
         unit: float,
         far: Floats,
         remaining: Callable[[], float],
-        better: Callable[[], object],
         tried: int,
-        proof: ArcProof,
     ) -> None:
-        self.programme, self.unit, self.far, self.remaining, self.better = programme, unit, far, remaining, better
-        self.tried, self.proof, self.counts = tried, proof, Counter[str]()
+        self.programme, self.unit, self.far, self.remaining, self.tried = programme, unit, far, remaining, tried
+        self.better: Callable[[], object] = lambda: None
+        self.proof, self.counts = ArcProof(), Counter[str]()
+        self.helpers: Sequence[Helper] = ()
         self._open: list[Case] = []
         """The newest last."""
         self._next: Case | None = Case.root(kinds, programme.n)
@@ -81,7 +86,7 @@ class CaseTree:
 
     def bound(self, cap: float) -> float:
         """Return a lower bound on all routes, no higher than `cap` [s]."""
-        least = min([self._stuck, *(case.bound for case in self._open)])
+        least = min([self._stuck, *(case.bound for case in self._open), *(helper.bound for helper in self.helpers)])
         least = least if self._next is None else min(least, self._next.bound)
         return min(cap, self.unit * least)
 
@@ -94,9 +99,13 @@ class CaseTree:
 
     def grow(self, recorder: Recorder, cap: Callable[[], float], nodes: float) -> StoppedBy:
         """Improve the recorder's routes and bound until no case is below the `cap` [s], or until stopped."""
-        while self._next is not None or self._open:
+        while self._any_left():
             if nodes <= 0 or self.remaining() <= 0:
                 return StoppedBy.ITERATIONS if nodes <= 0 else StoppedBy.TIME
+            if self._next is None and not self._open:
+                self._share(recorder, cap(), _WAIT)
+                recorder.raise_bound(self.bound(cap()))
+                continue
             self._next = self._next or self._take()
             settled = self._settle(cap)
             if settled is Settled.INTERRUPTED:
@@ -108,8 +117,41 @@ class CaseTree:
                 recorder.incumbent(self._routes())
             self.better()
             self._after(settled, cap())
+            self._share(recorder, cap(), 0.0)
             recorder.raise_bound(self.bound(cap()))
         return StoppedBy.PROOF if self.unit * self._stuck > cap() else StoppedBy.STUCK
+
+    def turn(self, cases: list[Case], recorder: Recorder, cap: float) -> Found:
+        """Work on some cases alone, as a helper does."""
+        self._open, self._next, self._stuck, self.counts = cases, None, math.inf, Counter()
+        self.grow(recorder, lambda: cap, TURN)
+        left = self._open if self._next is None else [*self._open, self._next]
+        return Found(left, self._stuck, recorder.routes, self.counts)
+
+    def _any_left(self) -> bool:
+        """Say whether any case is open, here or with a helper."""
+        return self._next is not None or bool(self._open) or any(helper.cases for helper in self.helpers)
+
+    def _share(self, recorder: Recorder, cap: float, wait: float) -> None:
+        """Take in what helpers have found, for which to `wait` [s], and deal out cases anew, the oldest first."""
+        for helper in self.helpers:
+            if helper.busy and (found := helper.end(wait)) is not None:
+                self.counts += found.counts
+                self._stuck = min(self._stuck, found.stuck)
+                if found.routes is not None:
+                    recorder.incumbent(found.routes)
+            if helper.busy:
+                continue
+            helper.cases = [case for case in helper.cases if case.bound * self.unit <= cap]
+            spare = self._open if self._next is not None else self._open[:-1]
+            if not helper.cases and spare:
+                helper.cases = [self._open.pop(0)]
+            if helper.cases and not (self._open or self._next):
+                self._open.append(helper.cases.pop(0))
+            if not helper.alive:
+                self._open[:0], helper.cases = helper.cases, []
+            if helper.cases:
+                helper.begin(cap, self.remaining())
 
     def _take(self) -> Case:
         """Take an open case to go on with."""

@@ -1,5 +1,7 @@
 """arc-tree: its bound holds at any prices, its splits miss no routes, and options change no optimum."""
 
+import multiprocessing
+import time
 from itertools import pairwise
 
 import numpy as np
@@ -8,8 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
+from formulations.routing import arc_tree
 from formulations.routing.arc_tree import ArcTree
+from formulations.routing.arcs import helper, tree
 from formulations.routing.arcs.case import Case, Fly, Give
+from formulations.routing.arcs.helper import Helper
 from formulations.routing.arcs.joint import Blossom, Crowd
 from formulations.routing.arcs.lagrangian import ArcPrices, Cuts, bound_at, reduced_costs
 from formulations.routing.arcs.programme import Programme
@@ -23,11 +28,11 @@ from tests.formulations.routing.test_branch_and_cut import clusters, random_inst
 LIMITS = Limits(time=300.0)
 
 
-def solved(instance: Instance, **options: int) -> Result:
+def solved(instance: Instance, limits: Limits = LIMITS, **options: int) -> Result:
     """Solve to the proof, and compare with subset programming."""
     solver = ArcTree(**options)
     solver.prepare(instance)
-    result = solver.solve(instance, limits=LIMITS, start=greedy_routes(instance))
+    result = solver.solve(instance, limits=limits, start=greedy_routes(instance))
     optimum = SubsetDp().solve(instance, limits=LIMITS).objective
     assert result.status is Status.OPTIMAL
     assert result.routes is not None
@@ -60,6 +65,43 @@ def test_cuts_are_needed_and_uavs_that_are_alike_told_apart() -> None:
     xy[6:] = xy[6]
     instance = Instance("one-site", np.linalg.norm(xy[:, None] - xy[None], axis=-1), 6, 3, xy)
     assert solved(instance, starts=0).statistics["cuts"] > 0
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_helpers_change_no_optimum_and_are_gone_at_the_end(threads: int) -> None:
+    for seed in range(3):
+        solved(random_instance(11, 3, seed), Limits(time=300.0, threads=threads), starts=0)
+    assert multiprocessing.active_children() == []
+
+
+class FallenHelper(Helper):
+    """One that ends in the middle of its second turn."""
+
+    turns = 0
+
+    def begin(self, cap: float, time: float) -> None:
+        super().begin(cap, time)
+        self.turns += 1
+        if self.turns == 2:
+            self._process.kill()
+            self._process.join()
+
+
+def test_a_helper_that_falls_loses_no_case(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(arc_tree, "Helper", FallenHelper)
+    monkeypatch.setattr(helper, "TURN", 2)
+    monkeypatch.setattr(tree, "TURN", 2)
+    for seed in range(3):
+        solved(random_instance(11, 3, seed), Limits(time=300.0, threads=2), starts=0)
+
+
+def test_time_ends_helpers_too() -> None:
+    instance = random_instance(14, 3, 1)
+    began = time.monotonic()
+    result = ArcTree(starts=0).solve(instance, limits=Limits(time=0.3, threads=2))
+    assert time.monotonic() - began < 5.0
+    assert result.stopped_by == "time" or result.status is Status.OPTIMAL
+    assert multiprocessing.active_children() == []
 
 
 def test_bad_options_are_refused() -> None:

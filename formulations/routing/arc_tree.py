@@ -53,10 +53,12 @@ class ArcTree(RecordedSolver):
 
     starts : memetic searches before the first programme; 0 uses only the start given, to the end (at least 0).
     tried : splits of a case that are tried before one is chosen; 1 takes the most undecided (at least 1).
+    joint : add cuts of what all UAVs fly together too.
     """
 
     starts: int = 1
     tried: int = 3
+    joint: bool = True
 
     proves: ClassVar[bool] = True
     axes: ClassVar[frozenset[str]] = frozenset({"fleet", "endurance"})
@@ -97,7 +99,7 @@ class ArcTree(RecordedSolver):
         if recorder.bound >= recorder.objective * (1 - TOLERANCE):
             return result_of(recorder, StoppedBy.PROOF, {})
         nodes, threads = recorder.limits.iterations, recorder.limits.threads
-        make = partial(_tree_of, instance, upper, self.tried)
+        make = partial(_tree_of, instance, upper, self)
         # cases in turn are counted, and which a helper has depends on the clock
         helpers = [Helper(instance, make) for _ in range(threads - 1)] if nodes is None else []
         try:
@@ -120,7 +122,7 @@ class ArcTree(RecordedSolver):
         """Return the tree before it grows; `upper` [s] > 0 is a cost that the best routes do not pass."""
         counts: Counter[str] = Counter()
         beside = Search(recorder, counts, 1000 * seed + _SEED, self.starts, TOLERANCE)
-        tree = _tree_of(recorder.instance, upper, self.tried, lambda: recorder.remaining)
+        tree = _tree_of(recorder.instance, upper, self, lambda: recorder.remaining)
 
         def better() -> None:
             counts["rounds"] = tree.counts["rounds"]
@@ -131,12 +133,13 @@ class ArcTree(RecordedSolver):
         return tree
 
 
-def _tree_of(instance: Instance, upper: float, tried: int, remaining: Callable[[], float]) -> CaseTree:
+def _tree_of(instance: Instance, upper: float, options: ArcTree, remaining: Callable[[], float]) -> CaseTree:
     """Return a tree of the instance that searches for nothing beside, and keeps no proof."""
     legs, limits = Legs.of(instance), instance.limits * (1 + ENDURANCE_ROUNDING)
-    programme = Programme(_costs(legs, upper, limits), np.where(limits < upper, limits, np.inf) / upper)
+    limits_below = np.where(limits < upper, limits, np.inf)
+    programme = Programme(_costs(legs, upper, limits), limits_below / upper, joint=options.joint)
     far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=upper) + _ROUNDING * upper
-    return CaseTree(programme, legs.kinds(), upper, far, remaining, tried)
+    return CaseTree(programme, legs.kinds(), upper, far, remaining, options.tried)
 
 
 def _costs(legs: Legs, upper: float, limits: Floats) -> Floats:

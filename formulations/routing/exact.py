@@ -6,7 +6,7 @@
   own, for longer tours: both pass on every better incumbent and bound the moment they have it, and the first proof ends
   both; else columns look for tours of two UAVs at once;
 * with one thread and few UAVs for the tasks, which are two or which nothing tells apart, cuts for three quarters of the
-  time, then columns with what these found.
+  time, then columns with what these found; with more threads too where three are alike, as cuts then use them all.
 
 Cuts are `branch-and-cut` of two UAVs, `arc-tree` of three and more.
 Methods that do not take the instance's axes are left out; with a window of take-off only `subset-dp` is left.
@@ -87,9 +87,10 @@ class Exact(RecordedSolver):
         first_routes(recorder, 1000 * seed, columns.starts)
         if recorder.objective > 0 and refusal(_cuts(instance)[1], instance) is None:
             few = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
-            if recorder.limits.threads >= 2 and (few or _kinds(instance) <= FEW_KINDS):
+            two, kinds, several = instance.n_depots <= TWO, _kinds(instance), recorder.limits.threads >= 2
+            if several and (few or kinds <= FEW_KINDS) and not (few and kinds == 1 and not two):
                 return _side_by_side(recorder, columns, seed)
-            if few and (instance.n_depots <= TWO or _kinds(instance) == 1):
+            if few and (two or kinds == 1):
                 return _one_after_the_other(recorder, columns, seed)
         ended, counts = columns.prove(recorder, seed, recorder.limits.threads)
         return _result(recorder, ended, "branch-and-price", left_open(recorder), counts)
@@ -112,7 +113,7 @@ def _cuts(instance: Instance) -> tuple[str, BranchAndCut | ArcTree]:
 
 def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
     """Cuts, and columns with what these found."""
-    limits = Limits(time=max(_CUTS_FIRST * recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
+    limits = dataclasses.replace(recorder.limits, time=max(_CUTS_FIRST * recorder.remaining, 1e-3))
     own = Recorder(recorder.instance, limits, _into(recorder), recorder.routes)
     own.raise_bound(recorder.bound)
     by, cuts = _cuts(recorder.instance)

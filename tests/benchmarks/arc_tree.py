@@ -1,10 +1,11 @@
-"""Proofs over arcs beside those of SCIP, and what trials of splits are worth, in one run.
+"""Proofs over arcs beside those of SCIP, and what trials, cuts of all UAVs and threads are worth, in one run.
 
     python tests/benchmarks/arc_tree.py [--seconds 120] [--instances eil76_2,100:2:0] [--tried 1,3] [--benchmarks DIR]
 
 Instances: names of mTSPLib, or tasks:UAVs:seed of the family square-wind, whose depots are apart. Each line: how a
-method ended, gap, CPU seconds of one thread from the same routes (a memetic search of ten seconds, not counted), cases
-of its tree. The certificate's line says how long its check takes, and how large its file is.
+method ended, gap, seconds by the clock from the same routes (a memetic search of ten seconds, not counted), cases of
+its tree. `--threads` are those of arc-tree; SCIP has one. The certificate's line says how long its check takes, and how
+large its file is; `--no-certificate` leaves it out.
 """
 
 from __future__ import annotations
@@ -28,12 +29,11 @@ from instances.certificate import verify, write_certificate
 NAMES = ("eil51_2", "berlin52_2", "eil76_2", "rat99_2", "berlin52_3", "eil51_3")
 
 
-def proof(name: str, method: ArcTree | BranchAndCut, instance: Instance, start: Routes, seconds: float) -> None:
+def proof(name: str, method: ArcTree | BranchAndCut, instance: Instance, start: Routes, limits: Limits) -> None:
     """Print how one method ends."""
     method.prepare(instance)
-    began = time.process_time()
-    result = method.solve(instance, limits=Limits(time=seconds), start=start)
-    print(f"{instance.name} | {name} | {result.status} | {result.gap or 0:.2%} | {time.process_time() - began:.1f} | "
+    result = method.solve(instance, limits=limits, start=start)
+    print(f"{instance.name} | {name} | {result.status} | {result.gap or 0:.2%} | {result.elapsed:.1f} | "
           f"{result.statistics.get('nodes', 0)}", flush=True)  # fmt: skip
 
 
@@ -57,12 +57,18 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=120.0, help="limit of each method")
     parser.add_argument("--instances", default=",".join(NAMES), help="names, or n:m:seed, with commas between")
     parser.add_argument("--tried", default="1,3", help="splits tried, with commas between")
+    parser.add_argument("--threads", default="1", help="threads of arc-tree, with commas between")
+    parser.add_argument("--no-certificate", action="store_true")
     public_sets.add_option(parser)
     asked = parser.parse_args()
-    search, methods = make_solver("memetic"), dict[str, ArcTree | BranchAndCut]()
-    methods |= {f"arc-tree, {tried} tried": ArcTree(tried=int(tried)) for tried in asked.tried.split(",")}
-    methods["branch-and-cut"] = BranchAndCut()
-    print("instance | method | status | gap | CPU s | cases")
+    search, methods = make_solver("memetic"), dict[str, tuple[ArcTree | BranchAndCut, int]]()
+    for threads in map(int, asked.threads.split(",")):
+        of_threads = f", {threads} threads" if threads > 1 else ""
+        for tried in map(int, asked.tried.split(",")):
+            methods[f"arc-tree, {tried} tried{of_threads}"] = ArcTree(tried=tried), threads
+    methods["arc-tree, no cuts of all UAVs"] = ArcTree(joint=False), 1
+    methods["branch-and-cut"] = BranchAndCut(), 1
+    print("instance | method | status | gap | s by the clock | cases")
     for name in asked.instances.split(","):
         if ":" in name:
             instance = generate("square-wind", *map(int, name.split(":")))
@@ -71,9 +77,10 @@ def main() -> None:
         search.prepare(instance)
         start = search.solve(instance, limits=Limits(time=10.0)).routes
         assert start is not None
-        for label, method in methods.items():
-            proof(label, method, instance, start, asked.seconds)
-        certificate(instance, start, asked.seconds)
+        for label, (method, threads) in methods.items():
+            proof(label, method, instance, start, Limits(time=asked.seconds, threads=threads))
+        if not asked.no_certificate:
+            certificate(instance, start, asked.seconds)
 
 
 if __name__ == "__main__":

@@ -53,12 +53,13 @@ class Programme:
     cost (m, n + 1, n + 1), limits (m,) : c_ijk, infinite where there is no arc, and L_k, infinite where there is none,
         in units of U; the depot is the last node of each UAV.
     case : that one; cuts : the cuts in the programme; uav, tail, head : its arcs, (a,).
+    joint : whether cuts of all UAVs are looked for.
     value : of the programme as last solved, in units of U; theta (m, n + 1, n + 1) : θ of its arcs.
     prices, reduced, bound : its duals, the reduced costs of all arcs at these and the bound of the case, the same.
     """
 
-    def __init__(self, cost: Floats, limits: Floats) -> None:
-        self.cost, self.limits = cost, limits
+    def __init__(self, cost: Floats, limits: Floats, *, joint: bool = True) -> None:
+        self.cost, self.limits, self.joint = cost, limits, joint
         self.m, self.n = cost.shape[0], cost.shape[1] - 1
         m, n = self.m, self.n
         self.cuts = Cuts.none(n)
@@ -228,7 +229,7 @@ class Programme:
             tasks = np.pad(sets, ((0, 0), (0, 1)))
             self._add_cuts(Cuts(np.full(len(sets), k), tasks, visited.astype(np.int64)))
             found += len(sets)
-        if found:
+        if found or not self.joint:
             return found
         together = self.theta.sum(axis=0)
         joint: list[Joint] = [*self._crowds.cuts(together, cap, _LEAST), *blossoms(together, _LEAST)]

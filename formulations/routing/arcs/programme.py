@@ -9,8 +9,9 @@ r"""The linear programme of a case over arcs, solved warm by HiGHS from case to 
             Σ_k Σ_{ij∈e} θ_ijk ≥ 1                       arcs e of which the case needs one, dual ρ
             Σ_k Σ_ij a_ij θ_ijk ≥ b                      cuts of all UAVs, dual ν                   (`joint.py`)
 
-Arcs are priced: the nearest first, then what has a negative reduced cost. s keeps it feasible while arcs are missing.
-Its value is no bound: that comes of its duals (`lagrangian.py`).
+Arcs are priced: the nearest first, then what has a negative reduced cost. s keeps it feasible while arcs are missing,
+and one more such column in the rows of needs and of sets to be entered twice. Its value is no bound: that comes of its
+duals (`lagrangian.py`).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from numpy.typing import NDArray
 from formulations.routing.arcs.blossoms import blossoms
 from formulations.routing.arcs.case import Arcs, Case
 from formulations.routing.arcs.crowds import Crowds
-from formulations.routing.arcs.joint import Joint
+from formulations.routing.arcs.joint import Crowd, Joint
 from formulations.routing.arcs.lagrangian import ArcPrices, Cuts, bound_at, reduced_costs
 from formulations.routing.separation import subtours, two_cycles
 from instances.arrays import Bools, Floats, Ints
@@ -30,9 +31,9 @@ from instances.arrays import Bools, Floats, Ints
 _NEAREST = 7
 """Arcs into and out of each node to begin with, for each UAV."""
 _DEAR, _DEARER, _DEAREST = 10.0, 100.0, 1e5
-"""What leaving out a task costs, in longest tours; how many times as much where some still is; and at most."""
+"""What it costs to leave out a task, or a need, in longest tours; how many times as much where some is; and at most."""
 _LEFT_OUT = 1e-9
-"""Share of a task that counts as left out."""
+"""Share of a task, or of a need, that counts as left out."""
 _LEAST = 0.02
 """Violation of a cut worth adding."""
 _CHEAP = 1e-7
@@ -82,6 +83,8 @@ class Programme:
         lp.addCol(1.0, 0.0, _INFINITY, m, np.arange(self._own[4], self._own[5], dtype=np.int32), -np.ones(m))
         for i in range(n):
             lp.addCol(_DEAR, 0.0, _INFINITY, 1, np.array([i], dtype=np.int32), np.ones(1))
+        lp.addCol(_DEAR, 0.0, _INFINITY, 0, np.array([], dtype=np.int32), np.array([]))
+        self._first_arc = 2 + n
         self._add(np.argwhere(self._nearest() & ~self._known))
         self.case = Case.root(np.arange(m), n)
         self._dear, self._left_out = _DEAR, 0.0
@@ -136,7 +139,10 @@ class Programme:
 
     def _add_row(self, low: float, entries: Floats, row: Arcs | Joint | None) -> None:
         at = np.flatnonzero(entries)
-        self._lp.addRow(low, _INFINITY, at.size, (1 + self.n + at).astype(np.int32), entries[at])
+        index, entries = self._first_arc + at, entries[at]
+        if isinstance(row, tuple | Crowd):  # arcs alone need not be able to keep to it
+            index, entries = np.append(index, self._first_arc - 1), np.append(entries, max(1.0, low))
+        self._lp.addRow(low, _INFINITY, index.size, index.astype(np.int32), entries)
         self._rows.append(row)
 
     def _add_cuts(self, cuts: Cuts) -> None:
@@ -148,7 +154,7 @@ class Programme:
         """Take up a case."""
         self.case, self._lost = case, case.lost_arcs()
         self._ask(_DEAR)
-        index = 1 + self.n + np.arange(self.uav.size)
+        index = self._first_arc + np.arange(self.uav.size)
         self._bound_arcs(index, self._lost[self.uav, self.tail, self.head])
         for arcs in case.needed:
             if arcs not in self._rows:
@@ -167,8 +173,8 @@ class Programme:
     def _ask(self, price: float) -> None:
         """Ask a price for leaving out a task."""
         if price != self._dear:
-            self._dear, index = price, np.arange(1, 1 + self.n, dtype=np.int32)
-            self._lp.changeColsCost(self.n, index, np.full(self.n, price))
+            self._dear, index = price, np.arange(1, self._first_arc, dtype=np.int32)
+            self._lp.changeColsCost(index.size, index, np.full(index.size, price))
 
     def _bound_arcs(self, index: Ints, lost: Bools) -> None:
         upper = np.where(lost, 0.0, _INFINITY)
@@ -189,8 +195,8 @@ class Programme:
         self.value = float(lp.getInfo().objective_function_value)
         self.theta = np.zeros_like(self.cost)
         values = np.asarray(solution.col_value)
-        self.theta[self.uav, self.tail, self.head] = np.maximum(values[1 + n :], 0.0)
-        self._left_out = float(values[1 : 1 + n].max())
+        self.theta[self.uav, self.tail, self.head] = np.maximum(values[self._first_arc :], 0.0)
+        self._left_out = float(values[1 : self._first_arc].max())
         self._entered, left, home, used, tours, limited, others = np.split(np.asarray(solution.row_dual), self._own[1:])
         sigma, of_limits = np.maximum(-tours, 0.0), np.maximum(-limited, 0.0) * np.isfinite(self.limits)
         sigma /= max(1.0, float(sigma.sum()) * (1 + 1e-12))
@@ -261,7 +267,7 @@ class Programme:
         lp, basis, rows = self._lp, self._lp.getBasis(), len(self._rows)
         arcs = self._lost[self.uav, self.tail, self.head]
         changed = np.flatnonzero(case.lost_arcs()[self.uav, self.tail, self.head] & ~arcs)
-        self._bound_arcs(1 + self.n + changed, np.ones(changed.size, np.bool_))
+        self._bound_arcs(self._first_arc + changed, np.ones(changed.size, np.bool_))
         for needed in case.needed[len(self.case.needed) :]:
             self._add_row(1.0, _in_row(needed, self.tail, self.head), needed)
         lp.setOptionValue("simplex_iteration_limit", pivots)
@@ -269,7 +275,7 @@ class Programme:
         lp.run()
         value = float(lp.getInfo().objective_function_value)
         lp.setOptionValue("simplex_iteration_limit", highspy.kHighsIInf)
-        self._bound_arcs(1 + self.n + changed, np.zeros(changed.size, np.bool_))
+        self._bound_arcs(self._first_arc + changed, np.zeros(changed.size, np.bool_))
         if len(self._rows) > rows:
             added = np.arange(rows, len(self._rows), dtype=np.int32) + self._own[-1]
             lp.deleteRows(added.size, added.astype(np.int32))

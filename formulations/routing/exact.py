@@ -6,8 +6,7 @@
   own, for longer tours: both pass on every better incumbent and bound the moment they have it, and the first proof ends
   both; else columns look for tours of two UAVs at once;
 * with one thread and few UAVs for the tasks, which are two or which nothing tells apart, cuts for three quarters of the
-  time, then columns with what these found; with more threads too where three are alike, as cuts then use them all;
-* with one thread and three UAVs that are not alike, columns for three fifths of the time, then cuts.
+  time, then columns with what these found; with more threads too where three are alike, as cuts then use them all.
 
 Cuts are `branch-and-cut` of two UAVs, `arc-tree` of three and more.
 Methods that do not take the instance's axes are left out; with a window of take-off only `subset-dp` is left.
@@ -22,7 +21,6 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import multiprocessing
-from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, ClassVar
@@ -50,12 +48,9 @@ LONG, FEW_UAVS, FEW_KINDS = 18, 3, 2
 """Tasks per UAV from which, and UAVs up to which, cuts prove what columns do not; and kinds in which they do."""
 TWO = 2
 """UAVs up to which `branch-and-cut` is the quicker with cuts."""
+_CUTS_FIRST = 0.75
 _TELLING = 0.2  # seconds a peer is given to end by itself
 _PROVED = (Status.OPTIMAL, Status.INFEASIBLE)
-
-_Ended = tuple[str, str, float, dict[str, Any]]
-"""How a method ended, its name, what it leaves open [s] and its counts."""
-_Method = Callable[[Recorder, int], _Ended]
 
 
 @dataclass(frozen=True)
@@ -95,10 +90,10 @@ class Exact(RecordedSolver):
             two, kinds, several = instance.n_depots <= TWO, _kinds(instance), recorder.limits.threads >= 2
             if several and (few or kinds <= FEW_KINDS) and not (few and kinds == 1 and not two):
                 return _side_by_side(recorder, columns, seed)
-            if few:
-                methods = (_by_cuts, _by_columns) if two or kinds == 1 else (_by_columns, _by_cuts)
-                return _one_after_the_other(recorder, *methods, seed)
-        return _result(recorder, *_by_columns(recorder, seed))
+            if few and (two or kinds == 1):
+                return _one_after_the_other(recorder, columns, seed)
+        ended, counts = columns.prove(recorder, seed, recorder.limits.threads)
+        return _result(recorder, ended, "branch-and-price", left_open(recorder), counts)
 
 
 def _few(instance: Instance) -> bool:
@@ -116,34 +111,18 @@ def _cuts(instance: Instance) -> tuple[str, BranchAndCut | ArcTree]:
     return ("branch-and-cut", BranchAndCut()) if instance.n_depots <= TWO else ("arc-tree", ArcTree())
 
 
-def _by_columns(recorder: Recorder, seed: int) -> _Ended:
-    """Prove by columns."""
-    ended, counts = BranchAndPrice().prove(recorder, seed, recorder.limits.threads)
-    return ended, "branch-and-price", left_open(recorder), counts
-
-
-def _by_cuts(recorder: Recorder, seed: int) -> _Ended:
-    """Prove with cuts."""
-    by, cuts = _cuts(recorder.instance)
-    result = cuts.prove(recorder, seed)
-    ended = "proof" if result.status in _PROVED else result.stopped_by
-    return ended, by, result.tolerance, {f"cut_{name}": value for name, value in result.statistics.items()}
-
-
-def _one_after_the_other(recorder: Recorder, first: _Method, second: _Method, seed: int) -> Result:
-    """One method for its share of the time, and the other with what it found."""
-    limits = dataclasses.replace(recorder.limits, time=max(_FIRST[first] * recorder.remaining, 1e-3))
+def _one_after_the_other(recorder: Recorder, columns: BranchAndPrice, seed: int) -> Result:
+    """Cuts, and columns with what these found."""
+    limits = dataclasses.replace(recorder.limits, time=max(_CUTS_FIRST * recorder.remaining, 1e-3))
     own = Recorder(recorder.instance, limits, _into(recorder), recorder.routes)
     own.raise_bound(recorder.bound)
-    ended, by, tolerance, counts = first(own, seed)
-    if ended != "proof" and recorder.remaining > 0:
-        ended, by, tolerance, more = second(recorder, seed)
-        counts = {**counts, **more}
-    return _result(recorder, ended, by, tolerance, counts)
-
-
-_FIRST: dict[_Method, float] = {_by_cuts: 0.75, _by_columns: 0.6}
-"""The share of the time that a method has where it comes first."""
+    by, cuts = _cuts(recorder.instance)
+    cut = cuts.prove(own, seed)
+    counts = {f"cut_{name}": value for name, value in cut.statistics.items()}
+    if cut.status in _PROVED or recorder.remaining <= 0:
+        return _result(recorder, cut.stopped_by, by, cut.tolerance, counts)
+    ended, own_counts = columns.prove(recorder, seed, recorder.limits.threads)
+    return _result(recorder, ended, "branch-and-price", left_open(recorder), {**own_counts, **counts})
 
 
 def _into(recorder: Recorder) -> Observer:

@@ -1,11 +1,12 @@
 """Bars of the exact methods: measured figure beside bar.
 
-    python tests/benchmarks/exact.py [--quick] [--tasks 40] [--first 10] [--seconds 120] [--benchmarks DIR] [SECTION...]
+    python tests/benchmarks/exact.py [--quick] [--tasks 40] [--uavs 3] [--first 10] [--seconds 120] [--solver exact]
+        [--benchmarks DIR] [SECTION...]
 
-Sections: subset (subset-dp, n = 20 and 22), proofs (branch-and-price, n = 40 to 100), long (exact, m = 2), gaps
-(certified where no proof is in reach), bounds (of 200 tasks, without a tree), public (eil51, berlin52, eil76),
-agreement (300 random instances against subset-dp), ratio (exact against circuit and branch-and-cut), fleets (UAVs of
-several speeds, 30 to 100 tasks), threads (branch-and-price by one thread and by two).
+Sections: subset (subset-dp, n = 20 and 22), proofs (by branch-and-price or --solver, n = 40 to 100), long (exact,
+m = 2), gaps (certified where no proof is in reach), bounds (of 200 tasks, without a tree), public (eil51, berlin52,
+eil76), agreement (300 random instances against subset-dp), ratio (exact against circuit and branch-and-cut), fleets
+(UAVs of several speeds, 30 to 100 tasks), threads (branch-and-price by one thread and by two).
 Times are CPU seconds of the process (children included) unless called wall.
 
 Instances: the family square-wind (a 20 km square, airspeed 20 m/s, wind (4, −2) m/s plus a rotation of 5 m/s at the
@@ -139,13 +140,11 @@ def subset(asked: argparse.Namespace) -> None:
 
 def proofs(asked: argparse.Namespace) -> None:
     """Every size: how many seeds are proved within the bar."""
-    print(
-        "proofs by branch-and-price: n m | proved within the bar | median, greatest CPU s | worst gap | memory | each"
-    )
-    solver = BranchAndPrice()
-    solver.prepare(wind_instance(10, 2, 0))
+    print(f"proofs by {asked.solver}: n m | proved within the bar | median, greatest CPU s | worst gap | memory | each")
+    solver = make_solver(asked.solver)
+    solver.prepare(wind_instance(17, 3, 0))
     for n, m, bar, of_ten in PROOFS:
-        if asked.tasks not in (None, n):
+        if asked.tasks not in (None, n) or asked.uavs not in (None, m):
             continue
         seeds = range(asked.first, asked.first + (2 if asked.quick else 10))
         limit = asked.seconds or 3 * bar  # the bar counts CPU seconds; a busy machine may need more by the clock
@@ -383,6 +382,8 @@ if __name__ == "__main__":
     parser.add_argument("sections", nargs="*", choices=[[], *SECTIONS], metavar="SECTION")
     parser.add_argument("--quick", action="store_true", help="fewer seeds, shorter limits")
     parser.add_argument("--tasks", type=int, help="only this many tasks, in proofs, long, gaps, bounds and ratio")
+    parser.add_argument("--uavs", type=int, help="only this many UAVs, in proofs")
+    parser.add_argument("--solver", default="branch-and-price", help="whose proofs, in proofs")
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="first seed, in proofs and threads")
     parser.add_argument("--seconds", type=float, help="limit of a run by the clock, in proofs, gaps, bounds and public")
     public_sets.add_option(parser)

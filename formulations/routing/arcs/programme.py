@@ -42,9 +42,9 @@ _NEW = 2
 """Arcs added at once, for each node."""
 _SLACK, _SPARE = 1e-6, 100
 """A cut looser than that, and unpaid, may go; how many of these, and half of all, are kept."""
-_PIVOTS, _GOES = 5000, 20
-"""Pivots after which HiGHS begins anew from where it is, as it may stall (one ran 40 s, and ended in 0.4 s so); how
-often at most."""
+_PIVOTS = 5000
+"""Pivots after which HiGHS begins anew from where it is, as it may stall (one ran 40 s, and ended in 0.4 s so); the next
+time twice as many, as it may have needed them."""
 _INFINITY = highspy.kHighsInf
 
 
@@ -184,12 +184,12 @@ class Programme:
         """Solve, and compute the bound at the duals; say whether that was done within `time` [s]."""
         lp, n, m = self._lp, self.n, self.m
         lp.setOptionValue("time_limit", lp.getRunTime() + time)
-        lp.setOptionValue("simplex_iteration_limit", _PIVOTS)
-        for _ in range(_GOES):
+        pivots, status = _PIVOTS, highspy.HighsModelStatus.kIterationLimit
+        while status == highspy.HighsModelStatus.kIterationLimit:
+            lp.setOptionValue("simplex_iteration_limit", pivots)
             lp.run()
-            if lp.getModelStatus() != highspy.HighsModelStatus.kIterationLimit:
-                break
-        if lp.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+            pivots, status = min(2 * pivots, highspy.kHighsIInf), lp.getModelStatus()
+        if status != highspy.HighsModelStatus.kOptimal:
             return False
         solution = lp.getSolution()
         self.value = float(lp.getInfo().objective_function_value)

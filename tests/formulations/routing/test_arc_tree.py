@@ -13,6 +13,7 @@ from formulations.limits import Limits
 from formulations.routing import arc_tree
 from formulations.routing.arc_tree import ArcTree
 from formulations.routing.arcs import helper, tree
+from formulations.routing.arcs import programme as programme_module
 from formulations.routing.arcs.case import Case, Fly, Give
 from formulations.routing.arcs.helper import Helper
 from formulations.routing.arcs.joint import Blossom, Crowd
@@ -120,9 +121,9 @@ def test_stopped_early_it_keeps_routes_and_a_true_bound() -> None:
         assert (result.bound or 0.0) <= optimum
 
 
-def small(seed: int, m: int = 2) -> tuple[np.ndarray, Instance]:
-    """Costs (m, n + 1, n + 1) of five tasks, the depot last, and the instance they are of."""
-    instance, n = random_instance(5, m, seed), 5
+def small(seed: int, m: int = 2, n: int = 5) -> tuple[np.ndarray, Instance]:
+    """Costs (m, n + 1, n + 1) of a few tasks, the depot last, and the instance they are of."""
+    instance = random_instance(n, m, seed)
     costs = np.array([instance.cost[np.ix_([*range(n), n + k], [*range(n), n + k])] for k in range(m)])
     costs[:, np.arange(n + 1), np.arange(n + 1)] = np.inf
     return costs, instance
@@ -210,6 +211,25 @@ def test_a_trial_leaves_the_programme_as_it_was() -> None:
     programme.enter(Fly(((0, 1), (1, 0))).without(case))
     programme.solve()
     assert programme.theta[:, 0, 1].sum() + programme.theta[:, 1, 0].sum() == 0
+
+
+def test_what_a_case_needs_may_be_none_of_the_arcs_held() -> None:
+    """The programme is solved all the same, and prices the arcs."""
+    costs, _ = small(3, n=14)
+    programme = Programme(costs / 300.0, np.full(2, np.inf))
+    held = np.zeros((15, 15), np.bool_)
+    held[programme.tail, programme.head] = True
+    i, j = np.argwhere(~held[:14, :14] & ~np.eye(14, dtype=np.bool_))[0].tolist()
+    programme.enter(Fly(((i, j),)).within(Case.root(np.arange(2), 14)))
+    assert programme.solve()
+    while programme.grow() or programme.insist():
+        assert programme.solve()
+    assert programme.theta[:, i, j].sum() == pytest.approx(1.0)
+
+
+def test_a_linear_programme_that_begins_anew_ends_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(programme_module, "_PIVOTS", 3)
+    solved(random_instance(9, 2, 5), starts=0)
 
 
 def test_a_recorder_that_runs_out_of_time_stops_the_tree() -> None:

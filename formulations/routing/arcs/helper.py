@@ -24,7 +24,7 @@ from instances import Instance, Routes
 if TYPE_CHECKING:
     from formulations.routing.arcs.tree import CaseTree
 
-TURN = 20
+TURN = 5
 """Cases of a turn, at most."""
 _ENDING = 0.2  # seconds a helper is given to end by itself
 

@@ -43,7 +43,7 @@ _NEW = 2
 _SLACK, _SPARE = 1e-6, 100
 """A cut looser than that, and unpaid, may go; how many of these, and half of all, are kept."""
 _PIVOTS = 5000
-"""Pivots after which HiGHS begins anew from where it is, as it may stall (one ran 40 s, and ended in 0.4 s so); the next
+"""Pivots after which HiGHS begins anew from where it is, as it may stall (one ran 40 s, ended in 0.4 s so); the next
 time twice as many, as it may have needed them."""
 _INFINITY = highspy.kHighsInf
 

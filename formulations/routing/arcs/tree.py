@@ -99,7 +99,7 @@ class CaseTree:
 
     def grow(self, recorder: Recorder, cap: Callable[[], float], nodes: float) -> StoppedBy:
         """Improve the recorder's routes and bound until no case is below the `cap` [s], or until stopped."""
-        while self._any_left():
+        while self._any_left() and cap() > 0:  # no routes cost less than nothing
             if nodes <= 0 or self.remaining() <= 0:
                 return StoppedBy.ITERATIONS if nodes <= 0 else StoppedBy.TIME
             if self._next is None and not self._open:
@@ -119,7 +119,7 @@ class CaseTree:
             self._after(settled, cap())
             self._share(recorder, cap(), 0.0)
             recorder.raise_bound(self.bound(cap()))
-        return StoppedBy.PROOF if self.unit * self._stuck > cap() else StoppedBy.STUCK
+        return StoppedBy.PROOF if self.unit * self._stuck > cap() or cap() <= 0 else StoppedBy.STUCK
 
     def turn(self, cases: list[Case], recorder: Recorder, cap: float) -> Found:
         """Work on some cases alone, as a helper does."""

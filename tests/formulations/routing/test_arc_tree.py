@@ -105,6 +105,13 @@ def test_time_ends_helpers_too() -> None:
     assert multiprocessing.active_children() == []
 
 
+def test_routes_that_cost_nothing_are_proved() -> None:
+    cost = np.zeros((5, 5))
+    cost[3, :2] = cost[:2, 3] = 7.0
+    result = ArcTree(starts=0).solve(Instance("free", cost, 3, 2), limits=LIMITS, start=((0, 1, 2), ()))
+    assert (result.status, result.objective, result.bound) == (Status.OPTIMAL, 0.0, 0.0)
+
+
 def test_bad_options_are_refused() -> None:
     with pytest.raises(InputError, match="tried must be at least 1, got 0"):
         ArcTree(tried=0)

@@ -13,7 +13,7 @@ Strong where tours are long and UAVs three, and where two fly from one site; of 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
@@ -103,22 +103,15 @@ class ArcTree(RecordedSolver):
         # cases in turn are counted, and which a helper has depends on the clock
         helpers = [Helper(instance, make) for _ in range(threads - 1)] if nodes is None else []
         try:
-            tree = self.tree(recorder, seed, upper, helpers=helpers)
-            cap = lambda: min(recorder.objective * (1 - TOLERANCE), most)  # noqa: E731
-            ended = tree.grow(recorder, cap, np.inf if nodes is None else nodes)
+            tree = self.tree(recorder, seed, upper)
+            tree.helpers, limit = helpers, np.inf if nodes is None else nodes
+            ended = tree.grow(recorder, lambda: min(recorder.objective * (1 - TOLERANCE), most), limit)
         finally:
             for helper in helpers:
-                helper.close()
+                helper.peer.end()
         return result_of(recorder, ended.value, tree.counts)
 
-    def tree(
-        self,
-        recorder: Recorder,
-        seed: int,
-        upper: float,
-        proof: ArcProof | None = None,
-        helpers: Sequence[Helper] = (),
-    ) -> CaseTree:
+    def tree(self, recorder: Recorder, seed: int, upper: float, proof: ArcProof | None = None) -> CaseTree:
         """Return the tree before it grows; `upper` [s] > 0 is a cost that the best routes do not pass."""
         counts: Counter[str] = Counter()
         beside = Search(recorder, counts, 1000 * seed + _SEED, self.starts, TOLERANCE)
@@ -128,8 +121,10 @@ class ArcTree(RecordedSolver):
             counts["rounds"] = tree.counts["rounds"]
             beside.better(0.0, ())
 
-        tree.better, tree.helpers = better if self.starts > 0 else tree.better, helpers
-        tree.proof = proof or tree.proof
+        if self.starts > 0:
+            tree.better = better
+        if proof is not None:
+            tree.proof = proof
         return tree
 
 

@@ -20,7 +20,7 @@ from formulations.routing.search_beside import first_routes
 from formulations.routing.simple_bounds import worst_makespan
 from formulations.routing.solver import ignore, refusal
 from instances import InputError, Instance, Routes
-from instances.certificate import Certificate, Crowd, Cut, Node, Parity, Step
+from instances.certificate import Blossom, Certificate, Crowd, Cut, Node, Step
 
 _BELOW = 1e-9
 """Share by which the bound claimed is below the one found: room for rounding in the check."""
@@ -75,7 +75,7 @@ class _Kept(NamedTuple):
     nodes: list[Node]
     steps: list[Step]
     cuts: tuple[Cut, ...] = ()
-    joint: tuple[Parity | Crowd, ...] = ()
+    joint: tuple[Blossom | Crowd, ...] = ()
 
 
 def _over_tours(recorder: Recorder, seed: int, solver: BranchAndPrice) -> _Kept:

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import multiprocessing
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, ClassVar
@@ -32,6 +31,7 @@ from formulations.routing.arc_tree import ArcTree
 from formulations.routing.branch_and_cut import BranchAndCut
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns.legs import Legs
+from formulations.routing.peer import Peer
 from formulations.routing.proved import left_open
 from formulations.routing.recorder import LinkedRecorder, RecordedSolver, Recorder
 from formulations.routing.search_beside import first_routes
@@ -49,7 +49,6 @@ LONG, FEW_UAVS, FEW_KINDS = 18, 3, 2
 TWO = 2
 """UAVs up to which `branch-and-cut` is the quicker with cuts."""
 _CUTS_FIRST = 0.75
-_TELLING = 0.2  # seconds a peer is given to end by itself
 _PROVED = (Status.OPTIMAL, Status.INFEASIBLE)
 
 
@@ -87,8 +86,9 @@ class Exact(RecordedSolver):
         first_routes(recorder, 1000 * seed, columns.starts)
         if recorder.objective > 0 and refusal(_cuts(instance)[1], instance) is None:
             few = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
-            two, kinds, several = instance.n_depots <= TWO, _kinds(instance), recorder.limits.threads >= 2
-            if several and (few or kinds <= FEW_KINDS) and not (few and kinds == 1 and not two):
+            two, kinds = instance.n_depots <= TWO, _kinds(instance)
+            all_threads = few and kinds == 1 and not two  # arcs use them
+            if recorder.limits.threads >= 2 and not all_threads and (few or kinds <= FEW_KINDS):
                 return _side_by_side(recorder, columns, seed)
             if few and (two or kinds == 1):
                 return _one_after_the_other(recorder, columns, seed)
@@ -139,37 +139,24 @@ def _into(recorder: Recorder) -> Observer:
 
 def _side_by_side(recorder: LinkedRecorder, columns: BranchAndPrice, seed: int) -> Result:
     """Columns here, cuts in another process."""
-    methods = multiprocessing.get_all_start_methods()
-    context: Any = multiprocessing.get_context("fork" if "fork" in methods else "spawn")
-    here, there = context.Pipe()
     limits = Limits(time=max(recorder.remaining, 1e-3), iterations=recorder.limits.iterations)
-    about = here, there, recorder.instance, limits, seed, recorder.routes
-    peer = context.Process(target=_cut_beside, args=about, daemon=True)
-    peer.start()
-    there.close()
-    recorder.link = here
+    peer = Peer(_cut_beside, recorder.instance, limits, seed, recorder.routes)
+    recorder.link = peer.link
     try:
         ended, counts = columns.prove(recorder, seed)
         while ended != "proof" and recorder.remaining > 0 and recorder.link is not None:
-            here.poll(min(recorder.remaining, 0.1))
+            peer.link.poll(min(recorder.remaining, 0.1))
         by = "branch-and-price" if ended == "proof" else _cuts(recorder.instance)[0]
         tolerance = left_open(recorder)
         if recorder.met_by_peer:
             ended, tolerance = "proof", recorder.tolerance
     finally:
-        here.close()
-        peer.join(_TELLING)
-        if peer.is_alive():
-            peer.terminate()
-            peer.join()
+        peer.end()
     return _result(recorder, ended, by, tolerance, counts)
 
 
-def _cut_beside(
-    others: Connection, link: Connection, instance: Instance, limits: Limits, seed: int, start: Routes | None
-) -> None:
+def _cut_beside(link: Connection, instance: Instance, limits: Limits, seed: int, start: Routes | None) -> None:
     """Prove with cuts in this process and keep the peer informed."""
-    others.close()
     recorder = LinkedRecorder(instance, limits, ignore, start)
     recorder.link = link
     with contextlib.suppress(KeyboardInterrupt):  # how SCIP says that it was interrupted: the peer was first

@@ -62,7 +62,7 @@ class Cut:
 
 
 @dataclass(frozen=True)
-class Parity:
+class Blossom:
     """That what crosses the tasks `handle` is even: with `teeth` (i, j), of odd number and flown once at most, either
     way where both are tasks, something else crosses, or not all of them are flown. The depot comes after the tasks.
     """
@@ -119,7 +119,7 @@ class Certificate:
     nodes: tuple[Node, ...]
     steps: tuple[Step, ...]
     cuts: tuple[Cut, ...] = ()
-    joint: tuple[Parity | Crowd, ...] = ()
+    joint: tuple[Blossom | Crowd, ...] = ()
 
 
 def write_certificate(path: Path, certificate: Certificate) -> None:
@@ -177,10 +177,10 @@ def _certificate(content: dict[str, Any]) -> Certificate:
     )
 
 
-def _joint(content: dict[str, Any]) -> Parity | Crowd:
+def _joint(content: dict[str, Any]) -> Blossom | Crowd:
     if "handle" in content:
         teeth = tuple((int(i), int(j)) for i, j in content["teeth"])
-        return Parity(tuple(int(i) for i in content["handle"]), teeth)
+        return Blossom(tuple(int(i) for i in content["handle"]), teeth)
     return Crowd(tuple(int(i) for i in content["tasks"]), tuple(float(w) for w in content["potential"]))
 
 

@@ -1,6 +1,6 @@
 """The check of cuts of all UAVs, whatever a certificate says of them: that they hold for all routes within the U_k.
 
-* Parity: closed tours cross a set of tasks an even number of times. Each tooth is an edge that crosses it and is flown
+* Blossom: closed tours cross a set of tasks an even number of times. Each tooth is an edge that crosses it and is flown
   once at most: between two tasks, either way, as each is entered once and on a tour from a depot; or the one arc from
   depots to a task or from it to depots. With t teeth, t odd, either something else crosses or at most t − 1 of them do:
   what else crosses, less the teeth flown, is at least 1 − t.
@@ -18,17 +18,17 @@ import numpy as np
 from scipy.sparse.csgraph import minimum_spanning_tree
 
 from instances.arrays import Bools, Floats
-from instances.certificate.file import Crowd, Parity
+from instances.certificate.file import Blossom, Crowd
 from instances.certificate.tours import UavLegs
 from instances.errors import InputError
 
 
-def joint_row(cut: Parity | Crowd, n: int) -> tuple[Floats, float]:
+def joint_row(cut: Blossom | Crowd, n: int) -> tuple[Floats, float]:
     """Return the coefficients of arcs (n + 1, n + 1), the depot last, and what they come to at least.
 
     InputError where teeth are no odd number of different edges that cross the handle, or tasks are not 0..n − 1.
     """
-    tasks = cut.handle if isinstance(cut, Parity) else cut.tasks
+    tasks = cut.handle if isinstance(cut, Blossom) else cut.tasks
     if not tasks or not {*tasks} <= {*range(n)}:
         raise InputError(f"a cut of all UAVs must be of some of the tasks 0..{n - 1}")
     inside = np.zeros(n + 1, np.bool_)

@@ -15,11 +15,11 @@ from formulations.routing.certifying import certify
 from formulations.routing.subset_dp import SubsetDp
 from instances import InputError, Instance, makespan
 from instances.certificate import (
+    Blossom,
     Certificate,
     Crowd,
     Cut,
     Node,
-    Parity,
     Prices,
     Step,
     read_certificate,
@@ -224,7 +224,7 @@ def test_what_arcs_do_not_prove_is_refuted(over_arcs):
 def test_cuts_of_all_uavs_are_checked_for_themselves(over_arcs):
     instance, true = over_arcs
     kinds = [type(cut) for cut in true.joint]
-    parity, crowd = (next(cut for cut in true.joint if isinstance(cut, kind)) for kind in (Parity, Crowd))
+    parity, crowd = (next(cut for cut in true.joint if isinstance(cut, kind)) for kind in (Blossom, Crowd))
     assert any(step.prices.nu for step in true.steps)
     easy = replace(crowd, tasks=crowd.tasks[:2], potential=(0.0, 0.0, 0.0))
     where = kinds.index(Crowd)
@@ -240,7 +240,7 @@ def test_cuts_of_all_uavs_are_checked_for_themselves(over_arcs):
     for said, cut in unusable.items():
         with pytest.raises(InputError, match=said):
             verify(
-                instance, replace(true, joint=(*true.joint, cut) if isinstance(cut, Parity) else (cut,) * len(kinds))
+                instance, replace(true, joint=(*true.joint, cut) if isinstance(cut, Blossom) else (cut,) * len(kinds))
             )
     step = true.steps[-1]
     for said, prices in {

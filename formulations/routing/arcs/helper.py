@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import contextlib
 import math
-import multiprocessing
 import time
 from collections import Counter
 from collections.abc import Callable
 from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from formulations.limits import Limits
 from formulations.routing.arcs.case import Case
+from formulations.routing.peer import Peer
 from formulations.routing.recorder import Recorder
 from formulations.routing.solver import ignore
 from instances import Instance, Routes
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 TURN = 5
 """Cases of a turn, at most."""
-_ENDING = 0.2  # seconds a helper is given to end by itself
 
 MakeTree = Callable[[Callable[[], float]], "CaseTree"]
 
@@ -41,7 +40,7 @@ class Found(NamedTuple):
 
 
 class Helper:
-    """A helper of an instance's tree, which it makes for itself; close it in the end.
+    """A helper of an instance's tree, which it makes for itself; end its `peer` in the end.
 
     cases : lent to it, the newest last; busy : whether it works on them.
     """
@@ -49,12 +48,7 @@ class Helper:
     def __init__(self, instance: Instance, make: MakeTree) -> None:
         self.cases: list[Case] = []
         self.busy = False
-        methods = multiprocessing.get_all_start_methods()
-        context: Any = multiprocessing.get_context("fork" if "fork" in methods else "spawn")
-        self._link, there = context.Pipe()
-        self._process = context.Process(target=_serve, args=(self._link, there, instance, make), daemon=True)
-        self._process.start()
-        there.close()
+        self.peer = Peer(_serve, instance, make)
 
     @property
     def bound(self) -> float:
@@ -65,14 +59,14 @@ class Helper:
         """Begin a turn: for routes of cost below `cap` [s], of `time` [s] at most."""
         self.busy = True
         with contextlib.suppress(OSError):  # its end is seen when the turn is
-            self._link.send((self.cases, cap, time))
+            self.peer.link.send((self.cases, cap, time))
 
     def end(self, wait: float) -> Found | None:
         """Return what the turn came to, if that is known within `wait` [s]; where the helper has ended: nothing."""
         try:
-            if not self._link.poll(wait):
+            if not self.peer.link.poll(wait):
                 return None
-            found: Found = self._link.recv()
+            found: Found = self.peer.link.recv()
         except (EOFError, OSError):
             found = Found(self.cases, math.inf, None, Counter())
         self.cases, self.busy = found.cases, False
@@ -81,20 +75,11 @@ class Helper:
     @property
     def alive(self) -> bool:
         """Whether it may be lent cases."""
-        return bool(self._process.is_alive())
-
-    def close(self) -> None:
-        """End it."""
-        self._link.close()
-        self._process.join(_ENDING)
-        if self._process.is_alive():
-            self._process.terminate()
-            self._process.join()
+        return bool(self.peer.process.is_alive())
 
 
-def _serve(others: Connection, link: Connection, instance: Instance, make: MakeTree) -> None:
+def _serve(link: Connection, instance: Instance, make: MakeTree) -> None:
     """Work on cases in this process for as long as some are lent."""
-    others.close()
     until = 0.0
     tree = make(lambda: max(0.0, until - time.perf_counter()))
     with contextlib.suppress(KeyboardInterrupt, EOFError, OSError):

@@ -14,7 +14,9 @@ from formulations.routing.arcs.joint import Blossom, Joint
 from formulations.routing.arcs.lagrangian import ArcPrices
 from instances.arrays import Floats
 from instances.certificate import ArcPrices as StoredPrices
-from instances.certificate import Crowd, Cut, Node, Parity, Step
+from instances.certificate import Blossom as StoredBlossom
+from instances.certificate import Crowd as StoredCrowd
+from instances.certificate import Cut, Node, Step
 
 _DIGITS = 9
 """Of a second, in what is kept: any prices prove something, and these nearly as much."""
@@ -51,7 +53,7 @@ class KeptArcProof(ArcProof):
         nothing = StoredPrices(_rounded(none), (_rounded(np.zeros(n_tasks + 1)),) * n_uavs, _rounded(none))
         self._last = {0: nothing}
         self._known: dict[Cut, int] = {}
-        self._joint: dict[Parity | Crowd, int] = {}
+        self._joint: dict[StoredBlossom | StoredCrowd, int] = {}
 
     @property
     def cuts(self) -> tuple[Cut, ...]:
@@ -59,7 +61,7 @@ class KeptArcProof(ArcProof):
         return tuple(self._known)
 
     @property
-    def joint(self) -> tuple[Parity | Crowd, ...]:
+    def joint(self) -> tuple[StoredBlossom | StoredCrowd, ...]:
         """The cuts of all UAVs that prices name, by their numbers."""
         return tuple(self._joint)
 
@@ -87,10 +89,10 @@ class KeptArcProof(ArcProof):
         use, mu, rho, nu = (_rounded(unit * part) for part in (prices.use, prices.mu, prices.rho, prices.nu))
         self._last[case.number] = StoredPrices(uav, potential, use, tuple(paid), mu, rho, joint, nu)
 
-    def _stored(self, cut: Joint) -> Parity | Crowd:
+    def _stored(self, cut: Joint) -> StoredBlossom | StoredCrowd:
         if isinstance(cut, Blossom):
-            return Parity(cut.handle, cut.teeth)
-        return Crowd(cut.tasks, _rounded(self.unit * np.array(cut.potential)))
+            return StoredBlossom(cut.handle, cut.teeth)
+        return StoredCrowd(cut.tasks, _rounded(self.unit * np.array(cut.potential)))
 
     def leave(self, case: Case) -> None:
         """Note a leaf and its bound."""

@@ -84,8 +84,8 @@ class FallenHelper(Helper):
         super().begin(cap, time)
         self.turns += 1
         if self.turns == 2:
-            self._process.kill()
-            self._process.join()
+            self.peer.process.kill()
+            self.peer.process.join()
 
 
 def test_a_helper_that_falls_loses_no_case(monkeypatch: pytest.MonkeyPatch) -> None:

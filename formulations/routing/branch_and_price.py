@@ -51,6 +51,7 @@ from formulations.routing.columns.node import Workspace
 from formulations.routing.columns.pool import Pool, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer, efforts, walking
 from formulations.routing.columns.proof_log import ProofLog
+from formulations.routing.columns.recall import Recall
 from formulations.routing.columns.state_labelling import StateLabels
 from formulations.routing.columns.team import Team
 from formulations.routing.columns.tree import Tree
@@ -209,7 +210,8 @@ class BranchAndPrice(RecordedSolver):
         instance = recorder.instance
         team = Team(lambda: labels_for(instance, self.labels), min(threads, instance.n_depots, _MOST_THREADS))
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
-        work = Workspace(over, team, self.tours, *efforts(instance.n_tasks, self.bins), far, log=log or ProofLog())
+        hard, recall = efforts(instance.n_tasks, self.bins), Recall(instance.n_tasks)
+        work = Workspace(over, team, self.tours, *hard, far, recall, log=log or ProofLog())
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         most = worst_makespan(instance) if instance.restricted else np.inf

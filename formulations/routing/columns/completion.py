@@ -70,21 +70,20 @@ def _memory_steps(near: Ints) -> NDArray[np.int16]:
     n, g = near.shape
     states = 1 << g
     step = np.empty((n, n, states), np.int16)
-    for i in range(n):
-        for j in range(n):
-            for memory in range(states):
-                after = 0
-                for q in range(g):
-                    if memory >> q & 1 and near[i, q] == j:
-                        after = states
-                        break
-                    known = near[j, q] == i
-                    for r in range(g):
-                        if memory >> r & 1 and near[i, r] == near[j, q]:
-                            known = True
-                    if known and after < states:
-                        after |= 1 << q
-                step[i, j, memory] = after
+    bit, of_one = np.zeros(n, np.int16), np.empty(g, np.int16)
+    for j in range(n):
+        for q in range(g):
+            bit[near[j, q]] = 1 << q
+        for i in range(n):
+            for r in range(g):
+                of_one[r] = states if near[i, r] == j else bit[near[i, r]]
+            step[i, j, 0] = bit[i]
+            for r in range(g):
+                for rest in range(1 << r):
+                    before = step[i, j, rest]
+                    forbidden = before == states or of_one[r] == states
+                    step[i, j, 1 << r | rest] = states if forbidden else before | of_one[r]
+        bit[near[j]] = 0
     return step
 
 

@@ -22,6 +22,7 @@ from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer
+from formulations.routing.columns.recall import Recall
 from instances import Instance
 from instances.arrays import Floats
 
@@ -46,7 +47,7 @@ def destructive_bounds(
         tour; from_top : whether the first cap is `upper` itself, whose bound may be known already.
     """
     n, m = instance.n_tasks, instance.n_depots
-    legs, store, columns = Legs.of(instance), make_store(n, _LABELS), list[Column]()
+    legs, store, columns, recall = Legs.of(instance), make_store(n, _LABELS), list[Column](), Recall(n)
     start = None if price is None else Duals(price, np.full(m, (1 - 1e-14) / m), np.zeros(m), np.zeros(0))
     high = upper
     cap = upper if from_top else (lower + upper) / 2
@@ -55,7 +56,7 @@ def destructive_bounds(
         master = Master(n, legs.kinds(), box if start is None else np.maximum(box, 2 * np.abs(start.price)))
         master.add([column for column in columns if column.cost <= cap])
         allowed = legs.under(cap)
-        pricers = [Pricer(allowed, cap, effort, store, out_of_time) for effort in _efforts(allowed)]
+        pricers = [Pricer(allowed, cap, effort, store, out_of_time, recall) for effort in _efforts(allowed)]
         best = generate(master, pricers, cap, out_of_time, start=start).best
         bound, columns, start = min(best.value, cap * (1 - 1e-12)), master.columns, best.duals
         if bound > lower:

@@ -17,6 +17,7 @@ from formulations.routing.columns.master import WIDE, Master
 from formulations.routing.columns.pool import Pool
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer
 from formulations.routing.columns.proof_log import ProofLog
+from formulations.routing.columns.recall import Recall
 from formulations.routing.columns.team import Team
 from instances.arrays import Bools, Floats, Ints
 
@@ -52,7 +53,7 @@ class Workspace:
         the bound [s] and the longest tours of the UAVs that make the relaxation as long as it is: routes with one of
         them may be optimal.
     dives : when to look for routes among the columns of a node.
-    returns : how often walks came back to tasks, where there were any: what pricing is to remember.
+    recall : what pricing has learnt to remember.
     """
 
     out_of_time: Callable[[], bool]
@@ -61,17 +62,17 @@ class Workspace:
     plain: Efforts
     cutting: Efforts
     far: Floats
+    recall: Recall
     better: Callable[[float, Sequence[Column]], bool] = lambda *_: False
     counts: Counter[str] = field(default_factory=Counter)
     walks: Effort | None = None
     log: ProofLog = field(default_factory=ProofLog)
     dives: Tries = field(default_factory=Tries)
-    returns: Floats | None = None
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""
         team = self.team
-        return Pricer(legs, cap, effort, team, lambda: team.over or self.out_of_time(), self.returns, team.each)
+        return Pricer(legs, cap, effort, team, lambda: team.over or self.out_of_time(), self.recall, team.each)
 
 
 @dataclass

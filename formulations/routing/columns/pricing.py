@@ -25,6 +25,7 @@ from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task, inc
 from formulations.routing.columns.label_search import Clock, Room, Subproblem, never, path, search
 from formulations.routing.columns.labelling import least_of_all
 from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.recall import Recall, Walk, best_walks
 from formulations.routing.columns.team import Each, one_by_one
 from instances.arrays import Floats, Ints
 
@@ -137,11 +138,15 @@ class Effort:
 
 @dataclass(frozen=True)
 class Priced:
-    """What pricing found for one UAV: a lower bound on its reduced costs, its best columns, whether these are all."""
+    """What pricing found for one UAV: a lower bound on its reduced costs, its best columns, whether these are all.
+
+    lost : where they are not, the best walks: what to remember.
+    """
 
     least: float
     columns: list[Column]
     complete: bool
+    lost: tuple[Walk, ...] = ()
 
     @classmethod
     def unknown(cls) -> Priced:
@@ -168,7 +173,7 @@ class Pricer:
 
     cap [s] : of the routes, as in `DualBound.allowed`; caps (m,) [s] : of the tours of each UAV.
     store : room for labels; each : how to do the same for several UAVs: both those of a team, where there is one.
-    returns : how often walks came back to tasks, as in `Memory.nearest`.
+    recall : what has been learnt to remember, and is where labels are lost.
     """
 
     wanted = 40
@@ -181,23 +186,27 @@ class Pricer:
         effort: Effort,
         store: Room,
         out_of_time: Clock = never,
-        returns: Floats | None = None,
+        recall: Recall | None = None,
         each: Each = one_by_one,
     ) -> None:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
-        self.returns, self.n_uavs, self.caps, self.each = returns, legs.n_uavs, legs.caps(cap), each
+        self.recall = recall or Recall(legs.n_tasks)
+        self.n_uavs, self.caps, self.each = legs.n_uavs, legs.caps(cap), each
         self._bins: dict[int, Bins] = {}
-        self._watch: tuple[Duals | None, Watch | None] = (None, None)
+        self._memory: tuple[int, Memory] | None = None
+        self._watch: tuple[Memory, Duals, Watch] | None = None
 
-    def at(self, effort: Effort, legs: Legs, returns: Floats | None = None) -> Pricer:
-        """Return the same pricer of another effort, over other legs, with other `returns` if any are given."""
-        known = self.returns if returns is None else returns
-        return Pricer(legs, self.cap, effort, self.store, self.out_of_time, known, self.each)
+    def at(self, effort: Effort, legs: Legs) -> Pricer:
+        """Return the same pricer of another effort, over other legs."""
+        return Pricer(legs, self.cap, effort, self.store, self.out_of_time, self.recall, self.each)
 
-    @cached_property
+    @property
     def memory(self) -> Memory:
-        """The ng-neighbourhoods, the same for every UAV."""
-        return Memory.nearest(np.minimum.reduce(self.legs.between), self.effort.near, self.returns)
+        """The ng-neighbourhoods by what has been learnt so far, the same for every UAV."""
+        if self._memory is None or self._memory[0] != self.recall.lessons:
+            between = np.minimum.reduce(self.legs.between)
+            self._memory = self.recall.lessons, self.recall.memory(between, self.effort.near)
+        return self._memory[1]
 
     def bins(self, k: int) -> Bins:
         """Return the time of UAV k's legs in bins (made when first asked for: some never are)."""
@@ -225,11 +234,10 @@ class Pricer:
 
     def watch(self, duals: Duals) -> Watch:
         """Return the cuts watched at these duals."""
-        at, watch = self._watch
-        if at is not duals or watch is None:
-            watch = Watch.of(self.memory.near, duals.cuts, duals.rho, self.effort.watch)
-            self._watch = (duals, watch)
-        return watch
+        memory = self.memory
+        if self._watch is None or self._watch[0] is not memory or self._watch[1] is not duals:
+            self._watch = memory, duals, Watch.of(memory.near, duals.cuts, duals.rho, self.effort.watch)
+        return self._watch[2]
 
     def subproblem(self, k: int, duals: Duals) -> Subproblem:
         """Return the pricing problem of UAV k, completion bounds included."""
@@ -238,10 +246,12 @@ class Pricer:
         return Subproblem.bounded(legs, cap, bins, self.memory, watch, duals.price, sigma, duals.by_task)
 
     def price_all(self, uavs: Sequence[int], duals: Duals, thresholds: Floats) -> dict[int, Priced]:
-        """Return what `price` would of each of some UAVs, at their thresholds (m,); of twins once."""
+        """Return what `price` would of each of some UAVs, at their thresholds (m,); of twins once. Learn from it."""
         first_of = self.firsts(uavs, duals, thresholds)
         firsts = list(dict.fromkeys(first_of.values()))
         priced = self.each(lambda k: self.price(k, duals, float(thresholds[k])), firsts)
+        walks = [walk for one in priced for walk in one.lost]
+        self.recall.learn(walks, np.ones(len(walks)))
         found = dict(zip(firsts, priced, strict=True))
         return {k: found[first].of_uav(k) for k, first in first_of.items()}
 
@@ -259,7 +269,8 @@ class Pricer:
         best = found.best(self.wanted)
         orders, ends = labels.orders(best)
         columns = [Column(k, path(orders, int(e)), float(c)) for e, c in zip(ends, best.costs, strict=True)]
-        return Priced(least, columns, found.complete)
+        lost = () if found.complete else tuple(best_walks(problem, threshold))
+        return Priced(least, columns, found.complete, lost)
 
 
 class Efforts(NamedTuple):

@@ -143,7 +143,7 @@ def _begin(node: Node, cap: float, work: Workspace) -> Duals | None:
     if node.centre is not None:
         return node.centre.duals
     walked = relax_by_walks(work.pricer(node.legs, cap, work.walks), node.kinds, node.columns)
-    node.columns, work.returns = walked.tours, walked.returns
+    node.columns = walked.tours
     work.counts["rounds"] += walked.rounds
     node.raise_bound(walked.best)
     return walked.best.duals

@@ -16,6 +16,7 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Efforts, Pricer, efforts
+from formulations.routing.columns.recall import Recall
 from formulations.routing.columns.team import Team
 from formulations.routing.columns.tree import Tree
 from formulations.routing.recorder import Recorder
@@ -136,7 +137,7 @@ def test_trials_of_lower_caps_raise_the_bound_to_the_optimum_and_no_further(seed
     assert oracle is not None
     recorder = Recorder(instance, LIMITS, ignore, (tuple(range(8)), ()))
     legs, patience = Legs.of(instance), Patience(recorder)
-    work = Workspace(patience.over, Team(lambda: make_store(8, 10_000)), 1000, *efforts(8, 50), np.ones(8))
+    work = Workspace(patience.over, Team(lambda: make_store(8, 10_000)), 1000, *efforts(8, 50), np.ones(8), Recall(8))
     patience.share(1 / 2)
     solver.destroy(recorder, patience, Tree(legs, [], work), legs)
     assert 0.99 * oracle <= recorder.bound <= oracle * (1 + 1e-9)
@@ -326,7 +327,7 @@ def test_searches_after_the_first_go_on_from_the_best_routes_known(monkeypatch: 
 def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() -> None:
     legs = Legs.of(random_instance(5, 2, 0))
     idle, team = Efforts((), Effort(1, 1, 1)), Team(lambda: make_store(5, 1000))
-    work = Workspace(lambda: True, team, 10, idle, idle, np.ones(5))
+    work = Workspace(lambda: True, team, 10, idle, idle, np.ones(5), Recall(5))
     tree = Tree(legs, [], work, 100.001)
     for bound in (200.0, 100.0, 100.002, 0.0):
         tree.push(Node.root(legs, bound, [], np.arange(2)))

@@ -12,6 +12,7 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node, Tries, Workspace
 from formulations.routing.columns.pricing import DualBound, Duals, Effort, Pricer, efforts
+from formulations.routing.columns.recall import Recall
 from formulations.routing.columns.team import Team
 from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
 from formulations.routing.subset_dp import SubsetDp
@@ -35,7 +36,8 @@ def fresh(instance):
 
 
 def workspace(out_of_time=lambda: False, labels=100_000, walks=None):
-    return Workspace(out_of_time, Team(lambda: make_store(N, labels)), 10_000, *efforts(N, 50), np.ones(N), walks=walks)
+    team = Team(lambda: make_store(N, labels))
+    return Workspace(out_of_time, team, 10_000, *efforts(N, 50), np.ones(N), Recall(N), walks=walks)
 
 
 @pytest.mark.parametrize("seed", [*range(5), 10])

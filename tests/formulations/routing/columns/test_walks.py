@@ -15,7 +15,8 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Node
 from formulations.routing.columns.pricing import Column, Duals, Effort, Pricer
-from formulations.routing.columns.walks import WalkPricer, _remembered, _returns, relax_by_walks
+from formulations.routing.columns.recall import returns_of
+from formulations.routing.columns.walks import WalkPricer, _remembered, relax_by_walks
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, tour_costs
 from tests.formulations.routing.test_branch_and_price import random_instance
@@ -79,7 +80,7 @@ def test_a_relaxation_over_walks_bounds_that_over_tours(seed: int) -> None:
 
 
 def test_what_walks_return_to_is_remembered_between() -> None:
-    returns = _returns([(0, 4, 5, 0), (1, 2, 3)], np.array([0.5, 1.0]), 6)
+    returns = returns_of([(0, 4, 5, 0), (1, 2, 3)], np.array([0.5, 1.0]), 6)
     assert returns[4, 0] == returns[5, 0] == 0.25
     assert returns.sum() == 0.5
     place = np.array([0.0, 1.0, 2.0, 3.0, 9.0, 10.0])

@@ -30,7 +30,7 @@ _CUTS_A_ROUND = 50
 _STALLED = 0.05  # of the gap: cuts that close less of it
 _ROUNDS_STALLED = 2
 _DEAR = 0.08  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
-_LONG = 15  # tasks a UAV above which labels that pay for cuts cost more than branches
+_LONG = 15  # tasks a UAV above which labels that pay for cuts cost more than branches, and far-off duals too many
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
 _USED = 1e-6  # weight of a tour
@@ -138,10 +138,10 @@ def _begin(node: Node, cap: float, work: Workspace) -> Duals | None:
     if lost.size > 0:
         node.raise_bound(DualBound.of_lost_task(int(lost[0]), node.legs.n_uavs, node.legs.n_tasks, cap))
         return None
+    if node.centre is not None:
+        return node.centre.duals if node.legs.n_tasks > _LONG * node.legs.n_uavs else None
     if work.walks is None:
         return None
-    if node.centre is not None:
-        return node.centre.duals
     walked = relax_by_walks(work.pricer(node.legs, cap, work.walks), node.kinds, node.columns)
     node.columns = walked.tours
     work.counts["rounds"] += walked.rounds

@@ -5,8 +5,7 @@
 * with two threads, where UAVs are few for the tasks, or of at most two kinds, cuts run beside it in a process of their
   own, for longer tours: both pass on every better incumbent and bound the moment they have it, and the first proof ends
   both; else columns look for tours of two UAVs at once;
-* with one thread and few UAVs for the tasks, which are two or which nothing tells apart, cuts for three quarters of the
-  time, then columns with what these found; with more threads too where three are alike, as cuts then use them all.
+* with one thread and two UAVs for many tasks, cuts for three quarters of the time, then columns with what these found.
 
 Cuts are `branch-and-cut` of two UAVs, `arc-tree` of three and more.
 Methods that do not take the instance's axes are left out; with a window of take-off only `subset-dp` is left.
@@ -86,11 +85,9 @@ class Exact(RecordedSolver):
         first_routes(recorder, 1000 * seed, columns.starts)
         if recorder.objective > 0 and refusal(_cuts(instance)[1], instance) is None:
             few = instance.n_depots <= FEW_UAVS and instance.n_tasks >= LONG * instance.n_depots
-            two, kinds = instance.n_depots <= TWO, _kinds(instance)
-            all_threads = few and kinds == 1 and not two  # arcs use them
-            if recorder.limits.threads >= 2 and not all_threads and (few or kinds <= FEW_KINDS):
+            if recorder.limits.threads >= 2 and (few or _kinds(instance) <= FEW_KINDS):
                 return _side_by_side(recorder, columns, seed)
-            if few and (two or kinds == 1):
+            if few and instance.n_depots <= TWO:
                 return _one_after_the_other(recorder, columns, seed)
         ended, counts = columns.prove(recorder, seed, recorder.limits.threads)
         return _result(recorder, ended, "branch-and-price", left_open(recorder), counts)

@@ -85,18 +85,6 @@ def test_three_uavs_of_one_site_are_proved_over_arcs_or_tours(threads: int) -> N
 
 
 @pytest.mark.slow
-def test_of_three_uavs_at_one_site_columns_go_on_from_arcs() -> None:
-    """One case of arcs proves nothing here, and nothing false is claimed."""
-    instance = three_at_one_site(54, 1)
-    result = Exact().solve(instance, limits=Limits(time=60.0, iterations=1))
-    assert result.statistics["cut_nodes"] == 1
-    assert "rounds" in result.statistics
-    assert result.routes is not None
-    assert not check_routes(instance, result.routes)
-    assert 0 < (result.bound or 0.0) < (result.objective or 0.0)
-
-
-@pytest.mark.slow
 def test_columns_go_on_from_cuts_that_ended_early() -> None:
     """One node of cuts proves nothing here: columns take over, and nothing false is claimed."""
     instance = random_instance(36, 2, 3)

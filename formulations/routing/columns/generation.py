@@ -61,13 +61,12 @@ def generate(
     """Solve the relaxation over tours of cost ≤ `cap`, by `pricers` from the quickest to the strongest.
 
     centre : the best bound of a relaxation with no fewer tours and no more cuts; it still holds, and new duals are
-        sought near it.
+        sought near it. With it alone to fall back to, generation is stuck as soon as the strongest pricer loses labels
+        and hardly raises the bound.
     reserve : prices some tours of some UAVs quickly; what it finds needs no other pricer, that it finds none is no
         bound.
-    start : where no centre is known, duals to price first and to seek others near.
-
-    Where a centre or start is known generation is stuck once the strongest pricer loses labels and has hardly brought
-    value and bound together for some rounds.
+    start : duals to seek others near, and to price first where no centre is known. With these, what the strongest
+        pricer loses labels for may take some rounds in which it hardly brings value and bound together.
     """
     value, at_master, weight = _settled(master, reserve, cap, out_of_time)
     best, trust = DualBound(-np.inf, at_master, np.zeros(pricers[0].n_uavs)), 1.0
@@ -84,11 +83,15 @@ def generate(
             return Relaxation(Ended.INTERRUPTED, best, weight, rounds)
         least = np.array([min(0.0, priced[k].least) for k in master.first])
         found = DualBound(duals.offset + float(least.sum()) - duals.margin(cap, master.m), duals, least)
-        if found.value > best.value:
+        rise = found.value - best.value
+        if rise > 0:
             best = found
         if best.value > cap:
             return Relaxation(Ended.PRUNED, best, weight, rounds)
         complete = all(p.complete for p in priced.values())
+        alone = centre is not None and start is None
+        if alone and ladder.at_top and not complete and rise < _CLOSE * (cap - best.value):
+            return Relaxation(Ended.STUCK, best, weight, rounds)
         dull, widened = ladder.dull(complete, value - best.value), False
         if master.add([c for p in priced.values() for c in p.columns]):
             value, at_master, weight = _settled(master, reserve, cap, out_of_time)
@@ -106,7 +109,7 @@ def generate(
             value, at_master, weight = _settled(master, reserve, cap, out_of_time)
             ladder = _Ladder(pricers)
         elif dull:
-            if ladder.at_top and not (centre is None and start is None):
+            if ladder.at_top and start is not None:
                 return Relaxation(Ended.STUCK, best, weight, rounds)
             ladder.climb()
 

@@ -69,3 +69,12 @@ def test_all_pricers_of_a_tree_remember_what_one_has_learnt() -> None:
     assert other.memory is not before
     assert (other.memory.near != before.near).any()
     assert other.memory is other.memory
+
+
+def test_nothing_is_learnt_where_cuts_are_paid_for() -> None:
+    pricer = pricer_of(1, beam=20)
+    cut = Duals(*(getattr(EACH_TASK, name) for name in ("price", "sigma", "rent")), np.array([1.0]), ((0, 1, 2),))
+    priced = pricer.price_all([0], cut, np.full(2, -1.0))[0]
+    assert not priced.complete
+    assert not priced.lost
+    assert pricer.recall.lessons == 0

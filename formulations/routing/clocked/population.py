@@ -8,6 +8,8 @@ one.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from formulations.routing.clocked.annealing import anneal_by_clock
@@ -31,6 +33,7 @@ class ClockedPopulation(Lineage):
     def __init__(
         self, problem: ClockedProblem, parameters: SearchParameters, rng: Rng, start: Tours, now: float
     ) -> None:
+        parameters = replace(parameters, short_tours=parameters.several_depots)  # not tried by the clock
         super().__init__(problem.data, parameters, rng, Family(founders=2))
         self.problem, self.best = problem, duplicate(start)
         self._start(now, start, parameters.schedule.child, 1.0)

@@ -72,10 +72,10 @@ class Lineage:
     best: Tours
 
     def __init__(self, data: ProblemData, parameters: SearchParameters, rng: Rng, family: Family) -> None:
-        self.data, self.parameters, self.rng = data, parameters, rng
         self.strategy = parameters.strategy(data)
-        recreate = parameters.annealing.recreate._replace(width=self.strategy.width)
-        self.annealing = parameters.annealing._replace(recreate=recreate)
+        self.data, self.parameters, self.rng = data, parameters.by(self.strategy), rng
+        annealing = self.parameters.annealing
+        self.annealing = annealing._replace(recreate=annealing.recreate._replace(width=self.strategy.width))
         self.family = family
         self._step_length = 0.0
         self._begin, self.end = 0.0, 1.0

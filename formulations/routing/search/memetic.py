@@ -46,7 +46,8 @@ _DEFAULT = SearchParameters()
 class Memetic(RecordedSolver):
     """The state-of-the-art min-max search.
 
-    removals : tasks taken out by one ruin, at most (1 to 20).
+    removals : tasks taken out by one ruin, at most (1 to 20); of short tours from several depots five thirds as many,
+        up to 20.
     strings : share of ruins that take strings of consecutive tasks; the others take nearest neighbours (0 to 1).
     cuts : share of steps that cut and rejoin long segments of one or two tours (0 to 1).
     powers : how many of the guides Σ C_k^p, p = 1, 2, 5, 12, 30, ∞, the recreation draws from; 1 is the total (1 to

@@ -1,4 +1,4 @@
-"""Strategy: what a population decides differently where UAVs start at several depots and where all start at one site.
+"""Strategy: what a population decides differently for several depots, for short tours from these, and for one site.
 
 With several depots it is a matter of which UAV serves which crowd of tasks: individuals are compared by a norm, which
 sees all crowds whose tours are too long, and crossing whole tours of many quick founders that differ finds it; where
@@ -8,11 +8,15 @@ long as that are no fault. The basins of good packings lie near each other: fine
 are searched alone, and where nothing new is found many annealings are reheatings of a good individual, or weigh the
 total (schedule.py). And a task may have to go to a tour that passes none of its nearest tasks: recreations look at all
 of the granular neighbourhood.
+
+Where tours from several depots are short, a ruin that moves as many tasks as a tour has lets crowds change hands at
+once, and the mean tour says nothing: most UAVs have time to spare, and it keeps tasks from going to them by detours.
+Members must then differ in more, as UAVs with time to spare fly in any order.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from formulations.routing.search.energy import Measure, excess, p_norm
 from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData
@@ -64,7 +68,7 @@ class LongFounder:
 
 @dataclass(frozen=True)
 class Strategy:
-    """One of the two strategies.
+    """One of the three strategies.
 
     With several depots, 10 s, two seeds, mean gaps on md8, md16, md17, md25, md26, md28, md34: −0.19 %; with a size of
     8 −0.05 %, without members apart −0.11 %, with 0.3 of the stages searches of some tours 0.16 %; all with an
@@ -84,6 +88,8 @@ class Strategy:
     fine: the final phase of fine annealings; fine_share: their share, at most; fine_first: their first temperature in
     mean legs, at most.
     reheating: where there is any.
+    removals: tasks removed by one ruin, in those of the option, but no more than the granular neighbourhood has.
+    mean: weight of the mean tour in energies, in that of the schedule's parameters.
     compact: share of annealings, of founders none, that are compact where nothing was new for long. At one site with
     0.5 att532.euc2d_10 ends, 30 s, at 0.38 % (four seeds), without at 0.9 %. From the beginning on they lead into traps
     where the total is small: pr439_10, 12 s: 0.16, 1.85, 1.39, 0.16 %, as it is 0.16, 0.16, 0.16, 0.50 %.
@@ -104,6 +110,8 @@ class Strategy:
     fine_first: float
     reheating: Reheating | None
     compact: float
+    removals: float = 1.0
+    mean: float = 1.0
 
     def draw_reheating(self, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule | None:
         """Return the schedule of a reheating, with probability staleness / 2 but reheating.share at most, else None."""
@@ -136,6 +144,10 @@ SEVERAL_DEPOTS = Strategy(
     reheating=None,
     compact=0.0,
 )
+SHORT_TOURS = replace(SEVERAL_DEPOTS, apart=0.25, removals=5 / 3, mean=0.01)
+"""Several depots, tours of up to `SHORT` tasks: `tests/benchmarks/search.py short` compares the two."""
+SHORT = 12
+"""Tasks of a tour, in the mean at most: with 15 and 20 of them the two were not told apart."""
 ONE_SITE = Strategy(
     measure=excess(0.0),
     width=NeighbourhoodParameters().tasks,

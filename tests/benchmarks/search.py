@@ -23,7 +23,6 @@ import argparse
 import resource
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from statistics import fmean
 from types import SimpleNamespace
@@ -289,7 +288,7 @@ def proved(args: argparse.Namespace) -> None:
 
 def short(args: argparse.Namespace) -> None:
     """Short tours from several depots: as they are searched, and as longer ones are."""
-    ways = {"as it is": FULL, "as longer tours": replace(FULL, short_tours=FULL.several_depots)}
+    ways = {"as it is": FULL, "as longer tours": PARAMETERS["short tours as longer ones"]}
     for label, parameters in ways.items():
         cases = ((wind_instance(100, 10, seed), best) for seed, best in SHORT.items())
         gaps = [gaps_of(by_memetic(parameters), *case, args.seconds or 5.0, args.seeds) for case in cases]

@@ -37,6 +37,7 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
         FULL, several_depots=replace(FULL.several_depots, focused=True)
     ),
     "no long founders": replace(FULL, several_depots=replace(FULL.several_depots, long=None)),
+    "short tours as longer ones": replace(FULL, several_depots=replace(FULL.several_depots, short=None)),
     "children inherit tours from anywhere": replace(FULL, several_depots=replace(FULL.several_depots, regions=0.0)),
     "no chained search across long tours": replace(FULL, chain=FULL.chain._replace(fewest=10**9, few=10**9)),
     "no edge assembly: chained search alone": replace(FULL, assembly=FULL.assembly._replace(size=1)),

@@ -33,7 +33,7 @@ class ClockedPopulation(Lineage):
     def __init__(
         self, problem: ClockedProblem, parameters: SearchParameters, rng: Rng, start: Tours, now: float
     ) -> None:
-        parameters = replace(parameters, short_tours=parameters.several_depots)  # not tried by the clock
+        parameters = replace(parameters, several_depots=replace(parameters.several_depots, short=None))  # not tried
         super().__init__(problem.data, parameters, rng, Family(founders=2))
         self.problem, self.best = problem, duplicate(start)
         self._start(now, start, parameters.schedule.child, 1.0)

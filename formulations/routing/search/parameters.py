@@ -20,7 +20,7 @@ from formulations.routing.search.local_search import LocalSearchParameters
 from formulations.routing.search.perturbation import PerturbationParameters
 from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData
 from formulations.routing.search.schedule import ScheduleParameters
-from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS, SHORT, SHORT_TOURS, Strategy
+from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS, Strategy
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class PopulationParameters:
 
 @dataclass(frozen=True)
 class SearchParameters:
-    """All of them; what differs between several depots, short tours from these and one site is a strategy."""
+    """All of them; what differs between several depots and one site is a strategy."""
 
     neighbourhood: NeighbourhoodParameters = field(default_factory=NeighbourhoodParameters)
     annealing: AnnealingParameters = field(default_factory=AnnealingParameters)
@@ -72,15 +72,12 @@ class SearchParameters:
     assembly: AssemblyParameters = field(default_factory=AssemblyParameters)
     budget: BudgetParameters = field(default_factory=BudgetParameters)
     several_depots: Strategy = SEVERAL_DEPOTS
-    short_tours: Strategy = SHORT_TOURS
     one_site: Strategy = ONE_SITE
 
     def strategy(self, data: ProblemData) -> Strategy:
         """Return the strategy for an instance."""
-        n, m = data.size
-        if np.all(data.site == 0):
-            return self.one_site
-        return self.short_tours if n <= SHORT * m else self.several_depots
+        strategy = self.one_site if np.all(data.site == 0) else self.several_depots
+        return strategy.on(data)
 
     def by(self, strategy: Strategy) -> SearchParameters:
         """Return these with ruins and energies as a strategy has them."""

@@ -1,4 +1,4 @@
-"""Strategy: what a population decides differently for several depots, for short tours from these, and for one site.
+"""Strategy: what a population decides differently for several depots and for one site.
 
 With several depots it is a matter of which UAV serves which crowd of tasks: individuals are compared by a norm, which
 sees all crowds whose tours are too long, and crossing whole tours of many quick founders that differ finds it; where
@@ -67,8 +67,26 @@ class LongFounder:
 
 
 @dataclass(frozen=True)
+class ShortTours:
+    """What is different where tours from several depots are short: `tests/benchmarks/search.py short` measures it.
+
+    tasks: of a tour, in the mean at most; removals, apart, mean: what those of the strategy are multiplied by.
+    """
+
+    tasks: int = 12
+    removals: float = 5 / 3
+    apart: float = 5 / 3
+    mean: float = 0.01
+
+    def suits(self, data: ProblemData) -> bool:
+        """Return whether tours are short."""
+        n, m = data.size
+        return n <= self.tasks * m
+
+
+@dataclass(frozen=True)
 class Strategy:
-    """One of the three strategies.
+    """What a population decides for several depots, or for one site.
 
     With several depots, 10 s, two seeds, mean gaps on md8, md16, md17, md25, md26, md28, md34: −0.19 %; with a size of
     8 −0.05 %, without members apart −0.11 %, with 0.3 of the stages searches of some tours 0.16 %; all with an
@@ -82,7 +100,7 @@ class Strategy:
     size: members at most.
     depth: of a founder's annealing, in that of the option.
     focused: whether later stages may search a few tours alone.
-    long: where there are any.
+    long, short: where there are any.
     regions: share of the crossings of many tours that inherit a region (crossover.py).
     settling: as many after which annealings are fine as often as they may be.
     fine: the final phase of fine annealings; fine_share: their share, at most; fine_first: their first temperature in
@@ -103,6 +121,7 @@ class Strategy:
     depth: float
     focused: bool
     long: LongFounder | None
+    short: ShortTours | None
     regions: float
     settling: int
     fine: FinalPhase
@@ -112,6 +131,15 @@ class Strategy:
     compact: float
     removals: float = 1.0
     mean: float = 1.0
+
+    def on(self, data: ProblemData) -> Strategy:
+        """Return this one as an instance has it: with short tours, or without."""
+        if self.short is None or not self.short.suits(data):
+            return self
+        removals, apart, mean = self.short.removals, self.short.apart, self.short.mean
+        return replace(
+            self, removals=self.removals * removals, apart=self.apart * apart, mean=self.mean * mean, short=None
+        )
 
     def draw_reheating(self, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule | None:
         """Return the schedule of a reheating, with probability staleness / 2 but reheating.share at most, else None."""
@@ -136,6 +164,7 @@ SEVERAL_DEPOTS = Strategy(
     depth=0.25,
     focused=False,
     long=LongFounder(),
+    short=ShortTours(),
     regions=0.5,
     settling=3,
     fine=FinalPhase(below=0.015, margin=2e-4, last=2e-5),
@@ -144,10 +173,6 @@ SEVERAL_DEPOTS = Strategy(
     reheating=None,
     compact=0.0,
 )
-SHORT_TOURS = replace(SEVERAL_DEPOTS, apart=0.25, removals=5 / 3, mean=0.01)
-"""Several depots, tours of up to `SHORT` tasks: `tests/benchmarks/search.py short` compares the two."""
-SHORT = 12
-"""Tasks of a tour, in the mean at most: with 15 and 20 of them the two were not told apart."""
 ONE_SITE = Strategy(
     measure=excess(0.0),
     width=NeighbourhoodParameters().tasks,
@@ -157,6 +182,7 @@ ONE_SITE = Strategy(
     depth=1.0,
     focused=True,
     long=None,
+    short=None,
     regions=0.0,
     settling=1,
     fine=FinalPhase(below=0.05, margin=3e-5, last=3e-5, strings=0.2),

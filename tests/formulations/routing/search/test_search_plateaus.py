@@ -103,8 +103,8 @@ def test_annealings_are_compact_the_more_often_the_longer_nothing_was_new_but_fo
 def choosing(cost, founders=3, apart=0.3):
     """Return a population of no members, and what gives it routes and says whether they are new and in."""
     data = problem_data(both_ways(cost), N, NeighbourhoodParameters())
-    strategy = replace(SEVERAL_DEPOTS, apart=apart)
-    parameters = replace(SearchParameters(), several_depots=strategy, short_tours=strategy, one_site=strategy)
+    strategy = replace(SEVERAL_DEPOTS, apart=apart, short=None)
+    parameters = replace(SearchParameters(), several_depots=strategy, one_site=strategy)
     population = Population(data, Endurance(FLAT, data.costs), parameters, seeded(1), None)
     population.family.founders, population.family.members = founders, []
     return population, lambda *routes: population._select(rings.from_routes(data.costs, routes))

@@ -1,5 +1,7 @@
 """Short tours from several depots: ruins as large as a tour, energies without the mean; elsewhere all is as set."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,11 +13,12 @@ from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
-from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS, SHORT, SHORT_TOURS
+from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance
 
 USUAL = SearchParameters()
+SHORT = SEVERAL_DEPOTS.short
 
 
 def lineage(n, m, parameters=USUAL, *, together=False):
@@ -31,9 +34,9 @@ def lineage(n, m, parameters=USUAL, *, together=False):
 @pytest.mark.parametrize(
     ("n", "m", "together", "strategy"),
     [
-        (SHORT * 5, 5, False, SHORT_TOURS),
-        (SHORT * 5 + 1, 5, False, SEVERAL_DEPOTS),
-        (SHORT * 5, 5, True, ONE_SITE),
+        (SHORT.tasks * 5, 5, False, replace(SEVERAL_DEPOTS, removals=5 / 3, apart=0.25, mean=0.01, short=None)),
+        (SHORT.tasks * 5 + 1, 5, False, SEVERAL_DEPOTS),
+        (SHORT.tasks * 5, 5, True, ONE_SITE),
     ],
     ids=["short", "longer", "one site"],
 )

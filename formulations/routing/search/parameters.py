@@ -80,8 +80,13 @@ class SearchParameters:
         return strategy.on(data)
 
     def by(self, strategy: Strategy) -> SearchParameters:
-        """Return these with ruins and energies as a strategy has them."""
+        """Return these with ruins, perturbations and energies as a strategy has them."""
         removals = min(round(strategy.removals * self.annealing.removals), self.neighbourhood.tasks)
         even, peaked = self.schedule.mean_weight
-        schedule = replace(self.schedule, mean_weight=(strategy.mean * even, strategy.mean * peaked))
-        return replace(self, annealing=self.annealing._replace(removals=removals), schedule=schedule)
+        weight, perturbed = (strategy.mean * even, strategy.mean * peaked), strategy.perturbed * self.schedule.perturbed
+        return replace(
+            self,
+            annealing=self.annealing._replace(removals=removals),
+            perturbation=self.perturbation._replace(bounded=strategy.bounded),
+            schedule=replace(self.schedule, mean_weight=weight, perturbed=perturbed),
+        )

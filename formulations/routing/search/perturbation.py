@@ -2,6 +2,8 @@
 
 Ruin and recreate moves a few tasks at a time between tours that touch, so which UAV serves which crowd of tasks is
 settled early in an annealing. Here a UAV leaves all its tasks to the others and takes over a segment of a long tour.
+A bounded relocation is one that makes no tour longer than the longest. Where tours are short that is too much to ask:
+a far crowd takes most of what a UAV may fly, and one that is free for it has it only in part at first.
 """
 
 from __future__ import annotations
@@ -19,18 +21,23 @@ from instances.kernels import njit
 
 
 class PerturbationParameters(NamedTuple):
-    """draws: of a UAV and a task before giving up; only where nearly every UAV is out of reach do all of them fail."""
+    """draws: of a UAV and a task before giving up; only where nearly every UAV is out of reach do all of them fail.
+
+    bounded: whether the UAV must be able to fly the segment, of random length, within the longest tour; else it takes
+    over all the rest of the long tour.
+    """
 
     draws: int = 50
+    bounded: bool = True
 
 
 @njit(cache=True, nogil=True)
-def draw_relocation(costs: Costs, tours: Tours, draws: int, rng: Rng) -> tuple[int, int]:
+def draw_relocation(costs: Costs, tours: Tours, limit: float, draws: int, rng: Rng) -> tuple[int, int]:
     """Return (UAV, task): the shorter of two random tours, and of two random tasks the one on the longer tour.
 
-    The UAV can fly to the task and back in less than the longest tour. (−1, −1) where none such is drawn.
+    The UAV can fly to the task and back in less than the limit [s]. (−1, −1) where none such is drawn.
     """
-    m, limit = tours.cost.size, longest(tours.cost)
+    m = tours.cost.size
     n = tours.after.size - m
     for _ in range(draws):
         h, v = below(rng, m), below(rng, n)
@@ -62,22 +69,24 @@ def relocate(costs: Costs, tours: Tours, h: int, v: int, limit: float) -> None:
 def perturb(
     data: ProblemData, tours: Tours, parameters: PerturbationParameters, recreation: RecreateParameters, rng: Rng
 ) -> None:
-    """Let one UAV leave its tasks to the others and take over a segment, of random length, of a long tour."""
-    count, removed = relocate_one(data.costs, tours, parameters.draws, rng)
+    """Let one UAV leave its tasks to the others and take over a segment of a long tour."""
+    count, removed = relocate_one(data.costs, tours, parameters, rng)
     if count >= 0:
         recreate_all(data, tours, removed[:count], recreation, rng)
 
 
 @njit(cache=True, nogil=True)
-def relocate_one(costs: Costs, tours: Tours, draws: int, rng: Rng) -> tuple[int, Nodes]:
+def relocate_one(costs: Costs, tours: Tours, parameters: PerturbationParameters, rng: Rng) -> tuple[int, Nodes]:
     """Relocate a UAV; return how many tasks it left, −1 where none is drawn, and these in random order."""
-    h, v = draw_relocation(costs, tours, draws, rng)
+    limit = longest(tours.cost) if parameters.bounded else np.inf
+    h, v = draw_relocation(costs, tours, limit, parameters.draws, rng)
     n = tours.after.size - tours.cost.size
     removed = np.empty(n, np.int32)
     if h < 0:
         return -1, removed
-    there_and_back = leg(costs, h, n + h, v) + leg_into(costs, h, n + h, v)
-    limit = there_and_back + uniform(rng) * (longest(tours.cost) - there_and_back)
+    if parameters.bounded:
+        there_and_back = leg(costs, h, n + h, v) + leg_into(costs, h, n + h, v)
+        limit = there_and_back + uniform(rng) * (limit - there_and_back)
     count = clear(costs, tours, h, removed)
     relocate(costs, tours, h, v, limit)
     sum_costs(tours)

@@ -70,13 +70,16 @@ class LongFounder:
 class ShortTours:
     """What is different where tours from several depots are short: `tests/benchmarks/search.py short` measures it.
 
-    tasks: of a tour, in the mean at most; removals, apart, mean: what those of the strategy are multiplied by.
+    tasks: of a tour, in the mean at most; removals, apart, mean, perturbed: what those of the strategy are multiplied
+    by; bounded: as of the strategy.
     """
 
     tasks: int = 12
     removals: float = 5 / 3
     apart: float = 5 / 3
     mean: float = 0.01
+    perturbed: float = 0.4
+    bounded: bool = False
 
     def suits(self, data: ProblemData) -> bool:
         """Return whether tours are short."""
@@ -108,6 +111,8 @@ class Strategy:
     reheating: where there is any.
     removals: tasks removed by one ruin, in those of the option, but no more than the granular neighbourhood has.
     mean: weight of the mean tour in energies, in that of the schedule's parameters.
+    perturbed: first temperature of a perturbed member, in that of the schedule's parameters.
+    bounded: whether relocations are (perturbation.py).
     compact: share of annealings, of founders none, that are compact where nothing was new for long. At one site with
     0.5 att532.euc2d_10 ends, 30 s, at 0.38 % (four seeds), without at 0.9 %. From the beginning on they lead into traps
     where the total is small: pr439_10, 12 s: 0.16, 1.85, 1.39, 0.16 %, as it is 0.16, 0.16, 0.16, 0.50 %.
@@ -131,14 +136,22 @@ class Strategy:
     compact: float
     removals: float = 1.0
     mean: float = 1.0
+    perturbed: float = 1.0
+    bounded: bool = True
 
     def on(self, data: ProblemData) -> Strategy:
         """Return this one as an instance has it: with short tours, or without."""
-        if self.short is None or not self.short.suits(data):
+        short = self.short
+        if short is None or not short.suits(data):
             return self
-        removals, apart, mean = self.short.removals, self.short.apart, self.short.mean
         return replace(
-            self, removals=self.removals * removals, apart=self.apart * apart, mean=self.mean * mean, short=None
+            self,
+            removals=self.removals * short.removals,
+            apart=self.apart * short.apart,
+            mean=self.mean * short.mean,
+            perturbed=self.perturbed * short.perturbed,
+            bounded=short.bounded,
+            short=None,
         )
 
     def draw_reheating(self, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule | None:

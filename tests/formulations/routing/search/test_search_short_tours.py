@@ -1,4 +1,4 @@
-"""Short tours from several depots: ruins as large as a tour, energies without the mean; elsewhere all is as set."""
+"""Short tours from several depots: ruins as large as a tour, no mean, cool perturbations; elsewhere all is as set."""
 
 from dataclasses import replace
 
@@ -19,6 +19,7 @@ from instances import Instance
 
 USUAL = SearchParameters()
 SHORT = SEVERAL_DEPOTS.short
+AS_SHORT = replace(SEVERAL_DEPOTS, removals=5 / 3, apart=0.25, mean=0.01, perturbed=0.4, bounded=False, short=None)
 
 
 def lineage(n, m, parameters=USUAL, *, together=False):
@@ -34,7 +35,7 @@ def lineage(n, m, parameters=USUAL, *, together=False):
 @pytest.mark.parametrize(
     ("n", "m", "together", "strategy"),
     [
-        (SHORT.tasks * 5, 5, False, replace(SEVERAL_DEPOTS, removals=5 / 3, apart=0.25, mean=0.01, short=None)),
+        (SHORT.tasks * 5, 5, False, AS_SHORT),
         (SHORT.tasks * 5 + 1, 5, False, SEVERAL_DEPOTS),
         (SHORT.tasks * 5, 5, True, ONE_SITE),
     ],
@@ -50,6 +51,12 @@ def test_ruins_of_short_tours_are_larger_and_the_mean_weighs_nearly_nothing():
     assert longer.parameters.schedule == USUAL.schedule
     weights = zip(short.parameters.schedule.mean_weight, USUAL.schedule.mean_weight, strict=True)
     assert all(0 < short < 0.05 * usual for short, usual in weights)
+
+
+def test_perturbations_of_short_tours_are_cooler_and_not_bounded():
+    short, longer = lineage(30, 3).parameters, lineage(90, 3).parameters
+    assert short.schedule.perturbed < longer.schedule.perturbed == USUAL.schedule.perturbed
+    assert (short.perturbation.bounded, longer.perturbation) == (False, USUAL.perturbation)
 
 
 @pytest.mark.parametrize("asked", [1, 6, 20])

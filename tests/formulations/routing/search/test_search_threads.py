@@ -33,7 +33,7 @@ def plane(seed, endurance=None):
 
 
 def family_of_two(instance, seed=1):
-    parameters = SearchParameters(several_depots=replace(SEVERAL_DEPOTS, size=FOUNDERS))
+    parameters = SearchParameters(several_depots=replace(SEVERAL_DEPOTS, size=FOUNDERS, short=None))
     endurance = Endurance(instance, search_costs(instance))
     endurance.refer(endurance.most)
     data, family = problem_data(endurance.costs, N, parameters.neighbourhood), Family(threads=2)

@@ -1,6 +1,8 @@
 """The search beside the tree: routes are wanted as much as bounds, and each helps the other.
 
-It goes on from new seeds and from the best routes known as long as a gap is left, with a tenth of the work or less.
+It goes on from new seeds and from the best routes known as long as a gap is left, with a tenth of the work or less
+where that is narrow, and more where it is wide: labels grow exponentially with it, and shorter routes are what narrows
+it most.
 Where few UAVs make the relaxation as long as it is, and that is nearly as long as the routes known, the longest tour of
 one of them there may well be the longest tour of the best routes, and one the memetic search does not light on by
 itself: then that tour is kept and the other UAVs are searched for.
@@ -23,7 +25,8 @@ from instances import Instance, Travel
 STEPS = 125
 """Steps of a search, for each pair of tasks."""
 _STEPS_AROUND = 50  # the same, of a search around a given tour
-_STEPS_A_ROUND = 50  # of the search while a gap is left, for each task and round of column generation
+_STEPS_A_ROUND = 50  # of the search while a narrow gap is left, for each task and round of column generation
+_NARROW, _MOST = 0.005, 8.0  # gap, as a share of the routes, up to which it is narrow; times as many steps at most
 _NEAR = 0.01  # share of the best routes' longest tour below which relaxations say nothing of tours
 _STEPS_A_LABEL = 0.05  # and for each label made in vain
 
@@ -36,7 +39,7 @@ class Search:
 
     def __init__(self, recorder: Recorder, counts: Counter[str], seed: int, run: int, tolerance: float) -> None:
         self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
-        self.steps = 0
+        self.steps, self.due, self._work = 0, 0.0, 0.0
         self._tried: set[tuple[int, frozenset[int]]] = set()
 
     def better(self, level: float, tours: Sequence[Column]) -> bool:
@@ -46,8 +49,10 @@ class Search:
         search at most, and around the first every other time it is due.
         """
         n, before = self.recorder.instance.n_tasks, self.recorder.objective
-        due = _STEPS_A_ROUND * n * self.counts["rounds"] + _STEPS_A_LABEL * self.counts["labels in vain"]
-        steps, time = int(due) - self.steps, self.recorder.remaining / 3
+        work = _STEPS_A_ROUND * n * self.counts["rounds"] + _STEPS_A_LABEL * self.counts["labels in vain"]
+        self.due += (work - self._work) * min(max(1.0, (1 - level / before) / _NARROW), _MOST)
+        self._work = work
+        steps, time = int(self.due) - self.steps, self.recorder.remaining / 3
         if level < (1 - _NEAR) * before:
             tours = ()
         new = next((tour for tour in tours if (tour.uav, frozenset(tour.tasks)) not in self._tried), None)

@@ -321,8 +321,12 @@ class _Look:
         tours, used = look(float(at.allowed(pricer.cap)[k]), self.labels, self.room)
         if tours is not None:
             return _Looked(tours, True, used)
-        for share in _SHARES:
-            tours, _ = look(float(at.least[k]) + share * (pricer.cap - at.value), _RESERVE_LABELS, _RESERVE)
-            if tours is not None:
-                break
-        return _Looked(tours, False, used)
+
+        def reserve(share: float) -> _Tours | None:
+            return look(float(at.least[k]) + share * (pricer.cap - at.value), _RESERVE_LABELS, _RESERVE)[0]
+
+        fewest = reserve(_SHARES[-1])
+        if fewest is None:  # nor do more of them fit
+            return _Looked(None, False, used)
+        fitting = next((tours for share in _SHARES[:-1] if (tours := reserve(share)) is not None), fewest)
+        return _Looked(fitting, False, used)

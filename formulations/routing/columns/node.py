@@ -85,7 +85,7 @@ class Node:
     room, last_failed : labels to list the tours with where cuts do no more, and the gap [s] at which that failed.
     fixed_at : gap [s] at which legs were fixed away last, here or above.
     kinds : UAVs of one number are alike: any permutation of them turns routes allowed here into such routes.
-    reserve : some tours of UAVs that are not listed, to look for columns in first.
+    reserve : some tours of UAVs that are not listed, to look for columns in first; reserved_at : where it was made.
     """
 
     legs: Legs
@@ -102,6 +102,7 @@ class Node:
     fixed_at: float = np.inf
     number: int = 0
     proof: DualBound | None = None
+    reserved_at: DualBound | None = None
 
     @classmethod
     def root(cls, legs: Legs, bound: float, columns: list[Column], kinds: Ints) -> Node:

@@ -234,14 +234,23 @@ class PoolPricer:
 
 
 def list_tours(
-    pool: Pool, pricer: Pricer, at: DualBound, labels: int, room: int, known: Pool, *, at_once: int = 1
+    pool: Pool,
+    pricer: Pricer,
+    at: DualBound,
+    labels: int,
+    room: int,
+    known: Pool,
+    *,
+    at_once: int = 1,
+    known_are_of_here: bool = False,
 ) -> Lists:
     """Return `pool` with the tours of more UAVs, those with few legs first, and some tours of the others in reserve.
 
     The first that does not fit into `labels` labels is passed over, and the others after it get no more labels than a
     reserve; there are never more than `room` tours in all. Of a UAV with too many tours even for the reserve those
-    `known` are kept. at_once : UAVs looked at side by side; where one of them leaves the next less room than that had,
-    the next is looked at again, so that the same comes out for any number.
+    `known` are kept. known_are_of_here : those are the reserve that was made at the same prices, with fewer labels, and
+    are not looked for again. at_once : UAVs looked at side by side; where one of them leaves the next less room than
+    that had, the next is looked at again, so that the same comes out for any number.
     """
     allowed, in_vain, reserve = at.allowed(pricer.cap), 0, Pool.empty(pricer.n_uavs, pricer.legs.n_tasks)
     n_legs = np.isfinite(pricer.legs.between).sum(axis=(1, 2))
@@ -250,7 +259,8 @@ def list_tours(
     firsts = [k for k, first in first_of.items() if k == first]
 
     def with_what_is_left() -> _Look:
-        return _Look(pricer, at, labels if in_vain == 0 else min(labels, _RESERVE_LABELS), room - pool.size)
+        most = labels if in_vain == 0 else min(labels, _RESERVE_LABELS)
+        return _Look(pricer, at, most, room - pool.size, not known_are_of_here)
 
     for begin in range(0, len(firsts), at_once):
         look, uavs = with_what_is_left(), firsts[begin : begin + at_once]
@@ -293,12 +303,16 @@ class _Looked(NamedTuple):
 
 @dataclass(frozen=True)
 class _Look:
-    """Looks for all tours of a UAV that matter, at most `room`, with so many `labels`."""
+    """Looks for all tours of a UAV that matter, at most `room`, with so many `labels`.
+
+    reserves : whether it looks for a reserve where these are too many.
+    """
 
     pricer: Pricer
     at: DualBound
     labels: int
     room: int
+    reserves: bool
 
     def __call__(self, k: int) -> _Looked:
         """Return all tours of UAV k, else its reserve: those nearest to routes of the relaxation, as many as fit.
@@ -319,8 +333,8 @@ class _Look:
             return _Tours(found.visited, found.costs, ends, copied), found.labels
 
         tours, used = look(float(at.allowed(pricer.cap)[k]), self.labels, self.room)
-        if tours is not None:
-            return _Looked(tours, True, used)
+        if tours is not None or not self.reserves:
+            return _Looked(tours, tours is not None, used)
 
         def reserve(share: float) -> _Tours | None:
             return look(float(at.least[k]) + share * (pricer.cap - at.value), _RESERVE_LABELS, _RESERVE)[0]

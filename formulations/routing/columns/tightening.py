@@ -198,8 +198,16 @@ def _list(node: Node, at: DualBound, cap: float, work: Workspace, labels: int) -
     """List the tours, of each UAV with up to so many `labels`; return whether they fit."""
     pricer = work.pricer(node.legs, cap, (work.cutting if node.cuts else work.plain).thorough)
     node.pool, node.reserve, in_vain = list_tours(
-        node.pool, pricer, at, labels, work.tours_room, node.reserve, at_once=work.team.size
+        node.pool,
+        pricer,
+        at,
+        labels,
+        work.tours_room,
+        node.reserve,
+        at_once=work.team.size,
+        known_are_of_here=node.reserved_at is at,
     )
+    node.reserved_at = at
     work.counts["pools" if node.pool.complete else "labels in vain"] += 1 if node.pool.complete else in_vain
     return node.pool.complete
 

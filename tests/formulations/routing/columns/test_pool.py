@@ -131,6 +131,11 @@ def test_a_uav_of_too_many_tours_is_passed_over_and_some_of_them_are_kept_in_res
     assert lists.pool.listed.tolist() == [False, True, True]
     assert lists.in_vain > 0
     assert not (lists.reserve.listed & lists.pool.listed).any()
+    again = list_tours(lists.pool, pricer, at, 70, 10_000, lists.reserve, known_are_of_here=True)
+    assert again.reserve.listed.tolist() == lists.reserve.listed.tolist() == [True, False, False]
+    assert again.reserve.size == lists.reserve.size
+    not_looked_for = list_tours(lists.pool, pricer, at, 70, 10_000, none, known_are_of_here=True)
+    assert not not_looked_for.reserve.listed.any()
     whole = list_tours(none, pricer, at, 10_000, 10_000, none)
     assert whole.pool.complete
     assert (whole.reserve.size, whole.in_vain) == (0, 0)

@@ -287,12 +287,12 @@ def proved(args: argparse.Namespace) -> None:
 
 
 def short(args: argparse.Namespace) -> None:
-    """Short tours from several depots: as they are searched, and as longer ones are."""
-    ways = {"as it is": FULL, "as longer tours": PARAMETERS["short tours as longer ones"]}
+    """Short tours from several depots: as they are searched, and in part and in all as longer ones are."""
+    ways = {"as it is": FULL} | {label: PARAMETERS[label] for label in PARAMETERS if label.startswith("short tours")}
     for label, parameters in ways.items():
         cases = ((wind_instance(100, 10, seed), best) for seed, best in SHORT.items())
         gaps = [gaps_of(by_memetic(parameters), *case, args.seconds or 5.0, args.seeds) for case in cases]
-        print(f"{label:<20}{fmean(map(fmean, gaps)):>8.2f} %   {' '.join(f'{fmean(g):.2f}' for g in gaps)}", flush=True)
+        print(f"{label:<40}{fmean(map(fmean, gaps)):>8.2f} %   {' '.join(f'{fmean(g):.2f}' for g in gaps)}", flush=True)
 
 
 def large(args: argparse.Namespace) -> None:

@@ -9,6 +9,8 @@ from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.strategy import Reheating
 
 FULL = SearchParameters()
+SHORT = FULL.several_depots.short
+assert SHORT is not None
 NO_CAP, NO_REHEATING = replace(FULL.schedule.final, below=0.0), Reheating(share=0.0)
 PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters of memetic
     "no cap in the end (p-norm throughout)": replace(
@@ -37,6 +39,10 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
         FULL, several_depots=replace(FULL.several_depots, focused=True)
     ),
     "no long founders": replace(FULL, several_depots=replace(FULL.several_depots, long=None)),
+    "short tours perturbed as longer ones": replace(
+        FULL,
+        several_depots=replace(FULL.several_depots, short=replace(SHORT, perturbed=1.0, bounded=True)),
+    ),
     "short tours as longer ones": replace(FULL, several_depots=replace(FULL.several_depots, short=None)),
     "children inherit tours from anywhere": replace(FULL, several_depots=replace(FULL.several_depots, regions=0.0)),
     "no chained search across long tours": replace(FULL, chain=FULL.chain._replace(fewest=10**9, few=10**9)),

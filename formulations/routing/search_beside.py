@@ -2,7 +2,7 @@
 
 It goes on from new seeds and from the best routes known as long as a gap is left, with a tenth of the work or less
 where that is narrow, and more where it is wide: labels grow exponentially with it, and shorter routes are what narrows
-it most.
+it most. Of that extra work every search that finds none takes half.
 Where few UAVs make the relaxation as long as it is, and that is nearly as long as the routes known, the longest tour of
 one of them there may well be the longest tour of the best routes, and one the memetic search does not light on by
 itself: then that tour is kept and the other UAVs are searched for.
@@ -39,7 +39,7 @@ class Search:
 
     def __init__(self, recorder: Recorder, counts: Counter[str], seed: int, run: int, tolerance: float) -> None:
         self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
-        self.steps, self.due, self._work = 0, 0.0, 0.0
+        self.steps, self.due, self._work, self._barren = 0, 0.0, 0.0, 0
         self._tried: set[tuple[int, frozenset[int]]] = set()
 
     def better(self, level: float, tours: Sequence[Column]) -> bool:
@@ -50,7 +50,8 @@ class Search:
         """
         n, before = self.recorder.instance.n_tasks, self.recorder.objective
         work = _STEPS_A_ROUND * n * self.counts["rounds"] + _STEPS_A_LABEL * self.counts["labels in vain"]
-        self.due += (work - self._work) * min(max(1.0, (1 - level / before) / _NARROW), _MOST)
+        wide = min((1 - level / before) / _NARROW, _MOST)
+        self.due += (work - self._work) * max(1.0, wide / 2**self._barren)
         self._work = work
         steps, time = int(self.due) - self.steps, self.recorder.remaining / 3
         if level < (1 - _NEAR) * before:
@@ -67,6 +68,7 @@ class Search:
             else:
                 search(self.recorder, steps, self.seed, self.run, time)
             self.run += 1
+            self._barren = 0 if self.recorder.objective < before else self._barren + 1
         return self.recorder.objective < before * (1 - self.tolerance)
 
 

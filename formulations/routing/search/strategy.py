@@ -11,7 +11,8 @@ of the granular neighbourhood.
 
 Where tours from several depots are short, a ruin that moves as many tasks as a tour has lets crowds change hands at
 once, and the mean tour says nothing: most UAVs have time to spare, and it keeps tasks from going to them by detours.
-Members must then differ in more, as UAVs with time to spare fly in any order.
+Members must then differ in more, as UAVs with time to spare fly in any order. And a UAV that is sent elsewhere takes
+over all the rest of a tour, whether or not it can fly that at first, and the annealing that follows is cool.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ import pytest
 from formulations.limits import Limits
 from formulations.routing import search_beside
 from formulations.routing.recorder import Recorder
-from formulations.routing.search_beside import STEPS, Search
+from formulations.routing.search_beside import Search
 from formulations.routing.solver import ignore
 from instances import Instance
 
@@ -30,24 +30,31 @@ def recorder():
     return Recorder(instance, Limits(time=60.0), ignore, (tuple(range(N // 2)), tuple(range(N // 2, N))))
 
 
-def searched(recorder, steps, gap, rounds):
-    """Return the steps searched at a gap while the tree has so many rounds, one after the other."""
+def searches(recorder, steps, gap, rounds):
+    """Return the rounds of a tree after which it is searched, at a gap, none of which finds anything."""
     steps.clear()
-    counts = Counter()
+    counts, after = Counter(), []
     search = Search(recorder, counts, 0, 1, 1e-6)
     for _ in range(rounds):
         counts["rounds"] += 1
+        before = len(steps)
         assert not search.better((1 - gap) * recorder.objective, ())
-    return sum(steps)
+        if len(steps) > before:
+            after.append(counts["rounds"])
+    return after
 
 
-def test_a_wide_gap_deserves_more_steps_in_proportion_up_to_a_limit(recorder, steps):
-    narrow, wide, wider, widest = (searched(recorder, steps, gap, 400) for gap in (1e-4, 0.01, 0.02, 0.5))
-    assert narrow > 0
-    once = STEPS * N**2  # what is left to be due in the end is less than a search
-    assert wide == pytest.approx(2 * narrow, abs=once)
-    assert wider == pytest.approx(4 * narrow, abs=2 * once)
-    assert wider < widest <= 10 * narrow
+def test_the_wider_the_gap_the_sooner_it_is_searched_up_to_a_limit(recorder, steps):
+    narrow, wide, wider, widest, beyond = (
+        searches(recorder, steps, gap, 200)[0] for gap in (1e-4, 0.01, 0.02, 0.3, 0.6)
+    )
+    assert narrow > wide > wider > widest == beyond
+
+
+def test_after_searches_in_vain_a_wide_gap_is_searched_no_oftener_than_a_narrow_one(recorder, steps):
+    wide, narrow = (np.diff(searches(recorder, steps, gap, 800)) for gap in (0.3, 1e-4))
+    assert wide[0] < wide[-1]
+    assert wide[-1] == pytest.approx(narrow[-1], abs=1)
 
 
 def test_what_was_due_at_a_wide_gap_stays_due_when_it_narrows(recorder, steps):

@@ -39,7 +39,7 @@ class Search:
 
     def __init__(self, recorder: Recorder, counts: Counter[str], seed: int, run: int, tolerance: float) -> None:
         self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
-        self.steps, self.due, self._work, self._barren = 0, 0.0, 0.0, 0
+        self._steps, self._due, self._work, self._barren = 0, 0.0, 0.0, 0
         self._tried: set[tuple[int, frozenset[int]]] = set()
 
     def better(self, level: float, tours: Sequence[Column]) -> bool:
@@ -51,18 +51,18 @@ class Search:
         n, before = self.recorder.instance.n_tasks, self.recorder.objective
         work = _STEPS_A_ROUND * n * self.counts["rounds"] + _STEPS_A_LABEL * self.counts["labels in vain"]
         wide = min((1 - level / before) / _NARROW, _MOST)
-        self.due += (work - self._work) * max(1.0, wide / 2**self._barren)
+        self._due += (work - self._work) * max(1.0, wide / 2**self._barren)
         self._work = work
-        steps, time = int(self.due) - self.steps, self.recorder.remaining / 3
+        steps, time = int(self._due) - self._steps, self.recorder.remaining / 3
         if level < (1 - _NEAR) * before:
             tours = ()
         new = next((tour for tour in tours if (tour.uav, frozenset(tour.tasks)) not in self._tried), None)
         if new is not None and steps > -STEPS * n**2:
             self._tried.add((new.uav, frozenset(new.tasks)))
-            self.steps += _STEPS_AROUND * n**2
+            self._steps += _STEPS_AROUND * n**2
             search_around(self.recorder, new, _STEPS_AROUND * n**2, self.seed, time)
         elif steps >= STEPS * n**2 / 2:
-            self.steps += steps
+            self._steps += steps
             if tours and self.run % 2:
                 search_around(self.recorder, tours[0], steps, self.seed + self.run, time)
             else:

@@ -103,7 +103,8 @@ class StateLabels:
         home = np.full((len(first) - 1, s.spent.shape[1]), np.inf)
         for j in np.flatnonzero(problem.legs.home <= problem.cap):
             home[j, : first[j + 1] - first[j]] = legs.ends[0, first[j] : first[j + 1]]
-        whole = np.where(home[last] < np.inf, s.spent[begin:end] + home[last], np.inf)  # no state: never written
+        whole = home[last]
+        np.add(s.spent[begin:end], whole, out=whole, where=whole < np.inf)  # where there is no state none was written
         state = whole.argmin(axis=1)
         cost = whole[np.arange(len(state)), state]
         found = np.flatnonzero(cost <= problem.cap)

@@ -146,7 +146,7 @@ class Lineage:
         value, members = fitness(newcomer.cost, measure), self.family.members
         values = [fitness(member.cost, measure) for member in members]
         equal = any(abs(value - other) <= same for other in values)
-        apart = self.strategy.apart * self.data.size[0]
+        apart = self.strategy.distinct() * self.data.size[0]
         near = [i for i, member in enumerate(members) if broken_pairs(newcomer, member, self.data.site) <= apart]
         if near:
             if value > min(values[i] for i in near):

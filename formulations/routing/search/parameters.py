@@ -80,13 +80,16 @@ class SearchParameters:
         return strategy.on(data)
 
     def by(self, strategy: Strategy) -> SearchParameters:
-        """Return these with ruins, perturbations and energies as a strategy has them."""
-        removals = min(round(strategy.removals * self.annealing.removals), self.neighbourhood.tasks)
+        """Return these with ruins, perturbations and energies as a strategy on an instance has them."""
+        short = strategy.short
+        if short is None:
+            return self
+        removals = min(round(short.removals * self.annealing.removals), self.neighbourhood.tasks)
         even, peaked = self.schedule.mean_weight
-        weight, perturbed = (strategy.mean * even, strategy.mean * peaked), strategy.perturbed * self.schedule.perturbed
+        weight, perturbed = (short.mean * even, short.mean * peaked), short.perturbed * self.schedule.perturbed
         return replace(
             self,
             annealing=self.annealing._replace(removals=removals),
-            perturbation=self.perturbation._replace(bounded=strategy.bounded),
+            perturbation=self.perturbation._replace(bounded=short.bounded),
             schedule=replace(self.schedule, mean_weight=weight, perturbed=perturbed),
         )

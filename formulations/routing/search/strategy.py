@@ -71,13 +71,17 @@ class LongFounder:
 class ShortTours:
     """What is different where tours from several depots are short: `tests/benchmarks/search.py short` measures it.
 
-    tasks: of a tour, in the mean at most; removals, apart, mean, perturbed: what those of the strategy are multiplied
-    by; bounded: as of the strategy.
+    tasks: of a tour, in the mean at most.
+    removals: tasks removed by one ruin, in those of the option, but no more than the granular neighbourhood has.
+    apart: in place of the strategy's.
+    mean: weight of the mean tour in energies, in that of the schedule's parameters.
+    perturbed: first temperature of a perturbed member, in that of the schedule's parameters.
+    bounded: whether relocations are (perturbation.py).
     """
 
     tasks: int = 12
     removals: float = 5 / 3
-    apart: float = 5 / 3
+    apart: float = 0.25
     mean: float = 0.01
     perturbed: float = 0.4
     bounded: bool = False
@@ -110,10 +114,6 @@ class Strategy:
     fine: the final phase of fine annealings; fine_share: their share, at most; fine_first: their first temperature in
     mean legs, at most.
     reheating: where there is any.
-    removals: tasks removed by one ruin, in those of the option, but no more than the granular neighbourhood has.
-    mean: weight of the mean tour in energies, in that of the schedule's parameters.
-    perturbed: first temperature of a perturbed member, in that of the schedule's parameters.
-    bounded: whether relocations are (perturbation.py).
     compact: share of annealings, of founders none, that are compact where nothing was new for long. At one site with
     0.5 att532.euc2d_10 ends, 30 s, at 0.38 % (four seeds), without at 0.9 %. From the beginning on they lead into traps
     where the total is small: pr439_10, 12 s: 0.16, 1.85, 1.39, 0.16 %, as it is 0.16, 0.16, 0.16, 0.50 %.
@@ -135,25 +135,14 @@ class Strategy:
     fine_first: float
     reheating: Reheating | None
     compact: float
-    removals: float = 1.0
-    mean: float = 1.0
-    perturbed: float = 1.0
-    bounded: bool = True
 
     def on(self, data: ProblemData) -> Strategy:
         """Return this one as an instance has it: with short tours, or without."""
-        short = self.short
-        if short is None or not short.suits(data):
-            return self
-        return replace(
-            self,
-            removals=self.removals * short.removals,
-            apart=self.apart * short.apart,
-            mean=self.mean * short.mean,
-            perturbed=self.perturbed * short.perturbed,
-            bounded=short.bounded,
-            short=None,
-        )
+        return self if self.short is None or self.short.suits(data) else replace(self, short=None)
+
+    def distinct(self) -> float:
+        """Return the share of the tasks that must have other neighbours, with short tours or without."""
+        return self.apart if self.short is None else self.short.apart
 
     def draw_reheating(self, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule | None:
         """Return the schedule of a reheating, with probability staleness / 2 but reheating.share at most, else None."""

@@ -19,7 +19,7 @@ from instances import Instance
 
 USUAL = SearchParameters()
 SHORT = SEVERAL_DEPOTS.short
-AS_SHORT = replace(SEVERAL_DEPOTS, removals=5 / 3, apart=0.25, mean=0.01, perturbed=0.4, bounded=False, short=None)
+LONGER = replace(SEVERAL_DEPOTS, short=None)
 
 
 def lineage(n, m, parameters=USUAL, *, together=False):
@@ -35,14 +35,18 @@ def lineage(n, m, parameters=USUAL, *, together=False):
 @pytest.mark.parametrize(
     ("n", "m", "together", "strategy"),
     [
-        (SHORT.tasks * 5, 5, False, AS_SHORT),
-        (SHORT.tasks * 5 + 1, 5, False, SEVERAL_DEPOTS),
+        (SHORT.tasks * 5, 5, False, SEVERAL_DEPOTS),
+        (SHORT.tasks * 5 + 1, 5, False, LONGER),
         (SHORT.tasks * 5, 5, True, ONE_SITE),
     ],
     ids=["short", "longer", "one site"],
 )
 def test_the_strategy_follows_from_depots_and_the_length_of_tours(n, m, together, strategy):
     assert lineage(n, m, together=together).strategy == strategy
+
+
+def test_members_with_short_tours_differ_in_more():
+    assert SEVERAL_DEPOTS.distinct() > LONGER.distinct() == SEVERAL_DEPOTS.apart
 
 
 def test_ruins_of_short_tours_are_larger_and_the_mean_weighs_nearly_nothing():

@@ -28,6 +28,7 @@ from formulations.routing.arcs.programme import Programme
 from formulations.routing.arcs.proof import ArcProof
 from formulations.routing.arcs.tree import CaseTree
 from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.node import Hint
 from formulations.routing.proved import TOLERANCE, StoppedBy, result_of
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.memetic import Memetic
@@ -119,7 +120,7 @@ class ArcTree(RecordedSolver):
 
         def better() -> None:
             counts["rounds"] = tree.counts["rounds"]
-            beside.better(0.0, ())
+            beside.better(Hint(recorder.bound))
 
         if self.starts > 0:
             tree.better = better

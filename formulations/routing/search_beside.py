@@ -3,19 +3,20 @@
 It goes on from new seeds and from the best routes known as long as a gap is left, with a tenth of the work or less
 where that is narrow, and more where it is wide: labels grow exponentially with it, and shorter routes are what narrows
 it most. Of that extra work every search that finds none takes half.
-Where few UAVs make the relaxation as long as it is, and that is nearly as long as the routes known, the longest tour of
-one of them there may well be the longest tour of the best routes, and one the memetic search does not light on by
-itself: then that tour is kept and the other UAVs are searched for.
+Where a relaxation is nearly as long as the routes known, some of its tours may well be tours of the best routes, and
+ones the memetic search does not light on by itself: then one is kept and the other UAVs are searched for. First comes
+the longest of each UAV that makes the relaxation as long as it is, then come tours drawn by their weights, for a
+quarter of the work: there is little else to gain then.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 
 import numpy as np
 
 from formulations.limits import Limits
+from formulations.routing.columns.node import Hint
 from formulations.routing.columns.pricing import Column
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
@@ -27,8 +28,10 @@ STEPS = 125
 _STEPS_AROUND = 50  # the same, of a search around a given tour
 _STEPS_A_ROUND = 50  # of the search while a narrow gap is left, for each task and round of column generation
 _NARROW, _MOST = 0.005, 8.0  # gap, as a share of the routes, up to which it is narrow; times as many steps at most
-_NEAR = 0.01  # share of the best routes' longest tour below which relaxations say nothing of tours
+_NEAR = 0.01  # gap, as a share of the routes, above which relaxations say nothing of tours
 _STEPS_A_LABEL = 0.05  # and for each label made in vain
+_ROUNDS_A_RELAXATION, _ROUNDS_A_LIST = 25, 200  # as which a relaxation that is near, and a list in vain then, count
+_AFRESH = 5  # one in so many searches around tours drawn is around none
 
 
 class Search:
@@ -39,37 +42,72 @@ class Search:
 
     def __init__(self, recorder: Recorder, counts: Counter[str], seed: int, run: int, tolerance: float) -> None:
         self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
-        self._steps, self._due, self._work, self._barren = 0, 0.0, 0.0, 0
+        self._steps, self._due, self._work, self._lists, self._barren = 0, 0.0, 0.0, 0, 0
         self._tried: set[tuple[int, frozenset[int]]] = set()
+        self._rng = np.random.default_rng(seed)
 
-    def better(self, level: float, tours: Sequence[Column]) -> bool:
+    def better(self, hint: Hint) -> bool:
         """Search on where that is due; return whether there are better routes. Counts work, not time: repeatable.
 
-        Around the first of the `tours` of a relaxation of `level` [s] that is new it searches before it is due, by one
-        search at most, and around the first every other time it is due.
+        Where the relaxation is near, around the first of its long tours that is new before that is due, by one search
+        at most; else around tours drawn.
         """
         n, before = self.recorder.instance.n_tasks, self.recorder.objective
-        work = _STEPS_A_ROUND * n * self.counts["rounds"] + _STEPS_A_LABEL * self.counts["labels in vain"]
-        wide = min((1 - level / before) / _NARROW, _MOST)
-        self._due += (work - self._work) * max(1.0, wide / 2**self._barren)
-        self._work = work
-        steps, time = int(self._due) - self._steps, self.recorder.remaining / 3
-        if level < (1 - _NEAR) * before:
-            tours = ()
-        new = next((tour for tour in tours if (tour.uav, frozenset(tour.tasks)) not in self._tried), None)
-        if new is not None and steps > -STEPS * n**2:
-            self._tried.add((new.uav, frozenset(new.tasks)))
-            self._steps += _STEPS_AROUND * n**2
-            search_around(self.recorder, new, _STEPS_AROUND * n**2, self.seed, time)
-        elif steps >= STEPS * n**2 / 2:
-            self._steps += steps
-            if tours and self.run % 2:
-                search_around(self.recorder, tours[0], steps, self.seed + self.run, time)
-            else:
-                search(self.recorder, steps, self.seed, self.run, time)
-            self.run += 1
+        near, new = bool(hint.used) and hint.level >= (1 - _NEAR) * before, self._new(hint)
+        self._count_work(hint, near)
+        due = self._due - self._steps
+        if near and new is not None and due > -STEPS * n**2:
+            self._tried.add(_key(new))
+            self._around(new, self.seed)
+        elif near:
+            for _ in range(int(due / (_STEPS_AROUND * n**2))):
+                self._around_drawn(hint)
+                if self.recorder.objective < before:
+                    break
+        elif due >= STEPS * n**2 / 2:
+            self._on(int(due))
             self._barren = 0 if self.recorder.objective < before else self._barren + 1
         return self.recorder.objective < before * (1 - self.tolerance)
+
+    def _count_work(self, hint: Hint, near: bool) -> None:
+        """Count the steps that are due for what was done in the tree since the last time."""
+        n, lists = self.recorder.instance.n_tasks, self.counts["lists in vain"]
+        work = _STEPS_A_ROUND * n * self.counts["rounds"] + _STEPS_A_LABEL * self.counts["labels in vain"]
+        wide = min((1 - hint.level / self.recorder.objective) / _NARROW, _MOST)
+        self._due += (work - self._work) * max(1.0, wide / 2**self._barren)
+        if near:
+            self._due += _STEPS_A_ROUND * n * (_ROUNDS_A_RELAXATION + _ROUNDS_A_LIST * (lists - self._lists))
+        self._work, self._lists = work, lists
+
+    def _new(self, hint: Hint) -> Column | None:
+        """Return the first long tour that was not searched around, None where there is none."""
+        return next((tour for tour in hint.long if _key(tour) not in self._tried), None)
+
+    def _around_drawn(self, hint: Hint) -> None:
+        """Search around a tour drawn by its weight, or, every so often, on from the best routes."""
+        if self.run % _AFRESH == 0:
+            self._on(_STEPS_AROUND * self.recorder.instance.n_tasks**2)
+            return
+        weight = np.array([share for _, share in hint.used])
+        self._around(hint.used[self._rng.choice(weight.size, p=weight / weight.sum())][0], self.seed + self.run)
+
+    def _on(self, steps: int) -> None:
+        """Search on from the best routes."""
+        self._steps += steps
+        search(self.recorder, steps, self.seed, self.run, self.recorder.remaining / 3)
+        self.run += 1
+
+    def _around(self, tour: Column, seed: int) -> None:
+        """Search around a tour."""
+        steps = _STEPS_AROUND * self.recorder.instance.n_tasks**2
+        self._steps += steps
+        search_around(self.recorder, tour, steps, seed, self.recorder.remaining / 3)
+        self.run += 1
+
+
+def _key(tour: Column) -> tuple[int, frozenset[int]]:
+    """Return what tells tours apart: the UAV and its tasks."""
+    return tour.uav, frozenset(tour.tasks)
 
 
 def first_routes(recorder: Recorder, seed: int, runs: int) -> None:

@@ -42,6 +42,18 @@ class Tries:
         self.failed, self.left_out = 0 if worked else self.failed + 1, 0
 
 
+@dataclass(frozen=True)
+class Hint:
+    """What a relaxation of value `level` [s] says of routes: some of its tours may be tours of the best.
+
+    long : tours of the UAVs that make it as long as it is; used : all tours in use and their weights λ > 0.
+    """
+
+    level: float
+    long: Sequence[Column] = ()
+    used: Sequence[tuple[Column, float]] = ()
+
+
 @dataclass
 class Workspace:
     """What all nodes share: clock, team with room for labels, limits, efforts and the counters of the statistics.
@@ -49,9 +61,7 @@ class Workspace:
     plain, cutting : how hard to work at a node without cuts, and at one with cuts.
     far : the cheapest way to each task and back [s].
     walks : how hard to price walks, where relaxations begin with them (`walks.py`), else None.
-    better : asked after every relaxation: searches on for better routes, and says whether there are any. It is told
-        the bound [s] and the longest tours of the UAVs that make the relaxation as long as it is: routes with one of
-        them may be optimal.
+    better : asked after every relaxation: searches on for better routes, and says whether there are any.
     dives : when to look for routes among the columns of a node.
     recall : what pricing has learnt to remember.
     """
@@ -63,7 +73,7 @@ class Workspace:
     cutting: Efforts
     far: Floats
     recall: Recall
-    better: Callable[[float, Sequence[Column]], bool] = lambda *_: False
+    better: Callable[[Hint], bool] = lambda _: False
     counts: Counter[str] = field(default_factory=Counter)
     walks: Effort | None = None
     log: ProofLog = field(default_factory=ProofLog)

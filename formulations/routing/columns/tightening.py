@@ -16,7 +16,7 @@ from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.fixing import fix_as_worth
 from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.master import Master
-from formulations.routing.columns.node import Node, Workspace
+from formulations.routing.columns.node import Hint, Node, Workspace
 from formulations.routing.columns.pool import PoolPricer, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Prices
 from formulations.routing.columns.walks import relax_by_walks
@@ -108,7 +108,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         routes = _whole_tours(master, relaxation.weight) if relaxation.ended is Ended.SOLVED else None
         if routes is not None:
             return Improved(routes)
-        if work.better(best.value, long_tours(master, best.duals, relaxation.weight)):
+        if work.better(hint(master, best, relaxation.weight)):
             return Overtaken()
         if not dived and (routes := _dive(master, work)) is not None:
             return Improved(routes)
@@ -208,16 +208,20 @@ def _list(node: Node, at: DualBound, cap: float, work: Workspace, labels: int) -
         known_are_of_here=node.reserved_at is at,
     )
     node.reserved_at = at
-    work.counts["pools" if node.pool.complete else "labels in vain"] += 1 if node.pool.complete else in_vain
+    work.counts["pools" if node.pool.complete else "lists in vain"] += 1
+    work.counts["labels in vain"] += in_vain
     return node.pool.complete
 
 
-def long_tours(master: Master, duals: Duals, weight: Floats) -> list[Column]:
-    """Return, of each UAV that sets much of the relaxation, the longest tour in use; the UAV that sets most first."""
-    used = [master.columns[p] for p in np.flatnonzero(weight > _USED)]
-    uavs = [k for k in np.argsort(-duals.sigma, kind="stable").tolist() if duals.sigma[k] > _MUCH]
-    flown = ([column for column in used if column.uav == k] for k in uavs)
-    return [max(tours, key=lambda tour: tour.cost) for tours in flown if tours]
+def hint(master: Master, best: DualBound, weight: Floats) -> Hint:
+    """Return what a relaxation says of routes.
+
+    Long is, of each UAV that sets much of it, the longest tour in use; the UAV that sets most comes first.
+    """
+    used, sigma = [(master.columns[p], float(weight[p])) for p in np.flatnonzero(weight > _USED)], best.duals.sigma
+    uavs = [k for k in np.argsort(-sigma, kind="stable").tolist() if sigma[k] > _MUCH]
+    flown = ([column for column, _ in used if column.uav == k] for k in uavs)
+    return Hint(best.value, [max(tours, key=lambda tour: tour.cost) for tours in flown if tours], used)
 
 
 def _dive(master: Master, work: Workspace) -> Routes | None:

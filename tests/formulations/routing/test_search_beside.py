@@ -7,6 +7,8 @@ import pytest
 
 from formulations.limits import Limits
 from formulations.routing import search_beside
+from formulations.routing.columns.node import Hint
+from formulations.routing.columns.pricing import Column
 from formulations.routing.recorder import Recorder
 from formulations.routing.search_beside import Search
 from formulations.routing.solver import ignore
@@ -20,6 +22,14 @@ def steps(monkeypatch):
     """Return what follows the steps of every search that is asked for, none of which finds anything."""
     asked = []
     monkeypatch.setattr(search_beside, "search", lambda recorder, steps, *rest: asked.append(steps))
+    return asked
+
+
+@pytest.fixture
+def around(monkeypatch):
+    """Return what follows the tours that are searched around, with nothing found."""
+    asked = []
+    monkeypatch.setattr(search_beside, "search_around", lambda recorder, tour, *rest: asked.append(tour))
     return asked
 
 
@@ -38,7 +48,7 @@ def searches(recorder, steps, gap, rounds):
     for _ in range(rounds):
         counts["rounds"] += 1
         before = len(steps)
-        assert not search.better((1 - gap) * recorder.objective, ())
+        assert not search.better(Hint((1 - gap) * recorder.objective))
         if len(steps) > before:
             after.append(counts["rounds"])
     return after
@@ -60,8 +70,49 @@ def test_after_searches_in_vain_a_wide_gap_is_searched_no_oftener_than_a_narrow_
 def test_what_was_due_at_a_wide_gap_stays_due_when_it_narrows(recorder, steps):
     counts = Counter(rounds=100)
     search = Search(recorder, counts, 0, 1, 1e-6)
-    search.better(0.9 * recorder.objective, ())
+    search.better(Hint(0.9 * recorder.objective))
     [first] = steps
     counts["rounds"] += 1
-    search.better((1 - 1e-6) * recorder.objective, ())
+    search.better(Hint((1 - 1e-6) * recorder.objective))
     assert steps == [first]
+
+
+LONG, OTHER, SELDOM = Column(0, (0, 1), 9.0), Column(1, (2, 3), 5.0), Column(1, (4,), 3.0)
+
+
+def near(recorder, **tours):
+    """Return the hint of a relaxation a little shorter than the routes known."""
+    return Hint(0.999 * recorder.objective, **tours)
+
+
+def test_a_near_relaxation_is_searched_around_its_long_tours_at_once_and_once_only(recorder, steps, around):
+    search, hint = Search(recorder, Counter(), 0, 1, 1e-6), near(recorder, long=[LONG, OTHER], used=[(SELDOM, 1.0)])
+    for _ in range(2):
+        search.better(hint)
+    assert around == [LONG, OTHER]
+    search.better(hint)
+    assert set(around[2:]) == {SELDOM}
+
+
+def test_of_a_relaxation_far_from_the_routes_no_tour_is_searched_around(recorder, steps, around):
+    hint = Hint(0.9 * recorder.objective, [LONG], [(LONG, 1.0)])
+    Search(recorder, Counter(rounds=10_000), 0, 1, 1e-6).better(hint)
+    assert around == []
+    assert len(steps) == 1
+
+
+def test_tours_to_search_around_are_drawn_by_their_weights(recorder, steps, around):
+    counts = Counter(rounds=10_000)
+    Search(recorder, counts, 0, 1, 1e-6).better(near(recorder, used=[(OTHER, 0.9), (SELDOM, 0.1)]))
+    assert around.count(OTHER) > 4 * around.count(SELDOM) > 0
+    assert len(around) == pytest.approx(4 * len(steps), abs=4)
+
+
+def test_a_list_in_vain_makes_more_searches_due_where_the_relaxation_is_near(recorder, steps, around):
+    counts = Counter()
+    search = Search(recorder, counts, 0, 1, 1e-6)
+    search.better(near(recorder, used=[(OTHER, 1.0)]))
+    before = len(around) + len(steps)
+    counts["lists in vain"] += 1
+    search.better(near(recorder, used=[(OTHER, 1.0)]))
+    assert len(around) + len(steps) > 2 * before

@@ -14,7 +14,7 @@ from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pool import Pool, PoolPricer, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer
-from formulations.routing.columns.tightening import long_tours
+from formulations.routing.columns.tightening import hint
 from formulations.routing.recorder import Recorder
 from formulations.routing.search_beside import search_around
 from formulations.routing.solver import ignore
@@ -199,8 +199,16 @@ def test_the_tours_to_search_around_are_the_longest_of_the_uavs_that_set_the_rel
 
     def found(sigma):
         duals = Duals(np.zeros(2), np.array([sigma, 1 - sigma]), np.zeros(2), np.zeros(0))
-        return long_tours(master, duals, np.array([0.7, 0.3, 0.9]))
+        return hint(master, DualBound(30.0, duals, np.zeros(2)), np.array([0.7, 0.3, 0.0]))
 
-    assert found(0.95) == [master.columns[1]]
-    assert found(0.4) == [master.columns[2], master.columns[1]]
-    assert found(0.05) == [master.columns[2]]
+    assert found(0.95).long == [master.columns[1]]
+    assert found(0.4).long == [master.columns[1]]
+    assert found(0.05).long == []
+    assert found(0.95).used == [(master.columns[0], 0.7), (master.columns[1], 0.3)]
+
+
+def test_of_several_uavs_that_set_the_relaxation_the_one_that_sets_most_comes_first():
+    master = Master(2, np.arange(2), 100.0)
+    master.add([Column(0, (0,), 50.0), Column(1, (1,), 20.0)])
+    duals = Duals(np.zeros(2), np.array([0.4, 0.6]), np.zeros(2), np.zeros(0))
+    assert hint(master, DualBound(30.0, duals, np.zeros(2)), np.ones(2)).long == master.columns[::-1]

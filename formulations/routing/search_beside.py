@@ -6,7 +6,7 @@ it most. Of that extra work every search that finds none takes half.
 Where a relaxation is nearly as long as the routes known, some of its tours may well be tours of the best routes, and
 ones the memetic search does not light on by itself: then one is kept and the other UAVs are searched for. First comes
 the longest of each UAV that makes the relaxation as long as it is, then come tours drawn by their weights, for a
-quarter of the work: there is little else to gain then.
+quarter of the work and less the more of these find nothing: the routes may be the best.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ _NARROW, _MOST = 0.005, 8.0  # gap, as a share of the routes, up to which it is 
 _NEAR = 0.01  # gap, as a share of the routes, above which relaxations say nothing of tours
 _STEPS_A_LABEL = 0.05  # and for each label made in vain
 _ROUNDS_A_RELAXATION, _ROUNDS_A_LIST = 25, 200  # as which a relaxation that is near, and a list in vain then, count
+_IN_VAIN = 5  # searches around tours drawn that find nothing, after which that counts half
 _AFRESH = 5  # one in so many searches around tours drawn is around none
 
 
@@ -42,7 +43,7 @@ class Search:
 
     def __init__(self, recorder: Recorder, counts: Counter[str], seed: int, run: int, tolerance: float) -> None:
         self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
-        self._steps, self._due, self._work, self._lists, self._barren = 0, 0.0, 0.0, 0, 0
+        self._steps, self._due, self._work, self._lists, self._barren, self._in_vain = 0, 0.0, 0.0, 0, 0, 0
         self._tried: set[tuple[int, frozenset[int]]] = set()
         self._rng = np.random.default_rng(seed)
 
@@ -62,7 +63,9 @@ class Search:
         elif near:
             for _ in range(int(due / (_STEPS_AROUND * n**2))):
                 self._around_drawn(hint)
+                self._in_vain += 1
                 if self.recorder.objective < before:
+                    self._in_vain = 0
                     break
         elif due >= STEPS * n**2 / 2:
             self._on(int(due))
@@ -76,7 +79,8 @@ class Search:
         wide = min((1 - hint.level / self.recorder.objective) / _NARROW, _MOST)
         self._due += (work - self._work) * max(1.0, wide / 2**self._barren)
         if near:
-            self._due += _STEPS_A_ROUND * n * (_ROUNDS_A_RELAXATION + _ROUNDS_A_LIST * (lists - self._lists))
+            also = _ROUNDS_A_RELAXATION + _ROUNDS_A_LIST * (lists - self._lists)
+            self._due += _STEPS_A_ROUND * n * also / (1 + self._in_vain / _IN_VAIN)
         self._work, self._lists = work, lists
 
     def _new(self, hint: Hint) -> Column | None:

@@ -116,3 +116,12 @@ def test_a_list_in_vain_makes_more_searches_due_where_the_relaxation_is_near(rec
     counts["lists in vain"] += 1
     search.better(near(recorder, used=[(OTHER, 1.0)]))
     assert len(around) + len(steps) > 2 * before
+
+
+def test_the_more_searches_around_tours_find_nothing_the_fewer_are_due(recorder, steps, around):
+    search, hint, asked = Search(recorder, Counter(), 0, 1, 1e-6), near(recorder, used=[(OTHER, 1.0)]), []
+    for _ in range(40):
+        before = len(around) + len(steps)
+        search.better(hint)
+        asked.append(len(around) + len(steps) - before)
+    assert sum(asked[:10]) > 2 * sum(asked[-10:]) > 0

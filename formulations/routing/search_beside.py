@@ -5,8 +5,8 @@ where that is narrow, and more where it is wide: labels grow exponentially with 
 it most. Of that extra work every search that finds none takes half.
 Where a relaxation is nearly as long as the routes known, some of its tours may well be tours of the best routes, and
 ones the memetic search does not light on by itself: then one is kept and the other UAVs are searched for. First comes
-the longest of each UAV that makes the relaxation as long as it is, then come tours drawn by their weights, for a
-quarter of the work and less the more of these find nothing: the routes may be the best.
+the longest of each UAV that makes the relaxation as long as it is, then come tours drawn by their weights: fewer, the
+more of these searches find nothing, as the routes may be the best.
 """
 
 from __future__ import annotations

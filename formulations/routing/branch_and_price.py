@@ -12,8 +12,9 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 2. A tree, branching on who takes which task.                                    `columns/tree.py`, `branching.py`
 3. Where tours are long, arcs left out by the capped total.                                          `capped_total.py`
    At a node the relaxation by column generation, at the root begun with walks; legs fixed away by reduced cost; a
-   UAV's tours listed when they fit; subset-row cuts.
-        `columns/tightening.py`, `walks.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`
+   UAV's tours listed when they fit; subset-row cuts. Tours are looked for from one side or, of many labels, both.
+        `columns/tightening.py`, `walks.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`,
+        `label_search.py`, `two_sided.py`
 4. Where the gap stays wide to the end: trees under lower caps. One that ends without routes makes its cap a bound
    (Klein & Scholl, Eur. J. Oper. Res. 112, 1999: destructive improvement).
 
@@ -44,7 +45,7 @@ import numpy as np
 from formulations.routing.capped_total import capped_total
 from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.fixing import fix_legs
-from formulations.routing.columns.label_search import Clock, Labels
+from formulations.routing.columns.label_search import Clock, Labels, never
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
@@ -138,10 +139,11 @@ class BranchAndPrice(RecordedSolver):
         cap, tours = 10.0, [(0, 1, 2), (2, 3, 4), (0, 4, 5)]
         cuts = tuple(separate(tours, np.full(3, 0.9), 6, set(), 5)) or ((0, 2, 4),)
         duals = Duals(np.ones(6), np.ones(1), np.zeros(1), np.full(len(cuts), 0.1), cuts)
-        pricer = Pricer(Legs.of(circle).under(cap), cap, Effort(2, 10, 5, 2), make_store(6, 10_000))
+        pricer = Pricer(Legs.of(circle).under(cap), cap, Effort(2, 10, 5, 2, both=True), make_store(6, 10_000))
         at = DualBound(0.0, duals, np.array([pricer.price(0, duals, 0.0).least]))
         fix_legs(pricer, [0], at)
         relax_by_walks(pricer, np.zeros(1, np.int64), [])
+        pricer.sides(0, duals).search(pricer.store.of_uav(0), np.inf, never, beam=1, tours=100)  # many labels for it
         pool = list_tours(nothing := Pool.empty(1, 6), pricer, at, 10_000, 10_000, nothing).pool
         pool.needed(at, cap)
 
@@ -210,7 +212,8 @@ class BranchAndPrice(RecordedSolver):
         instance = recorder.instance
         team = Team(lambda: labels_for(instance, self.labels), min(threads, instance.n_depots, _MOST_THREADS))
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
-        hard, recall = efforts(instance.n_tasks, self.bins), Recall(instance.n_tasks)
+        short = instance.n_tasks <= _LONG * instance.n_depots
+        hard, recall = efforts(instance.n_tasks, self.bins, both=short), Recall(instance.n_tasks)
         work = Workspace(over, team, self.tours, *hard, far, recall, log=log or ProofLog())
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better

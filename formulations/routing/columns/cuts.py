@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from formulations.routing.columns.word_sets import lowest
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
@@ -86,26 +87,69 @@ def _violated(holds: Bools, weight: Floats, least: float) -> tuple[Ints, Floats]
 
 
 class TaskCuts(NamedTuple):
-    """A task's priced cuts: `rho` (n, q) [s], 0 where none; their other tasks `partners` (n, q, 2), −1 where none."""
+    """A task's priced cuts: `rho` (n, q) [s], 0 where none; their other tasks `partners` (n, q, 2), −1 where none.
+
+    bits (n, words) : the same as a set of numbers, of which `prices` (c,) [s] are the ρ.
+    """
 
     partners: Ints
     rho: Floats
+    bits: NDArray[np.uint64]
+    prices: Floats
 
 
 def by_task(cuts: Sequence[Cut], rho: Floats, n_tasks: int) -> TaskCuts:
     """Return the cuts of each task."""
     member: list[list[tuple[int, int, float]]] = [[] for _ in range(n_tasks)]
+    prices = rho[rho > 0]
+    bits, number = np.zeros((n_tasks, (prices.size + 63) // 64), np.uint64), 0
     for (i, j, k), price in zip(cuts, rho, strict=True):
         if price > 0:
             member[i].append((j, k, price))
             member[j].append((i, k, price))
             member[k].append((i, j, price))
+            bits[[i, j, k], number >> 6] |= np.uint64(1) << np.uint64(number & 63)
+            number += 1
     widest = max((len(q) for q in member), default=0)
     partners, price = np.full((n_tasks, widest, 2), -1, np.int64), np.zeros((n_tasks, widest))
     for i, q in enumerate(member):
         for a, (j, k, r) in enumerate(q):
             partners[i, a], price[i, a] = (j, k), r
-    return TaskCuts(partners, price)
+    return TaskCuts(partners, price, bits, prices)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def held(words: NDArray[np.uint64], bits: NDArray[np.uint64], c: int) -> tuple[np.uint64, np.uint64]:
+    """Return the c-th word of the numbers of the cuts of which a set of tasks holds one or more, and two or more."""
+    once, twice = np.uint64(0), np.uint64(0)
+    for w in range(words.size):
+        rest = words[w]
+        while rest != np.uint64(0):
+            of_task = bits[64 * w + lowest(rest), c]
+            rest &= rest - np.uint64(1)
+            twice |= once & of_task
+            once |= of_task
+    return once, twice
+
+
+@njit(cache=True, nogil=True)
+def half_held(words: NDArray[np.uint64], bits: NDArray[np.uint64], half: NDArray[np.uint64]) -> None:
+    """Write to `half` the numbers of the cuts of which a set holds exactly one task: a second one pays for these."""
+    for c in range(half.size):
+        once, twice = held(words, bits, c)
+        half[c] = once & ~twice
+
+
+@njit(cache=True, nogil=True, inline="always")
+def paid_for(a: NDArray[np.uint64], b: NDArray[np.uint64], prices: Floats) -> float:
+    """Return the sum of the prices [s] of the cuts in both of two sets of numbers."""
+    total = 0.0
+    for w in range(a.size):
+        rest = a[w] & b[w]
+        while rest != np.uint64(0):
+            total += prices[64 * w + lowest(rest)]
+            rest &= rest - np.uint64(1)
+    return total
 
 
 _PASSING = 0.25

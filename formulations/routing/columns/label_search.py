@@ -6,7 +6,7 @@ found are real, and those that are not have at least the least bound of a label 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -31,6 +31,7 @@ def never() -> bool:
 _CHUNK = 50_000
 _EARLY = 50  # part of the room: of fewer labels nothing is projected
 _LESS = 2.0  # how much less than there will be is projected, for tours of ten tasks and more
+_LESS_HALF_WAY = 0.5  # the same where labels end half-way
 
 
 class Subproblem(NamedTuple):
@@ -39,6 +40,7 @@ class Subproblem(NamedTuple):
     price : π_i [s] of the tasks, shape (n,); sigma : σ_k of the UAV; cuts : what each task's cuts charge.
     bins, memory, watch, best : the completion bounds B and the states they are for; least (n, most + 1) : those of the
         least restricted one, close together because labels ask for them most.
+    reach [s] : no label is made that costs more.
     """
 
     legs: UavLegs
@@ -51,6 +53,7 @@ class Subproblem(NamedTuple):
     cuts: TaskCuts
     best: Floats
     least: Floats
+    reach: float
 
     @classmethod
     def bounded(
@@ -64,9 +67,21 @@ class Subproblem(NamedTuple):
         sigma: float,
         cuts: TaskCuts,
     ) -> Subproblem:
-        """Return the problem with its completion bounds."""
+        """Return the problem with its completion bounds, labels up to the cap."""
         best = completion(bins, memory, watch, price, sigma)
-        return cls(legs, cap, bins, memory, watch, price, sigma, cuts, best, np.ascontiguousarray(best[:, :, 0]))
+        least = np.ascontiguousarray(best[:, :, 0])
+        return cls(legs, cap, bins, memory, watch, price, sigma, cuts, best, least, cap)
+
+    def behind(self, bins: Bins, reach: float) -> Subproblem:
+        """Return the problem of the same tours flown backwards, of `bins` made so, labels up to `reach` [s]."""
+        out, between, home = self.legs
+        legs = UavLegs(home, np.ascontiguousarray(between.T), out)
+        same = self.memory, self.watch, self.price, self.sigma, self.cuts
+        return self.bounded(legs, self.cap, bins, *same)._replace(reach=reach)
+
+
+_NONE = 0xFFFFFFFF
+"""In place of a label before, in a pair, where there is none."""
 
 
 class Orders(NamedTuple):
@@ -79,7 +94,7 @@ class Orders(NamedTuple):
 class Found(NamedTuple):
     """Tours found: where they end, reduced costs and costs [s], sets (p, words), labels used, whether these are all.
 
-    floor [s] : no tour below the threshold that was not found has a reduced cost below it.
+    floor [s] : no tour below the threshold that was not found has a reduced cost below it; pairs : of labels, tried.
     """
 
     ends: Ints
@@ -89,12 +104,13 @@ class Found(NamedTuple):
     labels: int
     complete: bool
     floor: float
+    pairs: int = 0
 
     def best(self, most: int) -> Found:
         """Return the `most` tours of least reduced cost, the least first."""
         chosen = np.argsort(self.values, kind="stable")[:most]
         kept = self.ends[chosen], self.values[chosen], self.costs[chosen], self.visited[chosen]
-        return Found(*kept, self.labels, self.complete, self.floor)
+        return Found(*kept, self.labels, self.complete, self.floor, self.pairs)
 
 
 class Room(Protocol):
@@ -111,8 +127,8 @@ class Labels(Room, Protocol):
     def room(self) -> int:
         """How many labels there may be."""
 
-    def depart(self, problem: Subproblem, threshold: float) -> int:
-        """Make the labels of one task and return how many there are."""
+    def depart(self, problem: Subproblem, threshold: float, free: int) -> int:
+        """Make the labels of one task, from label `free` on, and return the next free one."""
 
     def expand(
         self, problem: Subproblem, threshold: float, low: int, high: int, free: int, room: int
@@ -148,12 +164,35 @@ class Parents(Protocol):
 
 
 def path(labels: Parents, label: int) -> tuple[int, ...]:
-    """Return the tasks of a label in flying order."""
-    order = []
+    """Return the tasks of a label, or of a pair of them (`pair`), in flying order."""
+    ahead, behind = label & _NONE, (label >> 32) - 1
+    order = list(_back(labels, -1 if ahead == _NONE else ahead))
+    return (*reversed(order), *_back(labels, behind))
+
+
+def pair(ahead: Ints, behind: Ints) -> Ints:
+    """Return one number for two labels: of a path from the depot and, flown backwards, of one home; −1 for none."""
+    return (ahead & _NONE) | (behind + 1) << 32
+
+
+def _back(labels: Parents, label: int) -> Iterator[int]:
     while label >= 0:
-        order.append(int(labels.last[label]))
+        yield int(labels.last[label])
         label = int(labels.parent[label])
-    return tuple(reversed(order))
+
+
+class Layers(NamedTuple):
+    """What a search from layer to layer came to: its last label + 1, whether no label was lost, and `floor`.
+
+    ends, values, costs : as in `Found`, of all tours met. floor [s] : the least bound of a label lost.
+    """
+
+    end: int
+    complete: bool
+    floor: float
+    ends: Ints
+    values: Floats
+    costs: Floats
 
 
 def search(
@@ -171,10 +210,32 @@ def search(
     Not all of them where a layer is cut off at `beam` labels, or `labels` in all or `tours` are too few. Where `labels`
     are clearly not going to be enough it ends at once.
     """
-    room = min(labels or store.room, store.room)
+    found = layers(problem, store, threshold, out_of_time, beam=beam, labels=labels, tours=tours)
+    visited = store.sets(found.ends)
+    chosen = cheapest_of_each_set(found.costs, visited)
+    kept = found.ends[chosen], found.values[chosen], found.costs[chosen], visited[chosen]
+    return Found(*kept, found.end, found.complete, found.floor)
+
+
+def layers(
+    problem: Subproblem,
+    store: Labels,
+    threshold: float,
+    out_of_time: Clock,
+    *,
+    begin: int = 0,
+    beam: int | None = None,
+    labels: int | None = None,
+    tours: int,
+) -> Layers:
+    """Make all labels, from label `begin` of the store on, and meet tours; the rest as in `search`."""
+    room = min(begin + (labels or store.room), store.room)
+    few, less = begin + (room - begin) // _EARLY, _LESS if problem.reach >= problem.cap else _LESS_HALF_WAY
     layers_found, listed, complete, floor = [], 0, True, np.inf
-    begin, end = 0, store.depart(problem, threshold)
-    layers = [end]
+    end = store.depart(problem, threshold, begin)
+    if end == store.room:  # there may be more
+        return Layers(end, False, -np.inf, np.zeros(0, np.int64), np.zeros(0), np.zeros(0))
+    sizes = [end - begin]
     while end > begin:
         if beam is not None and end - begin > beam:
             end, others = store.keep_best(beam, begin, end)
@@ -188,28 +249,25 @@ def search(
                 break
             stopped, free = store.expand(problem, threshold, low, min(low + _CHUNK, end), free, room)
         store.clear(end, free)
-        layers.append(free - end)
-        if stopped or (labels is not None and free > room // _EARLY and end + _LESS * _projected(layers) > room):
+        sizes.append(free - end)
+        if stopped or (labels is not None and free > few and end + less * _projected(sizes) > room):
             complete, floor = False, -np.inf
             break
         begin, end = end, free
     none = np.zeros(0, np.int64), np.zeros(0), np.zeros(0)
-    at, value, cost = (np.concatenate(parts) for parts in zip(none, *layers_found, strict=True))
-    visited = store.sets(at)
-    slots = _cheapest_of_each_set(cost, visited)
-    chosen = np.sort(slots[slots >= 0])
-    return Found(at[chosen], value[chosen], cost[chosen], visited[chosen], end, complete, floor)
+    ends, values, costs = (np.concatenate(parts) for parts in zip(none, *layers_found, strict=True))
+    return Layers(end, complete, floor, ends, values, costs)
 
 
-def _projected(layers: list[int]) -> float:
+def _projected(sizes: list[int]) -> float:
     """Return how many labels are still to come: the growth from layer to layer goes on falling as it fell last.
 
     It falls ever less, so that this is too low rather than too high.
     """
-    if len(layers) < 3:
+    if len(sizes) < 3:
         return 0.0
-    before, growth = layers[-2] / layers[-3], layers[-1] / layers[-2]
-    fall, size, total = min(0.9, growth / before), float(layers[-1]), 0.0
+    before, growth = sizes[-2] / sizes[-3], sizes[-1] / sizes[-2]
+    fall, size, total = min(0.9, growth / before), float(sizes[-1]), 0.0
     while size >= 1.0:
         growth *= fall
         size *= growth
@@ -222,8 +280,14 @@ def limit(bound: Floats, beam: int, begin: int, end: int) -> float:
     return float(np.partition(bound[begin:end], beam - 1)[beam - 1])
 
 
+def cheapest_of_each_set(costs: Floats, visited: NDArray[np.uint64]) -> Ints:
+    """Return, in order, which tours are the cheapest of those that visit the same tasks."""
+    slots = _cheapest(costs, visited)
+    return np.sort(slots[slots >= 0])
+
+
 @njit(cache=True, nogil=True)
-def _cheapest_of_each_set(costs: Floats, visited: NDArray[np.uint64]) -> Ints:
+def _cheapest(costs: Floats, visited: NDArray[np.uint64]) -> Ints:
     """Return a table of the tours of least cost of every set visited, and of −1."""
     size = 16
     while size < 2 * costs.size:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from formulations.routing.clocks import knot_at
 from formulations.routing.columns.completion import bins_left
 from formulations.routing.columns.courses import course_at, on_course
+from formulations.routing.columns.cuts import half_held, paid_for
 from formulations.routing.columns.label_search import Found, Orders, Subproblem, limit
 from formulations.routing.columns.word_sets import clear, has, hashed, same
 from instances.arrays import Floats, Ints
@@ -42,9 +43,9 @@ class Store(NamedTuple):
         """Return the room for labels of UAV k."""
         return self
 
-    def depart(self, problem: Subproblem, threshold: float) -> int:
-        """Make the labels of one task and return how many there are."""
-        return int(_depart(problem, self, threshold))
+    def depart(self, problem: Subproblem, threshold: float, free: int) -> int:
+        """Make the labels of one task, from label `free` on, and return the next free one."""
+        return int(_depart(problem, self, threshold, free))
 
     def expand(
         self, problem: Subproblem, threshold: float, low: int, high: int, free: int, room: int
@@ -124,12 +125,11 @@ def memory_of(near: Ints, members: Ints, seen: NDArray[np.uint64], task: int) ->
 
 
 @njit(cache=True, nogil=True)
-def _depart(problem: Subproblem, store: Store, threshold: float) -> int:
-    """Make the labels of one task and return how many there are."""
-    free = 0
+def _depart(problem: Subproblem, store: Store, threshold: float, free: int) -> int:
+    """Make the labels of one task, from label `free` on, and return the next free one."""
     for j in range(problem.price.size):
         least = _beginning_with(problem, j)
-        if least < threshold and free < store.last.size:
+        if least < threshold and problem.legs.out[j] <= problem.reach and free < store.last.size:
             for w in range(store.visited.shape[1]):
                 store.visited[free, w] = np.uint64(0)
             store.visited[free, j >> 6] = np.uint64(1) << np.uint64(j & 63)
@@ -145,29 +145,29 @@ def _expand(
 ) -> tuple[bool, int]:
     """Extend the labels low..high−1 by every task; return whether `room` labels are too few, and the next free one."""
     courses, order, degree, cap = problem.bins.courses, problem.bins.order, problem.bins.degree, problem.cap
-    price, sigma, best, bins = problem.price, problem.sigma, problem.best, problem.bins
-    partners, rho, near, members = problem.cuts.partners, problem.cuts.rho, problem.memory.near, problem.watch.members
+    reach, price, sigma, best, bins = problem.reach, problem.price, problem.sigma, problem.best, problem.bins
+    bits, prices, near, members = problem.cuts.bits, problem.cuts.prices, problem.memory.near, problem.watch.members
+    half = np.empty(bits.shape[1], np.uint64)
     mask, nothing_seen = store.slots.size - 1, problem.least
     for label in range(low, high):
         here, seen = store.last[label], store.visited[label]
         fresh, time = seen.copy(), store.cost[label]
+        half_held(seen, bits, half)
         knot = knot_at(courses, time)
         since = time - courses.knots[knot]
-        most = bins_left(cap - time, bins)
+        most = bins_left(reach - time, bins)
         for a in range(degree[here]):
             j = order[here, a]
             if bins.fewest[here, j] > most:
                 break
             spent = (time + on_course(courses, here, j, knot, since)) * courses.rounded
-            if has(seen, j) or not spent <= cap:
+            if has(seen, j) or not spent <= reach:
                 continue
             earned = store.gain[label] + price[j]
             left = bins_left(cap - spent, bins)
             if sigma * spent - earned + nothing_seen[j, left] >= threshold:  # with nothing remembered: most end here
                 continue
-            for q in range(rho.shape[1]):
-                if rho[j, q] > 0 and has(seen, partners[j, q, 0]) != has(seen, partners[j, q, 1]):
-                    earned -= rho[j, q]
+            earned -= paid_for(half, bits[j], prices)
             least = sigma * spent - earned + best[j, left, memory_of(near, members, seen, j)]
             if least >= threshold:
                 continue

@@ -15,21 +15,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.columns.cuts import TaskCuts
-from formulations.routing.columns.label_search import Orders, path, search
+from formulations.routing.columns.cuts import TaskCuts, held
+from formulations.routing.columns.label_search import Orders, path
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Priced, Pricer
-from formulations.routing.columns.word_sets import has
+from formulations.routing.columns.two_sided import Attempt
+from formulations.routing.columns.word_sets import lowest
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
 _SHARES = (0.6, 0.45, 0.3, 0.15)  # of the gap, of which tours are kept in reserve: the first that fits
-_RESERVE_LABELS, _RESERVE = 1_500_000, 300_000
-
-_DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
-"""A word of 64 bits whose 64 windows of six all differ: a product with it tells which bit of a word is its lowest."""
-_LOWEST = np.zeros(64, np.int64)
-for _bit in range(64):
-    _LOWEST[(int(_DE_BRUIJN) << _bit & 2**64 - 1) >> 58] = _bit
+_RESERVE_LABELS, _RESERVE = 1_000_000, 300_000
 
 
 @dataclass(frozen=True)
@@ -120,6 +115,17 @@ class Pool:
             keep[block] = np.isfinite(value)
         return self.only(keep)
 
+    def nearest(self, at: DualBound, most: int) -> Pool:
+        """Return the `most` tours that raise the bound least, all of UAVs that are listed."""
+        if self.size <= most:
+            return self
+        rise = np.empty(self.size)
+        for k in np.flatnonzero(self.listed):
+            block, sigma = self.block(int(k)), float(at.duals.sigma[k])
+            tours = self.visited[block], self.cost[block]
+            rise[block] = _values(*tours, at.duals.price, sigma, at.duals.by_task, np.inf, False)[0] - at.least[k]
+        return self.only(rise <= np.partition(rise, most)[most])
+
     def block(self, k: int) -> slice:
         """Return where the tours of UAV k are: next to each other, as they were listed."""
         at = np.flatnonzero(self.uav == k)
@@ -175,30 +181,16 @@ def _earned(words: NDArray[np.uint64], of_bytes: Floats) -> float:
 
 @njit(cache=True, nogil=True)
 def _paid(words: NDArray[np.uint64], cuts: TaskCuts, enough: float) -> float:
-    """Return what a tour pays for cuts [s], or part of it that is `enough`."""
-    partners, rho = cuts.partners, cuts.rho
+    """Return what a tour pays for cuts of which it holds two tasks or more [s], or part of it that is `enough`."""
     total = 0.0
-    for w in range(words.size):
-        rest = words[w]
-        while rest != np.uint64(0):
-            i = 64 * w + _lowest(rest)
-            rest &= rest - np.uint64(1)
-            for q in range(rho.shape[1]):
-                if rho[i, q] <= 0:  # the cuts of a task come first, then room
-                    break
-                j, k = partners[i, q, 0], partners[i, q, 1]
-                # the first two members of a cut that a tour holds pay for it, once
-                if (j < i and has(words, j)) != (k < i and has(words, k)):
-                    total += rho[i, q]
-            if total >= enough:
-                return total
+    for c in range(cuts.bits.shape[1]):
+        _, twice = held(words, cuts.bits, c)
+        while twice != np.uint64(0):
+            total += cuts.prices[64 * c + lowest(twice)]
+            twice &= twice - np.uint64(1)
+        if total >= enough:
+            return total
     return total
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _lowest(word: np.uint64) -> int:
-    """Return the place of the lowest bit of a word that is not zero."""
-    return _LOWEST[((word & (~word + np.uint64(1))) * _DE_BRUIJN) >> np.uint64(58)]
 
 
 class PoolPricer:
@@ -322,25 +314,15 @@ class _Look:
         pricer, at = self.pricer, self.at
         if pricer.out_of_time():
             return _Looked(None, False, 0)
-        problem, store = pricer.subproblem(k, at.duals), pricer.store.of_uav(k)
-
-        def look(threshold: float, labels: int, room: int) -> tuple[_Tours | None, int]:
-            found = search(problem, store, threshold, pricer.out_of_time, labels=labels, tours=room)
-            if not found.complete:
-                return None, found.labels
-            orders, ends = store.orders(found)
-            copied = Orders(orders.last.copy(), orders.parent.copy())
-            return _Tours(found.visited, found.costs, ends, copied), found.labels
-
-        tours, used = look(float(at.allowed(pricer.cap)[k]), self.labels, self.room)
-        if tours is not None or not self.reserves:
-            return _Looked(tours, tours is not None, used)
-
-        def reserve(share: float) -> _Tours | None:
-            return look(float(at.least[k]) + share * (pricer.cap - at.value), _RESERVE_LABELS, _RESERVE)[0]
-
-        fewest = reserve(_SHARES[-1])
-        if fewest is None:  # nor do more of them fit
+        sides, store = pricer.sides(k, at.duals), pricer.store.of_uav(k)
+        least, gap = float(at.least[k]), pricer.cap - at.value
+        shares = _SHARES if self.reserves else ()
+        attempts = [Attempt(float(at.allowed(pricer.cap)[k]), self.labels, self.room)]
+        attempts += [Attempt(least + share * gap, _RESERVE_LABELS, _RESERVE) for share in shares]
+        tried = sides.all_tours(store, attempts, pricer.out_of_time)
+        used, found = tried[0].labels + tried[0].pairs, tried[-1]
+        if not found.complete:
             return _Looked(None, False, used)
-        fitting = next((tours for share in _SHARES[:-1] if (tours := reserve(share)) is not None), fewest)
-        return _Looked(fitting, False, used)
+        orders, ends = store.orders(found)
+        copied = Orders(orders.last.copy(), orders.parent.copy())
+        return _Looked(_Tours(found.visited, found.costs, ends, copied), len(tried) == 1, used)

@@ -22,11 +22,12 @@ import numpy as np
 
 from formulations.routing.columns.completion import Bins, Memory
 from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task, incidence
-from formulations.routing.columns.label_search import Clock, Room, Subproblem, never, path, search
+from formulations.routing.columns.label_search import Clock, Room, Subproblem, never, path
 from formulations.routing.columns.labelling import least_of_all
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.recall import Recall, Walk, best_walks
 from formulations.routing.columns.team import Each, one_by_one
+from formulations.routing.columns.two_sided import Sides
 from instances.arrays import Floats, Ints
 
 _MOST_ENDS = 50_000
@@ -128,12 +129,16 @@ class DualBound:
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard to price: `near` tasks and `watch` cuts remembered at a task, `bins` of time, `beam` labels a layer."""
+    """How hard to price: `near` tasks and `watch` cuts remembered at a task, `bins` of time, `beam` labels a layer.
+
+    both : search from both sides, where costs do not change with time and nodes have one state.
+    """
 
     near: int
     bins: int
     beam: int
     watch: int = 0
+    both: bool = False
 
 
 @dataclass(frozen=True)
@@ -192,7 +197,7 @@ class Pricer:
         self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
         self.recall = recall or Recall(legs.n_tasks)
         self.n_uavs, self.caps, self.each = legs.n_uavs, legs.caps(cap), each
-        self._bins: dict[int, Bins] = {}
+        self._bins: dict[tuple[int, bool], Bins] = {}
         self._memory: tuple[int, Memory] | None = None
         self._watch: tuple[Memory, Duals, Watch] | None = None
 
@@ -208,12 +213,13 @@ class Pricer:
             self._memory = self.recall.lessons, self.recall.memory(between, self.effort.near)
         return self._memory[1]
 
-    def bins(self, k: int) -> Bins:
+    def bins(self, k: int, *, backwards: bool = False) -> Bins:
         """Return the time of UAV k's legs in bins (made when first asked for: some never are)."""
-        if k not in self._bins:
+        if (k, backwards) not in self._bins:
             courses = self.legs.courses[k] if self.legs.courses else None
-            self._bins[k] = Bins.of(self.legs.of_uav(k), float(self.caps[k]), self.effort.bins, courses)
-        return self._bins[k]
+            given = self.legs.of_uav(k), float(self.caps[k]), self.effort.bins, courses
+            self._bins[k, backwards] = Bins.of(*given, backwards=backwards)
+        return self._bins[k, backwards]
 
     @cached_property
     def kinds(self) -> Ints:
@@ -245,6 +251,11 @@ class Pricer:
         cap = float(self.caps[k])
         return Subproblem.bounded(legs, cap, bins, self.memory, watch, duals.price, sigma, duals.by_task)
 
+    def sides(self, k: int, duals: Duals) -> Sides:
+        """Return the pricing problem of UAV k as it is to be searched."""
+        both = self.effort.both and not self.legs.courses
+        return Sides(self.subproblem(k, duals), self.bins(k, backwards=True) if both else None)
+
     def price_all(self, uavs: Sequence[int], duals: Duals, thresholds: Floats) -> dict[int, Priced]:
         """Return what `price` would of each of some UAVs, at their thresholds (m,); of twins once. Learn from it."""
         first_of = self.firsts(uavs, duals, thresholds)
@@ -259,17 +270,17 @@ class Pricer:
         """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
         if self.out_of_time():  # completion bounds alone take up to half a second
             return Priced.unknown()
-        problem = self.subproblem(k, duals)
-        least = least_of_all(problem)
+        sides = self.sides(k, duals)
+        least = least_of_all(sides.problem)
         if least >= threshold:
             return Priced(least, [], True)
         labels = self.store.of_uav(k)
-        found = search(problem, labels, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
+        found = sides.search(labels, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
         least = max(least, float(found.values.min(initial=min(threshold, found.floor))))
         best = found.best(self.wanted)
         orders, ends = labels.orders(best)
         columns = [Column(k, path(orders, int(e)), float(c)) for e, c in zip(ends, best.costs, strict=True)]
-        lost = () if found.complete else tuple(best_walks(problem, threshold))
+        lost = () if found.complete else tuple(best_walks(sides.problem, threshold))
         return Priced(least, columns, found.complete, lost)
 
 
@@ -280,17 +291,22 @@ class Efforts(NamedTuple):
     thorough: Effort
 
 
-def efforts(n_tasks: int, bins: int) -> tuple[Efforts, Efforts]:
-    """Return how hard to work at a node without cuts and at one with cuts; at most `bins` bins."""
+def efforts(n_tasks: int, bins: int, *, both: bool = False) -> tuple[Efforts, Efforts]:
+    """Return how hard to work at a node without cuts and at one with cuts; at most `bins` bins.
+
+    both : the strongest search from both sides, which is worth it where most labels are beyond half-way.
+    """
     quick, middle, fine = (max(1, bins * tenths // 10) for tenths in (3, 5, 8))
     few, more = Effort(3, quick, 200), Effort(3, quick, 3000)
     if n_tasks <= 100:
-        plain = Efforts((few, more, Effort(6, fine, 20_000), Effort(7, bins, 300_000)), Effort(7, bins, 0))
-        watching = (replace(few, watch=3), replace(more, watch=4), Effort(4, middle, 30_000, 4))
-        return plain, Efforts((*watching, Effort(5, middle, 300_000, 4)), Effort(5, fine, 0, 4))
-    plain = Efforts((few, more, Effort(4, fine, 20_000), Effort(5, bins, 300_000)), Effort(5, fine, 0))
-    watching = (replace(few, watch=1), replace(more, watch=2), Effort(3, middle, 30_000, 2))
-    return plain, Efforts((*watching, Effort(4, middle, 300_000, 2)), Effort(4, middle, 0, 2))
+        plain = (few, more, Effort(6, fine, 20_000), Effort(7, bins, 300_000, both=both))
+        watching = (replace(few, watch=3), replace(more, watch=4), Effort(4, middle, 30_000, 4, both=both))
+        widest, alone, listing = Effort(5, middle, 300_000, 4, both=both), Effort(6, fine, 0), Effort(4, middle, 0, 4)
+    else:
+        plain = (few, more, Effort(4, fine, 20_000), Effort(5, bins, 300_000, both=both))
+        watching = (replace(few, watch=1), replace(more, watch=2), Effort(3, middle, 30_000, 2, both=both))
+        widest, alone, listing = Effort(4, middle, 300_000, 2, both=both), Effort(5, fine, 0), Effort(4, middle, 0, 2)
+    return Efforts(plain, replace(alone, both=both)), Efforts((*watching, widest), replace(listing, both=both))
 
 
 def walking(n_tasks: int, bins: int) -> Effort:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.completion import bins_left
+from formulations.routing.columns.cuts import half_held, paid_for
 from formulations.routing.columns.label_search import Found, Orders, Subproblem, limit
 from formulations.routing.columns.labelling import memory_of
 from formulations.routing.columns.word_sets import clear, has, hashed, same
@@ -76,9 +77,9 @@ class StateLabels:
         """Return the room for labels of UAV k."""
         return replace(self, uav=k)
 
-    def depart(self, problem: Subproblem, threshold: float) -> int:
-        """Make the labels of one task and return how many there are."""
-        return int(_depart(problem, self.legs[self.uav], self.store, threshold))
+    def depart(self, problem: Subproblem, threshold: float, free: int) -> int:
+        """Make the labels of one task, from label `free` on, and return the next free one."""
+        return int(_depart(problem, self.legs[self.uav], self.store, threshold, free))
 
     def expand(
         self, problem: Subproblem, threshold: float, low: int, high: int, free: int, room: int
@@ -153,9 +154,8 @@ def _before(states: StateLegs, store: StateStore, chains: Ints) -> Ints:
 
 
 @njit(cache=True, nogil=True)
-def _depart(problem: Subproblem, states: StateLegs, store: StateStore, threshold: float) -> int:
-    """Make the labels of one task and return how many there are."""
-    free = 0
+def _depart(problem: Subproblem, states: StateLegs, store: StateStore, threshold: float, free: int) -> int:
+    """Make the labels of one task, from label `free` on, and return the next free one."""
     nothing = np.zeros(store.visited.shape[1], np.uint64)
     first = states.first
     for j in range(problem.price.size):
@@ -195,7 +195,8 @@ def _expand(
     """Extend the labels low..high−1 by every task; return whether `room` labels are too few, and the next free one."""
     least_legs, order, degree, cap = problem.legs.between, problem.bins.order, problem.bins.degree, problem.cap
     price, sigma, best, bins = problem.price, problem.sigma, problem.best, problem.bins
-    partners, rho, near, members = problem.cuts.partners, problem.cuts.rho, problem.memory.near, problem.watch.members
+    bits, prices, near, members = problem.cuts.bits, problem.cuts.prices, problem.memory.near, problem.watch.members
+    half = np.empty(bits.shape[1], np.uint64)
     first, between = states.first, states.between
     mask = store.slots.size - 1
     there = np.empty(store.spent.shape[1])
@@ -205,15 +206,14 @@ def _expand(
         before = store.spent[label, :width]
         nearest = before.min()
         fresh = seen.copy()
+        half_held(seen, bits, half)
         for a in range(degree[here]):
             j = order[here, a]
             at_least = nearest + least_legs[here, j]
             if has(seen, j) or not at_least <= cap:
                 continue
             earned = store.gain[label] + price[j]
-            for q in range(rho.shape[1]):
-                if rho[j, q] > 0 and has(seen, partners[j, q, 0]) != has(seen, partners[j, q, 1]):
-                    earned -= rho[j, q]
+            earned -= paid_for(half, bits[j], prices)
             state = memory_of(near, members, seen, j)
             if sigma * at_least - earned + best[j, bins_left(cap - at_least, bins), state] >= threshold:
                 continue

@@ -11,12 +11,23 @@ from numpy.typing import NDArray
 from instances.kernels import njit
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
+_DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
+"""A word of 64 bits whose 64 windows of six all differ: a product with it tells which bit of a word is its lowest."""
+_LOWEST = np.zeros(64, np.int64)
+for _bit in range(64):
+    _LOWEST[(int(_DE_BRUIJN) << _bit & 2**64 - 1) >> 58] = _bit
 
 
 @njit(cache=True, nogil=True)
 def has(words: NDArray[np.uint64], task: int) -> bool:
     """Say whether a set contains a task."""
     return (words[task >> 6] >> np.uint64(task & 63)) & np.uint64(1) != np.uint64(0)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def lowest(word: np.uint64) -> int:
+    """Return the place of the lowest bit of a word that is not zero."""
+    return _LOWEST[((word & (~word + np.uint64(1))) * _DE_BRUIJN) >> np.uint64(58)]
 
 
 @njit(cache=True, nogil=True, inline="always")

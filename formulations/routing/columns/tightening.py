@@ -33,6 +33,7 @@ _DEAR = 0.08  # the same where some tours are not listed, so that pricing is dea
 _LONG = 15  # tasks a UAV above which labels that pay for cuts cost more than branches, and far-off duals lose labels
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
+_FEW, _MANY = 100_000, 4  # tours of a pool in which columns are looked for first, and how many times more there must be
 _USED = 1e-6  # weight of a tour
 _MUCH = 0.2  # price σ_k of a UAV around whose tour routes are searched for
 _DIVE = 1.0  # seconds, at most, for the branch and bound over the columns of a node
@@ -90,8 +91,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     while True:
         gap = cap - level
         pricers = _pricers(node, master, cap, work)
-        reserve = PoolPricer(node.reserve) if node.reserve.size and not node.pool.complete else None
-        relaxation = generate(master, pricers, cap, work.out_of_time, node.centre, reserve, near)
+        relaxation = generate(master, pricers, cap, work.out_of_time, node.centre, _reserve(node), near)
         best, raised = relaxation.best, relaxation.best.value - level
         stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.raise_bound(best)
@@ -167,6 +167,15 @@ def _pricers(node: Node, master: Master, cap: float, work: Workspace) -> list[Pr
         return [PoolPricer(node.pool)]
     efforts = work.cutting if master.cuts else work.plain
     return [PoolPricer(node.pool, work.pricer(node.legs, cap, effort)) for effort in efforts.pricing]
+
+
+def _reserve(node: Node) -> PoolPricer | None:
+    """Return how to look for columns in a few tours before the others, None where there are none or few others."""
+    if not node.pool.complete:
+        return PoolPricer(node.reserve) if node.reserve.size else None
+    if node.centre is None or node.pool.size <= _MANY * _FEW:
+        return None
+    return PoolPricer(node.pool.nearest(node.centre, _FEW))
 
 
 def _reduce(node: Node, at: DualBound, cap: float, work: Workspace) -> None:

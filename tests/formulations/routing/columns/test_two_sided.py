@@ -7,7 +7,7 @@ import pytest
 
 from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
-from formulations.routing.columns import two_sided
+from formulations.routing.columns import tightening, two_sided
 from formulations.routing.columns.label_search import Found, never, pair, path, search
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
@@ -154,14 +154,15 @@ def test_lists_from_both_sides_price_as_those_from_one(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", [0, 3])
-def test_proofs_do_not_change_where_all_is_done_from_both_sides(
+def test_proofs_do_not_change_where_all_is_done_from_both_sides_and_lists_are_long(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Every list is made so."""
+    """Every list from both sides, and every pool looked through in two steps."""
     place = np.random.default_rng(seed).uniform(0, 1, (16, 2))
     instance = Instance("plane", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 14, 2)
     optimum = SubsetDp().solve(instance, limits=Limits(time=60.0)).objective
     monkeypatch.setattr(two_sided, "_ALONE", PLENTY)
+    monkeypatch.setattr(tightening, "_FEW", 2)
     loose = tuple(tuple(range(k, 14, 2)) for k in range(2))
     result = BranchAndPrice(starts=0).solve(instance, limits=Limits(time=60.0), start=loose)
     assert result.status is Status.OPTIMAL

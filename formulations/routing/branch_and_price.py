@@ -12,7 +12,7 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 2. A tree, branching on who takes which task.                                    `columns/tree.py`, `branching.py`
 3. Where tours are long, arcs left out by the capped total.                                          `capped_total.py`
    At a node the relaxation by column generation, at the root begun with walks; legs fixed away by reduced cost; a
-   UAV's tours listed when they fit; subset-row cuts. Tours are looked for from one side or, of many labels, both.
+   UAV's tours listed when they fit; subset-row cuts. Short tours are looked for from both sides where labels are many.
         `columns/tightening.py`, `walks.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`,
         `label_search.py`, `two_sided.py`
 4. Where the gap stays wide to the end: trees under lower caps. One that ends without routes makes its cap a bound
@@ -76,9 +76,10 @@ _MOST_THREADS = 4
 """Each has room for labels of its own, up to 0.8 GB."""
 _LONG = 15
 """Tasks a UAV from which relaxations begin with the capped total and with walks, where all UAVs are alike: labels lose
-their way at first duals.
+their way at first duals. Up to it tours are looked for from both sides.
 
-Where they are not, walks are priced for every one of them and cost more than they save (50/3, 60/4: a third more).
+Where UAVs are not alike, walks are priced for every one of them and cost more than they save (50/3, 60/4: a third
+more).
 """
 _FOR_ARCS = 0.2  # share of the time, at most, for the capped total
 _PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end

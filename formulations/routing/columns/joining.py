@@ -115,7 +115,7 @@ def join(
     order, degree, bins, cap = problem.bins.order, problem.bins.degree, problem.bins, problem.cap
     near, members, words, tried = problem.memory.near, problem.watch.members, store.visited.shape[1], 0
     bits, prices = problem.cuts.bits, problem.cuts.prices
-    both = np.zeros(words, np.uint64)
+    together = np.zeros(words, np.uint64)
     for label in range(part, middle, PARTS):
         if store.bound[label] >= threshold:
             continue
@@ -148,12 +148,12 @@ def join(
                         continue
                     tried += 1
                     for w in range(words):
-                        both[w] = seen[w] | home.visited[b, w]
-                    at = _place(store.slots, pairs.visited, both, found)
+                        together[w] = seen[w] | home.visited[b, w]
+                    at = _place(store.slots, pairs.visited, together, found)
                     if at == found:
                         if found == pairs.cost.size or tried > limit:
                             return False, found, tried
-                        found = _taken(store.slots, pairs, both, found)
+                        found = _taken(store.slots, pairs, together, found)
                     if whole < pairs.cost[at]:
                         pairs.ahead[at], pairs.behind[at] = label, home.label[b]
                         pairs.value[at], pairs.cost[at] = total, whole

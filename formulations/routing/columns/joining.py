@@ -64,7 +64,7 @@ class WaysHome(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Tours found as pairs of labels: `ahead`, `behind`, reduced costs and costs [s], sets (p, words)."""
+    """Tours found as pairs of labels: `ahead`, `behind` (p,), reduced costs and costs (p,) [s], sets (p, words)."""
 
     ahead: Ints
     behind: Ints

@@ -133,7 +133,7 @@ class Pool:
 
 
 class Lists(NamedTuple):
-    """The tours listed, some of the UAVs that are not, and the number of labels made in vain."""
+    """The tours listed, some of the UAVs that are not, and the number of labels and pairs of them made in vain."""
 
     pool: Pool
     reserve: Pool
@@ -239,10 +239,11 @@ def list_tours(
     """Return `pool` with the tours of more UAVs, those with few legs first, and some tours of the others in reserve.
 
     The first that does not fit into `labels` labels is passed over, and the others after it get no more labels than a
-    reserve; there are never more than `room` tours in all. Of a UAV with too many tours even for the reserve those
-    `known` are kept. known_are_of_here : those are the reserve that was made at the same prices, with fewer labels, and
-    are not looked for again. at_once : UAVs looked at side by side; where one of them leaves the next less room than
-    that had, the next is looked at again, so that the same comes out for any number.
+    reserve (pairs of labels count as `two_sided.py` says); there are never more than `room` tours in all. Of a UAV with
+    too many tours even for the reserve those `known` are kept. known_are_of_here : those are the reserve that was made
+    at the same prices, with fewer labels, and are not looked for again. at_once : UAVs looked at side by side; where
+    one of them leaves the next less room than that had, the next is looked at again, so that the same comes out for any
+    number.
     """
     allowed, in_vain, reserve = at.allowed(pricer.cap), 0, Pool.empty(pricer.n_uavs, pricer.legs.n_tasks)
     n_legs = np.isfinite(pricer.legs.between).sum(axis=(1, 2))

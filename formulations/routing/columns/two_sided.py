@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -103,17 +104,12 @@ class Sides(NamedTuple):
 
 @dataclass(frozen=True)
 class _Halves:
-    """The labels of both sides: `one` of ways from the depot, `other` of ways home, which `home` puts in order.
-
-    half : numbers of the cuts of which each label of `one` holds one task.
-    """
+    """The labels of both sides: `one` of ways from the depot, `other` of ways home; put in order when first paired."""
 
     problem: Subproblem
     store: Store
     one: Layers
     other: Layers
-    home: WaysHome
-    half: NDArray[np.uint64]
     out_of_time: Clock
 
     @classmethod
@@ -134,15 +130,23 @@ class _Halves:
         ahead, behind = whole._replace(reach=middle), whole.behind(backwards, (whole.cap - middle) * _BEYOND)
         one = layers(ahead, store, threshold, out_of_time, beam=beam, labels=labels, tours=tours)
         other = layers(behind, store, threshold, out_of_time, begin=one.end, beam=beam, labels=labels, tours=tours)
-        home = WaysHome.of(ahead, store, one.end, other.end)
-        half = halves(store.visited[: one.end], ahead.cuts.bits)
-        return cls(ahead, store, one, other, home, half, out_of_time)
+        return cls(ahead, store, one, other, out_of_time)
 
     @classmethod
     def listing(cls, whole: Subproblem, backwards: Bins, store: Store, attempt: Attempt, out_of_time: Clock) -> _Halves:
         """Make the labels of an attempt to list all tours."""
         threshold, labels, tours = attempt
         return cls.of(whole, backwards, store, threshold, out_of_time, labels=labels // _FEWER, tours=tours)
+
+    @cached_property
+    def home(self) -> WaysHome:
+        """The ways home in order."""
+        return WaysHome.of(self.problem, self.store, self.one.end, self.other.end)
+
+    @cached_property
+    def half(self) -> NDArray[np.uint64]:
+        """The numbers of the cuts of which each way from the depot holds one task, (l, words)."""
+        return halves(self.store.visited[: self.one.end], self.problem.cuts.bits)
 
     @property
     def complete(self) -> bool:

@@ -199,7 +199,7 @@ def _columns(instance: Instance, upper: float, price: Floats, time_limit: float)
     """Yield the bound of capped tours and what bisecting the cap makes of it; `price` (n,) [s] is where to begin."""
     BranchAndPrice().prepare(instance)
     began = time.perf_counter()
-    bounds = destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() - began > time_limit, price=price)
+    bounds = destructive_bounds(instance, 0.0, upper, lambda: began + time_limit - time.perf_counter(), price=price)
     value = next(bounds, 0.0)
     yield Bound("capped-tours", value, time.perf_counter() - began, "" if value else "not solved in time")
     if value:

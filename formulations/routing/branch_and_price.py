@@ -45,7 +45,7 @@ import numpy as np
 from formulations.routing.capped_total import capped_total
 from formulations.routing.columns.cuts import separate
 from formulations.routing.columns.fixing import fix_legs
-from formulations.routing.columns.label_search import Clock, Labels, never
+from formulations.routing.columns.label_search import Clock, Labels, no_limit
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Workspace
@@ -144,7 +144,7 @@ class BranchAndPrice(RecordedSolver):
         at = DualBound(0.0, duals, np.array([pricer.price(0, duals, 0.0).least]))
         fix_legs(pricer, [0], at)
         relax_by_walks(pricer, np.zeros(1, np.int64), [])
-        pricer.sides(0, duals).search(pricer.store.of_uav(0), np.inf, never, beam=1, tours=100)  # many labels for it
+        pricer.sides(0, duals).search(pricer.store.of_uav(0), np.inf, no_limit, beam=1, tours=100)  # many labels for it
         pool = list_tours(nothing := Pool.empty(1, 6), pricer, at, 10_000, 10_000, nothing).pool
         pool.needed(at, cap)
 
@@ -175,7 +175,7 @@ class BranchAndPrice(RecordedSolver):
             recorder.raise_bound(found.bound)
             legs = legs.among(found.arcs)
         limits, patience = recorder.limits, Patience(recorder)
-        tree = self.tree(recorder, seed, patience.over, legs, bound=recorder.bound, threads=threads)
+        tree = self.tree(recorder, seed, patience.left, legs, bound=recorder.bound, threads=threads)
         work = tree.work
 
         def wide() -> bool:
@@ -183,9 +183,9 @@ class BranchAndPrice(RecordedSolver):
 
         nodes = np.inf if limits.iterations is None else limits.iterations
         patience.share(2 / 3)
-        work.out_of_time = lambda: patience.over() and (wide() or recorder.remaining <= 0)
+        work.time_left = lambda: left if (left := patience.left()) > 0 or wide() else recorder.remaining
         ended = tree.grow(recorder, TOLERANCE, nodes)
-        work.out_of_time = patience.over
+        work.time_left = patience.left
         if ended is not StoppedBy.PROOF:
             patience.share(1)
             if wide():
@@ -199,14 +199,14 @@ class BranchAndPrice(RecordedSolver):
         self,
         recorder: Recorder,
         seed: int,
-        over: Clock,
+        time_left: Clock,
         legs: Legs,
         *,
         bound: float = 0.0,
         log: ProofLog | None = None,
         threads: int = 1,
     ) -> Tree:
-        """Return the tree before it grows: `over` says when it must stop, `bound` [s] what is known before.
+        """Return the tree before it grows: `time_left` says how long it may, `bound` [s] what is known before.
 
         legs : all of the instance but those that no routes shorter than the recorder's use.
         """
@@ -215,7 +215,7 @@ class BranchAndPrice(RecordedSolver):
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
         short = instance.n_tasks <= _LONG * instance.n_depots
         hard, recall = efforts(instance.n_tasks, self.bins, both=short), Recall(instance.n_tasks)
-        work = Workspace(over, team, self.tours, *hard, far, recall, log=log or ProofLog())
+        work = Workspace(time_left, team, self.tours, *hard, far, recall, log=log or ProofLog())
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
         most = worst_makespan(instance) if instance.restricted else np.inf
@@ -272,9 +272,9 @@ class Patience:
         remaining = self._recorder.remaining
         self.until = remaining - part * max(0.0, remaining - end)
 
-    def over(self) -> bool:
-        """Say whether the time allowed is over."""
-        return self._recorder.remaining <= self.until
+    def left(self) -> float:
+        """Return what is left of the time allowed [s]."""
+        return self._recorder.remaining - self.until
 
 
 def _columns(recorder: Recorder) -> list[Column]:

@@ -80,7 +80,7 @@ class _Kept(NamedTuple):
 
 def _over_tours(recorder: Recorder, seed: int, solver: BranchAndPrice) -> _Kept:
     log = KeptProof()
-    tree = solver.tree(recorder, seed, lambda: recorder.remaining <= 0, Legs.of(recorder.instance), log=log)
+    tree = solver.tree(recorder, seed, lambda: recorder.remaining, Legs.of(recorder.instance), log=log)
     tree.grow(recorder, TOLERANCE, _nodes(recorder))
     tree.close()
     return _Kept(log.bound, tree.most, log.nodes, log.steps)

@@ -28,6 +28,6 @@ def short_bounds(instance: Instance, upper: float, time_limit: float) -> dict[st
         method.prepare(instance)
         end = time.perf_counter() + time_limit
         price = total(instance, upper, time_limit / 3).price
-        found = destructive_bounds(instance, 0.0, upper, lambda: time.perf_counter() > end, price=price)
+        found = destructive_bounds(instance, 0.0, upper, lambda: end - time.perf_counter(), price=price)
         bounds["capped-tours"] = next(found, 0.0)
     return bounds

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from formulations.routing.columns.cuts import separate
-from formulations.routing.columns.label_search import never
+from formulations.routing.columns.label_search import no_limit
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.pricing import Effort
 from formulations.selection.duals import DualBound, Duals
@@ -72,7 +72,7 @@ class BranchAndPrice(SelectionMethod):
         cuts = tuple(separate([(0, 1, 2), (2, 3, 4), (0, 4, 5)], np.full(3, 0.9), 6, set(), 5)) or ((0, 2, 4),)
         none, rho = Overestimate(0.0, np.ones(6)), np.full(len(cuts), 0.1)
         duals = Duals(np.ones(6), np.ones(1), np.zeros(1), rho, (none,), cuts)
-        pricer = Pricer(groups, Effort(2, 10, 1, 2), store, never)
+        pricer = Pricer(groups, Effort(2, 10, 1, 2), store, no_limit)
         at = DualBound(6.0, duals, np.array([pricer.price(0, duals, 0.0).least]))
         pool = pricer.listing(at, 3.0, Worth.of_prizes(np.ones(6)), 10_000, 10_000)
         assert pool is not None

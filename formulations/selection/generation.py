@@ -15,6 +15,7 @@ from enum import Enum, auto
 
 import numpy as np
 
+from formulations.routing.columns.label_search import Clock
 from formulations.selection.duals import Column, DualBound, Duals
 from formulations.selection.master import Master, Optimum
 from formulations.selection.overestimates import Overestimate
@@ -69,7 +70,7 @@ def relax(
     wanted: Callable[[], float],
     tangent_at: Callable[[Floats], Overestimate] | None,
     best: DualBound | None,
-    out_of_time: Callable[[], bool],
+    time_left: Clock,
 ) -> Relaxation:
     """Solve the relaxation at a node, begun at the duals of `best`, which is a bound of the same node or above."""
     at, level, trust, tangents = master.solve(), 0, 1.0 if best is None else _SMOOTHING, 0
@@ -77,7 +78,7 @@ def relax(
     exact = _EXACT * max(abs(wanted()), 1e-9)
     while True:
         duals = at.duals if best is None or trust == 1.0 else best.duals.towards(at.duals, trust)
-        priced = _price_all(pricers[level], duals, len(node.counts), exact, out_of_time)
+        priced = _price_all(pricers[level], duals, len(node.counts), exact, time_left)
         if priced is None:
             return _relaxation(Ended.INTERRUPTED, best, at, master)
         least = np.array([p.least for p in priced])
@@ -109,13 +110,11 @@ def _relaxation(ended: Ended, best: DualBound | None, at: Optimum, master: Maste
     return Relaxation(ended, best, at, tuple(master.columns))
 
 
-def _price_all(
-    pricer: Prices, duals: Duals, groups: int, exact: float, out_of_time: Callable[[], bool]
-) -> list[Priced] | None:
+def _price_all(pricer: Prices, duals: Duals, groups: int, exact: float, time_left: Clock) -> list[Priced] | None:
     """Price every group; None where time is up before that."""
     priced = []
     for g in range(groups):
-        if out_of_time():
+        if time_left() <= 0:
             return None
         priced.append(pricer.price(g, duals, -float(duals.rent[g]) - exact))
     return priced

@@ -48,8 +48,8 @@ class Prices(Protocol):
 class Pricer:
     """Prices the tours over the legs of each group, with one effort, by label search."""
 
-    def __init__(self, groups: Sequence[Group], effort: Effort, store: Store, out_of_time: Clock) -> None:
-        self.groups, self.effort, self.store, self.out_of_time = groups, effort, store, out_of_time
+    def __init__(self, groups: Sequence[Group], effort: Effort, store: Store, time_left: Clock) -> None:
+        self.groups, self.effort, self.store, self.time_left = groups, effort, store, time_left
         between = np.minimum.reduce([group.legs.between for group in groups])
         self.memory = Memory.nearest(between, effort.near)
         self._bins = [Bins.of(group.legs, group.cap, effort.bins) for group in groups]
@@ -66,7 +66,7 @@ class Pricer:
         least = least_of_all(problem)
         if least >= threshold:
             return Priced(least, [], True)
-        found = search(problem, self.store, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
+        found = search(problem, self.store, threshold, self.time_left, beam=self.effort.beam, tours=_MOST_ENDS)
         least = max(least, float(found.values.min(initial=min(threshold, found.floor))))
         chosen = np.argsort(found.values, kind="stable")[:_WANTED]
         columns = [Column(g, path(self.store, int(found.ends[t]))) for t in chosen]
@@ -80,8 +80,8 @@ class Pricer:
         lists, allowed = [], at.allowed(wanted)
         for g in range(len(self.groups)):
             problem, threshold = self.subproblem(g, at.duals), float(np.nextafter(allowed[g], np.inf))
-            found: Found = search(problem, self.store, threshold, self.out_of_time, labels=labels, tours=tours)
-            if not found.complete or self.out_of_time():
+            found: Found = search(problem, self.store, threshold, self.time_left, labels=labels, tours=tours)
+            if not found.complete or self.time_left() <= 0:
                 return None
             s, ends = self.store, found.ends
             bits = np.unpackbits(s.visited[ends].view(np.uint8), axis=1, bitorder="little", count=at.duals.price.size)

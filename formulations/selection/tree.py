@@ -88,7 +88,7 @@ class Tree:
             self.record.lower(max(-self._open[0][0], self._closed, self.record.value))
             if self.record.proved:
                 return "proof"
-            if self.out_of_time():
+            if self.time_left() <= 0:
                 return "time"
             if most is not None and self.nodes >= most:
                 return "iterations"
@@ -100,9 +100,9 @@ class Tree:
         self.record.lower(max(self._closed, float(np.nextafter(self.record.wanted, -np.inf))))
         return "proof" if self.record.proved else "finished"
 
-    def out_of_time(self) -> bool:
-        """Say whether the time is over."""
-        return self.record.remaining <= 0
+    def time_left(self) -> float:
+        """Return the seconds left."""
+        return self.record.remaining
 
     def _wanted(self) -> float:
         return self.record.wanted
@@ -150,10 +150,10 @@ class Tree:
         pricers: list[Prices] = [branch.pool] if branch.pool is not None else []
         if branch.pool is None:
             wanted = self.cutting if branch.cuts else self.plain
-            pricers += [Pricer(branch.groups, effort, self.store, self.out_of_time) for effort in wanted.pricing]
+            pricers += [Pricer(branch.groups, effort, self.store, self.time_left) for effort in wanted.pricing]
         tangent_at = None if worth.modular else partial(tangent, worth)
         node = Node(self.counts, branch.lo, branch.hi)
-        relaxed = relax(master, node, pricers, self._wanted, tangent_at, best, self.out_of_time)
+        relaxed = relax(master, node, pricers, self._wanted, tangent_at, best, self.time_left)
         self.overestimates = master.overestimates
         return relaxed
 
@@ -166,7 +166,7 @@ class Tree:
         if gap > _AGAIN * branch.failed_gap and room <= _FIRST_ROOM:
             return branch
         effort = self.cutting.thorough if branch.cuts else self.plain.thorough
-        pricer, worth = Pricer(branch.groups, effort, self.store, self.out_of_time), self.record.problem.worth
+        pricer, worth = Pricer(branch.groups, effort, self.store, self.time_left), self.record.problem.worth
         pool = pricer.listing(best, wanted, worth, room, self.tours)
         return replace(branch, failed_gap=gap) if pool is None else replace(branch, pool=pool)
 

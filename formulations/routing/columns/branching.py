@@ -36,7 +36,7 @@ def shares(master: Master, weight: Floats) -> Floats:
     return share
 
 
-def choose(master: Master, allowed: Bools, far: Floats, gap: float, out_of_time: Clock) -> tuple[int, int] | None:
+def choose(master: Master, allowed: Bools, far: Floats, gap: float, time_left: Clock) -> tuple[int, int] | None:
     """Return UAV and task to branch on, None where all are decided.
 
     allowed (m, n) : who may still take what; far (n,) [s] : the cheapest way to each task and back;
@@ -45,7 +45,10 @@ def choose(master: Master, allowed: Bools, far: Floats, gap: float, out_of_time:
     undecided = allowed & (allowed.sum(axis=0) > 1)
     if not undecided.any():
         return None
-    value, duals, weight = master.solve()
+    optimum = master.solve(time_left)
+    if optimum is None:  # whatever is next is not looked at any more
+        return divmod(int(np.argmax(undecided)), master.n)
+    value, duals, weight = optimum
     share = shares(master, weight)
     split = np.where(undecided, np.minimum(share, 1 - share).round(6), 0.0)
     kinds = [_promising(split * far**2), _promising(split * np.maximum(duals.price, 0.0))]
@@ -55,7 +58,7 @@ def choose(master: Master, allowed: Bools, far: Floats, gap: float, out_of_time:
     if k is not None and np.abs(share[k] - share[k].round()).max() < _WHOLE and kinds[0].size > 0:
         # one whole tour alone makes the relaxation as long as it is: no branch on the others raises it
         return divmod(int(kinds[0][0]), master.n)
-    trials = _Trials(master, value, gap, out_of_time)
+    trials = _Trials(master, value, gap, time_left)
     roughly = trials.best(_each_once(*kinds), _GLANCE, _TRIED)
     thoroughly = _each_once(*(kind[:_TRIED] for kind in kinds), roughly)
     return divmod(int(trials.best(thoroughly, _TRIAL, 1)[0]), master.n)
@@ -69,8 +72,8 @@ def _each_once(*candidates: Ints) -> Ints:
 class _Trials:
     """How far the master, solved at `value` [s], rises on either side of candidates; what exceeds `gap` is no more."""
 
-    def __init__(self, master: Master, value: float, gap: float, out_of_time: Clock) -> None:
-        self.master, self.value, self.gap, self.out_of_time = master, value, gap, out_of_time
+    def __init__(self, master: Master, value: float, gap: float, time_left: Clock) -> None:
+        self.master, self.value, self.gap, self.time_left = master, value, gap, time_left
         self.uav = np.array([column.uav for column in master.columns])
         self.holds = np.ascontiguousarray(incidence([column.tasks for column in master.columns], master.n).T)
 
@@ -79,7 +82,7 @@ class _Trials:
         scores = np.zeros(candidates.size)
         if candidates.size > most:
             for c, candidate in enumerate(candidates):
-                if self.out_of_time():
+                if self.time_left() <= 0:
                     break
                 scores[c] = self._score(*divmod(int(candidate), self.master.n), pivots)
         return candidates[np.argsort(-scores, kind="stable")[:most]]

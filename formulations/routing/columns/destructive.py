@@ -36,7 +36,7 @@ def destructive_bounds(
     instance: Instance,
     lower: float,
     upper: float,
-    out_of_time: Clock,
+    time_left: Clock,
     *,
     price: Floats | None = None,
     from_top: bool = True,
@@ -51,13 +51,13 @@ def destructive_bounds(
     start = None if price is None else Duals(price, np.full(m, (1 - 1e-14) / m), np.zeros(m), np.zeros(0))
     high = upper
     cap = upper if from_top else (lower + upper) / 2
-    while high - lower > _PRECISION * upper and not out_of_time():
+    while high - lower > _PRECISION * upper and time_left() > 0:
         box = np.full(n, 3 * cap / n)
         master = Master(n, legs.kinds(), box if start is None else np.maximum(box, 2 * np.abs(start.price)))
         master.add([column for column in columns if column.cost <= cap])
         allowed = legs.under(cap)
-        pricers = [Pricer(allowed, cap, effort, store, out_of_time, recall) for effort in _efforts(allowed)]
-        best = generate(master, pricers, cap, out_of_time, start=start).best
+        pricers = [Pricer(allowed, cap, effort, store, time_left, recall) for effort in _efforts(allowed)]
+        best = generate(master, pricers, cap, time_left, start=start).best
         bound, columns, start = min(best.value, cap * (1 - 1e-12)), master.columns, best.duals
         if bound > lower:
             lower = bound

@@ -32,7 +32,7 @@ def fix_legs(pricer: Pricer, uavs: Iterable[int], at: DualBound) -> Legs:
     first_of = pricer.firsts(uavs, at.duals, allowed)
 
     def fix(k: int) -> None:
-        if pricer.out_of_time():
+        if pricer.time_left() <= 0:
             return
         problem = pricer.subproblem(k, at.duals)
         bins = Bins.of(problem.legs, problem.cap, problem.bins.most, problem.bins.courses, backwards=True)

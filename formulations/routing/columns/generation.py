@@ -53,7 +53,7 @@ def generate(
     master: Master,
     pricers: Sequence[Prices],
     cap: float,
-    out_of_time: Clock,
+    time_left: Clock,
     centre: DualBound | None = None,
     reserve: Prices | None = None,
     start: Duals | None = None,
@@ -68,19 +68,20 @@ def generate(
     start : duals to seek others near, and to price first where no centre is known. With these, what the strongest
         pricer loses labels for may take some rounds in which it hardly brings value and bound together.
     """
-    value, at_master, weight = _settled(master, reserve, cap, out_of_time)
-    best, trust = DualBound(-np.inf, at_master, np.zeros(pricers[0].n_uavs)), 1.0
+    optimum = _settled(master, reserve, cap, time_left)
+    best, trust = DualBound(-np.inf, optimum.duals if optimum else master.any_duals, np.zeros(pricers[0].n_uavs)), 1.0
     if centre is not None:
         best, trust = centre, _SMOOTHING
     elif start is not None:
         best, trust = replace(best, duals=start), 0.0
     ladder, rounds = _Ladder(pricers), 0
-    while True:
+    while optimum is not None:
         rounds += 1
+        value, at_master, weight = optimum
         duals = best.duals.towards(at_master, trust)
-        priced = _price_all(ladder.pricer, master, duals, cap, out_of_time)
+        priced = _price_all(ladder.pricer, master, duals, cap, time_left)
         if priced is None:
-            return Relaxation(Ended.INTERRUPTED, best, weight, rounds)
+            break
         least = np.array([min(0.0, priced[k].least) for k in master.first])
         found = DualBound(duals.offset + float(least.sum()) - duals.margin(cap, master.m), duals, least)
         rise = found.value - best.value
@@ -94,7 +95,10 @@ def generate(
             return Relaxation(Ended.STUCK, best, weight, rounds)
         dull, widened = ladder.dull(complete, value - best.value), False
         if master.add([c for p in priced.values() for c in p.columns]):
-            value, at_master, weight = _settled(master, reserve, cap, out_of_time)
+            optimum = _settled(master, reserve, cap, time_left)
+            if optimum is None:
+                break
+            value, _, weight = optimum
             close = value - best.value <= _CLOSE * (cap - best.value)
             if close and not master.penalised:
                 return Relaxation(Ended.SOLVED, best, weight, rounds)
@@ -106,12 +110,13 @@ def generate(
                 return Relaxation(Ended.SOLVED if complete else Ended.STUCK, best, weight, rounds)
             dull = True
         if widened:
-            value, at_master, weight = _settled(master, reserve, cap, out_of_time)
+            optimum = _settled(master, reserve, cap, time_left)
             ladder = _Ladder(pricers)
         elif dull:
             if ladder.at_top and start is not None:
                 return Relaxation(Ended.STUCK, best, weight, rounds)
             ladder.climb()
+    return Relaxation(Ended.INTERRUPTED, best, np.zeros(len(master.columns)), rounds)
 
 
 @dataclass
@@ -144,20 +149,18 @@ class _Ladder:
         return self.rounds_dull >= _DULL
 
 
-def _settled(master: Master, reserve: Prices | None, cap: float, out_of_time: Clock) -> Optimum:
-    """Solve the master over its columns and all of the reserve."""
-    optimum = master.solve()
-    while reserve is not None and not out_of_time():
-        priced = _price_all(reserve, master, optimum.duals, cap, out_of_time)
+def _settled(master: Master, reserve: Prices | None, cap: float, time_left: Clock) -> Optimum | None:
+    """Solve the master over its columns and all of the reserve; None where time is up."""
+    optimum = master.solve(time_left)
+    while reserve is not None and optimum is not None:
+        priced = _price_all(reserve, master, optimum.duals, cap, time_left)
         if priced is None or not master.add([c for p in priced.values() for c in p.columns]):
             break
-        optimum = master.solve()
+        optimum = master.solve(time_left)
     return optimum
 
 
-def _price_all(
-    pricer: Prices, master: Master, duals: Duals, cap: float, out_of_time: Clock
-) -> dict[int, Priced] | None:
+def _price_all(pricer: Prices, master: Master, duals: Duals, cap: float, time_left: Clock) -> dict[int, Priced] | None:
     """Price the first UAV of every kind; None where time is up."""
     priced = pricer.price_all(master.uavs.tolist(), duals, -duals.rent - _EXACT * cap)
-    return None if out_of_time() else priced
+    return None if time_left() <= 0 else priced

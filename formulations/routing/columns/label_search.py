@@ -19,13 +19,13 @@ from formulations.routing.columns.word_sets import hashed, same
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
-Clock = Callable[[], bool]
-"""Says whether time is up."""
+Clock = Callable[[], float]
+"""Says how many seconds are left: at 0 and below, time is up."""
 
 
-def never() -> bool:
+def no_limit() -> float:
     """Set no limit of time."""
-    return False
+    return np.inf
 
 
 _CHUNK = 50_000
@@ -194,12 +194,17 @@ class Layers(NamedTuple):
     values: Floats
     costs: Floats
 
+    @classmethod
+    def lost(cls, end: int) -> Layers:
+        """Return what is known of labels that were not made: nothing."""
+        return cls(end, False, -np.inf, np.zeros(0, np.int64), np.zeros(0), np.zeros(0))
+
 
 def search(
     problem: Subproblem,
     store: Labels,
     threshold: float,
-    out_of_time: Clock,
+    time_left: Clock,
     *,
     beam: int | None = None,
     labels: int | None = None,
@@ -210,7 +215,7 @@ def search(
     Not all of them where a layer is cut off at `beam` labels, or `labels` in all or `tours` are too few. Where `labels`
     are clearly not going to be enough it ends at once.
     """
-    found = layers(problem, store, threshold, out_of_time, beam=beam, labels=labels, tours=tours)
+    found = layers(problem, store, threshold, time_left, beam=beam, labels=labels, tours=tours)
     visited = store.sets(found.ends)
     chosen = cheapest_of_each_set(found.costs, visited)
     kept = found.ends[chosen], found.values[chosen], found.costs[chosen], visited[chosen]
@@ -221,7 +226,7 @@ def layers(
     problem: Subproblem,
     store: Labels,
     threshold: float,
-    out_of_time: Clock,
+    time_left: Clock,
     *,
     begin: int = 0,
     beam: int | None = None,
@@ -234,7 +239,7 @@ def layers(
     layers_found, listed, complete, floor = [], 0, True, np.inf
     end = store.depart(problem, threshold, begin)
     if end == store.room:  # there may be more
-        return Layers(end, False, -np.inf, np.zeros(0, np.int64), np.zeros(0), np.zeros(0))
+        return Layers.lost(end)
     sizes = [end - begin]
     while end > begin:
         if beam is not None and end - begin > beam:
@@ -244,7 +249,7 @@ def layers(
         listed += layers_found[-1][0].size
         free, stopped = end, listed > tours
         for low in range(begin, end, _CHUNK):
-            if stopped or out_of_time():
+            if stopped or time_left() <= 0:
                 stopped = True
                 break
             stopped, free = store.expand(problem, threshold, low, min(low + _CHUNK, end), free, room)

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from formulations.routing.columns.cuts import Cut
+from formulations.routing.columns.label_search import Clock, no_limit
 from formulations.routing.columns.pricing import SHY, Column, Duals
 from instances.arrays import Bools, Floats, Ints
 
@@ -123,9 +124,13 @@ class Master:
             self._lp.addRow(-highspy.kHighsInf, 1.0, len(index), np.array(index, dtype=np.int32), np.ones(len(index)))
             self.cuts.append(cut)
 
-    def solve(self) -> Optimum:
-        """Solve the linear programme over the columns known."""
+    def solve(self, time_left: Clock = no_limit) -> Optimum | None:
+        """Solve the linear programme over the columns known; return None where time was up before that was done."""
+        # the limit is one of all runs so far
+        self._lp.setOptionValue("time_limit", self._lp.getRunTime() + max(0.0, time_left()))
         self._lp.run()
+        if self._lp.getModelStatus() == highspy.HighsModelStatus.kTimeLimit:
+            return None
         solution = self._lp.getSolution()
         parts = np.cumsum([self.n, self.uavs.size, self.uavs.size])
         price, sigma, rent, rho = np.split(np.asarray(solution.row_dual), parts)
@@ -135,6 +140,11 @@ class Master:
         duals = Duals(price.copy(), sigma, rent, rho, tuple(self.cuts))
         weight = np.asarray(solution.col_value)[self._first :].copy()
         return Optimum(float(self._lp.getInfo().objective_function_value), duals, weight)
+
+    @property
+    def any_duals(self) -> Duals:
+        """Duals of which nothing can be said but that they are some."""
+        return Duals(np.zeros(self.n), np.full(self.m, SHY / self.m), np.zeros(self.m), np.zeros(0))
 
     def without(self, dropped: Bools, pivots: int) -> float:
         """Return what a few pivots raise the solved master's value to [s] without some columns.
@@ -146,6 +156,7 @@ class Master:
         zeros = np.zeros(index.size)
         lp.changeColsBounds(index.size, index, zeros, zeros)
         lp.setOptionValue("simplex_iteration_limit", pivots)
+        lp.setOptionValue("time_limit", highspy.kHighsInf)
         lp.run()
         value = float(lp.getInfo().objective_function_value)
         lp.setOptionValue("simplex_iteration_limit", highspy.kHighsIInf)
@@ -170,7 +181,6 @@ class Master:
         found = lp.getInfo().primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
         weight = np.asarray(lp.getSolution().col_value)[self._first :].copy() if found else np.zeros(0)
         lp.changeColsIntegrality(index.size, index, continuous.astype(np.uint8))
-        lp.setOptionValue("time_limit", highspy.kHighsInf)
         lp.changeColsCost(slack.size, slack, self.centre + self.half)
         return [self.columns[int(p)] for p in np.flatnonzero(weight > 0.5)]
 

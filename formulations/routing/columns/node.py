@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from formulations.routing.columns.cuts import Cut
+from formulations.routing.columns.label_search import Clock
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.master import WIDE, Master
 from formulations.routing.columns.pool import Pool
@@ -66,7 +67,7 @@ class Workspace:
     recall : what pricing has learnt to remember.
     """
 
-    out_of_time: Callable[[], bool]
+    time_left: Clock
     team: Team
     tours_room: int
     plain: Efforts
@@ -82,7 +83,7 @@ class Workspace:
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""
         team = self.team
-        return Pricer(legs, cap, effort, team, lambda: team.over or self.out_of_time(), self.recall, team.each)
+        return Pricer(legs, cap, effort, team, lambda: 0.0 if team.over else self.time_left(), self.recall, team.each)
 
 
 @dataclass

@@ -313,14 +313,14 @@ class _Look:
         They are columns that pricing need not search for; that there are no others is left to the label search.
         """
         pricer, at = self.pricer, self.at
-        if pricer.out_of_time():
+        if pricer.time_left() <= 0:
             return _Looked(None, False, 0)
         sides, store = pricer.sides(k, at.duals), pricer.store.of_uav(k)
         least, gap = float(at.least[k]), pricer.cap - at.value
         shares = _SHARES if self.reserves else ()
         attempts = [Attempt(float(at.allowed(pricer.cap)[k]), self.labels, self.room)]
         attempts += [Attempt(least + share * gap, _RESERVE_LABELS, _RESERVE) for share in shares]
-        tried = sides.all_tours(store, attempts, pricer.out_of_time)
+        tried = sides.all_tours(store, attempts, pricer.time_left)
         used, found = tried[0].labels + tried[0].pairs, tried[-1]
         if not found.complete:
             return _Looked(None, False, used)

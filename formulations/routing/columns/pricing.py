@@ -22,7 +22,7 @@ import numpy as np
 
 from formulations.routing.columns.completion import Bins, Memory
 from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task, incidence
-from formulations.routing.columns.label_search import Clock, Room, Subproblem, never, path
+from formulations.routing.columns.label_search import Clock, Room, Subproblem, no_limit, path
 from formulations.routing.columns.labelling import least_of_all
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.recall import Recall, Walk, best_walks
@@ -190,11 +190,11 @@ class Pricer:
         cap: float,
         effort: Effort,
         store: Room,
-        out_of_time: Clock = never,
+        time_left: Clock = no_limit,
         recall: Recall | None = None,
         each: Each = one_by_one,
     ) -> None:
-        self.legs, self.cap, self.effort, self.store, self.out_of_time = legs, cap, effort, store, out_of_time
+        self.legs, self.cap, self.effort, self.store, self.time_left = legs, cap, effort, store, time_left
         self.recall = recall or Recall(legs.n_tasks)
         self.n_uavs, self.caps, self.each = legs.n_uavs, legs.caps(cap), each
         self._bins: dict[tuple[int, bool], Bins] = {}
@@ -203,7 +203,7 @@ class Pricer:
 
     def at(self, effort: Effort, legs: Legs) -> Pricer:
         """Return the same pricer of another effort, over other legs."""
-        return Pricer(legs, self.cap, effort, self.store, self.out_of_time, self.recall, self.each)
+        return Pricer(legs, self.cap, effort, self.store, self.time_left, self.recall, self.each)
 
     @property
     def memory(self) -> Memory:
@@ -268,14 +268,14 @@ class Pricer:
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best columns of reduced cost below `threshold` ≤ 0, and a bound on all of them."""
-        if self.out_of_time():  # completion bounds alone take up to half a second
+        if self.time_left() <= 0:  # completion bounds alone take up to half a second
             return Priced.unknown()
         sides = self.sides(k, duals)
         least = least_of_all(sides.problem)
         if least >= threshold:
             return Priced(least, [], True)
         labels = self.store.of_uav(k)
-        found = sides.search(labels, threshold, self.out_of_time, beam=self.effort.beam, tours=_MOST_ENDS)
+        found = sides.search(labels, threshold, self.time_left, beam=self.effort.beam, tours=_MOST_ENDS)
         least = max(least, float(found.values.min(initial=min(threshold, found.floor))))
         best = found.best(self.wanted)
         orders, ends = labels.orders(best)

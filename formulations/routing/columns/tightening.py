@@ -91,7 +91,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     while True:
         gap = cap - level
         pricers = _pricers(node, master, cap, work)
-        relaxation = generate(master, pricers, cap, work.out_of_time, node.centre, _reserve(node), near)
+        relaxation = generate(master, pricers, cap, work.time_left, node.centre, _reserve(node), near)
         best, raised = relaxation.best, relaxation.best.value - level
         stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.raise_bound(best)
@@ -100,7 +100,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         work.counts["rounds"] += relaxation.rounds
         if relaxation.ended is Ended.PRUNED:
             return Pruned()
-        if relaxation.ended is Ended.INTERRUPTED or work.out_of_time():
+        if relaxation.ended is Ended.INTERRUPTED or work.time_left() <= 0:
             return Interrupted()
         if relaxation.ended is Ended.STUCK and len(master.cuts) > len(node.cuts):  # too many cuts to price with
             return _branch(node, cap, work)
@@ -156,7 +156,7 @@ def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
     if master.m > 1 and len(node.alike(0)) == master.m:  # whoever takes the task farthest out may be called the first
         return Branch(0, int(np.argmax(work.far)), _dive(master, work))
     rise = cap - (node.bound if node.centre is None else node.centre.value)
-    pair = choose(master, node.may_visit(), work.far, rise, work.out_of_time)
+    pair = choose(master, node.may_visit(), work.far, rise, work.time_left)
     routes = _dive(master, work)
     return Stuck(routes) if pair is None else Branch(*pair, routes)
 
@@ -235,9 +235,10 @@ def hint(master: Master, best: DualBound, weight: Floats) -> Hint:
 
 def _dive(master: Master, work: Workspace) -> Routes | None:
     """Return routes made of the columns known, by a short branch and bound over them, or None; where that is due."""
-    if not work.dives.due():
+    time = min(_DIVE, work.time_left())
+    if time <= 0 or not work.dives.due():
         return None
-    routes = _routes(master.whole(_DIVE), master)
+    routes = _routes(master.whole(time), master)
     work.dives.note(routes is not None)
     return routes
 

@@ -92,8 +92,8 @@ class Tree:
             return min(recorder.objective * (1 - tolerance), self.most)
 
         while self._open and self.bound(math.inf) <= cap() > 0:
-            if nodes <= 0 or self.work.out_of_time():
-                limit = StoppedBy.TIME if self.work.out_of_time() else StoppedBy.ITERATIONS
+            if nodes <= 0 or self.work.time_left() <= 0:
+                limit = StoppedBy.TIME if self.work.time_left() <= 0 else StoppedBy.ITERATIONS
                 return StoppedBy.MEMORY if self._stuck < math.inf else limit
             node = self.pop()
             if node.bound > cap():

@@ -63,18 +63,16 @@ class Sides(NamedTuple):
     problem: Subproblem
     backwards: Bins | None
 
-    def search(self, store: Labels, threshold: float, out_of_time: Clock, *, beam: int, tours: int) -> Found:
+    def search(self, store: Labels, threshold: float, time_left: Clock, *, beam: int, tours: int) -> Found:
         """Find tours as `label_search.search` does."""
         if self.backwards is None or not isinstance(store, Store):
-            return search(self.problem, store, threshold, out_of_time, beam=beam, tours=tours)
-        found = search(self.problem, store, threshold, out_of_time, beam=beam, labels=_FEW, tours=tours)
+            return search(self.problem, store, threshold, time_left, beam=beam, tours=tours)
+        found = search(self.problem, store, threshold, time_left, beam=beam, labels=_FEW, tours=tours)
         if found.complete:
             return found
-        return _Halves.of(self.problem, self.backwards, store, threshold, out_of_time, beam=beam).found(
-            threshold, tours
-        )
+        return _Halves.of(self.problem, self.backwards, store, threshold, time_left, beam=beam).found(threshold, tours)
 
-    def all_tours(self, store: Labels, attempts: Sequence[Attempt], out_of_time: Clock) -> list[Found]:
+    def all_tours(self, store: Labels, attempts: Sequence[Attempt], time_left: Clock) -> list[Found]:
         """Find all tours below some threshold: return what each attempt found, up to the first that found all.
 
         Thresholds only fall. Where the labels of the first are too many the next is the last.
@@ -83,21 +81,21 @@ class Sides(NamedTuple):
         if self.backwards is None or not isinstance(store, Store):
             tried: list[Found] = []
             for threshold, labels, tours in [first, *others[-1:]]:
-                tried.append(search(self.problem, store, threshold, out_of_time, labels=labels, tours=tours))
+                tried.append(search(self.problem, store, threshold, time_left, labels=labels, tours=tours))
                 if tried[-1].complete:
                     break
             return tried
         few = first.labels // _ALONE
-        alone = search(self.problem, store, first.threshold, out_of_time, labels=few, tours=first.tours)
+        alone = search(self.problem, store, first.threshold, time_left, labels=few, tours=first.tours)
         if alone.complete:
             return [alone]
-        both = _Halves.listing(self.problem, self.backwards, store, first, out_of_time)
+        both = _Halves.listing(self.problem, self.backwards, store, first, time_left)
         tried = [both.listed(first)]
         for attempt in others if both.complete else others[-1:]:
             if tried[-1].complete:
                 break
             if not both.complete:
-                both = _Halves.listing(self.problem, self.backwards, store, attempt, out_of_time)
+                both = _Halves.listing(self.problem, self.backwards, store, attempt, time_left)
             tried.append(both.listed(attempt))
         return tried
 
@@ -110,7 +108,7 @@ class _Halves:
     store: Store
     one: Layers
     other: Layers
-    out_of_time: Clock
+    time_left: Clock
 
     @classmethod
     def of(
@@ -119,7 +117,7 @@ class _Halves:
         backwards: Bins,
         store: Store,
         threshold: float,
-        out_of_time: Clock,
+        time_left: Clock,
         *,
         beam: int | None = None,
         labels: int | None = None,
@@ -128,15 +126,17 @@ class _Halves:
         """Make the labels of tours below a threshold, on either side as many as said."""
         middle = whole.cap / 2
         ahead, behind = whole._replace(reach=middle), whole.behind(backwards, (whole.cap - middle) * _BEYOND)
-        one = layers(ahead, store, threshold, out_of_time, beam=beam, labels=labels, tours=tours)
-        other = layers(behind, store, threshold, out_of_time, begin=one.end, beam=beam, labels=labels, tours=tours)
-        return cls(ahead, store, one, other, out_of_time)
+        one = layers(ahead, store, threshold, time_left, beam=beam, labels=labels, tours=tours)
+        if one.floor == -np.inf:  # then pairs would say nothing
+            return cls(ahead, store, one, Layers.lost(one.end), time_left)
+        other = layers(behind, store, threshold, time_left, begin=one.end, beam=beam, labels=labels, tours=tours)
+        return cls(ahead, store, one, other, time_left)
 
     @classmethod
-    def listing(cls, whole: Subproblem, backwards: Bins, store: Store, attempt: Attempt, out_of_time: Clock) -> _Halves:
+    def listing(cls, whole: Subproblem, backwards: Bins, store: Store, attempt: Attempt, time_left: Clock) -> _Halves:
         """Make the labels of an attempt to list all tours."""
         threshold, labels, tours = attempt
-        return cls.of(whole, backwards, store, threshold, out_of_time, labels=labels // _FEWER, tours=tours)
+        return cls.of(whole, backwards, store, threshold, time_left, labels=labels // _FEWER, tours=tours)
 
     @cached_property
     def home(self) -> WaysHome:
@@ -184,7 +184,7 @@ class _Halves:
             left = max(most_pairs, _AT_LEAST) * min(PARTS, part + _AHEAD) // PARTS - tried
             whole, found, now = join(*given, part, middle, pairs, found, left)
             tried += now
-            if self.out_of_time():
+            if self.time_left() <= 0:
                 whole = False
             if not whole:
                 break

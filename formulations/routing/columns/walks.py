@@ -48,7 +48,7 @@ def relax_by_walks(pricer: Pricer, kinds: Ints, tours: Sequence[Column]) -> Walk
     while True:
         master = _master(pricer, kinds, walks, best)
         start = None if best is None else best.duals
-        relaxation = generate(master, [WalkPricer(pricer)], cap, pricer.out_of_time, start=start)
+        relaxation = generate(master, [WalkPricer(pricer)], cap, pricer.time_left, start=start)
         rounds += relaxation.rounds
         found |= dict.fromkeys(_tour(pricer.legs, walk) for walk in master.columns)
         gain = np.inf if best is None else relaxation.best.value - best.value
@@ -98,7 +98,7 @@ class WalkPricer:
 
     def price(self, k: int, duals: Duals, threshold: float) -> Priced:
         """Return UAV k's best walks of reduced cost below `threshold` ≤ 0, one for each first task, and the least."""
-        if self.tours.out_of_time():
+        if self.tours.time_left() <= 0:
             return Priced.unknown()
         walks, values, costs = walks_from_each(self.tours.subproblem(k, duals))
         below = np.flatnonzero((values < threshold) & (costs < np.inf))

@@ -137,7 +137,7 @@ def test_trials_of_lower_caps_raise_the_bound_to_the_optimum_and_no_further(seed
     assert oracle is not None
     recorder = Recorder(instance, LIMITS, ignore, (tuple(range(8)), ()))
     legs, patience = Legs.of(instance), Patience(recorder)
-    work = Workspace(patience.over, Team(lambda: make_store(8, 10_000)), 1000, *efforts(8, 50), np.ones(8), Recall(8))
+    work = Workspace(patience.left, Team(lambda: make_store(8, 10_000)), 1000, *efforts(8, 50), np.ones(8), Recall(8))
     patience.share(1 / 2)
     solver.destroy(recorder, patience, Tree(legs, [], work), legs)
     assert 0.99 * oracle <= recorder.bound <= oracle * (1 + 1e-9)
@@ -188,7 +188,7 @@ def test_bound_of_the_relaxation_never_passes_the_optimum() -> None:
             cap = optimum * slack * (1 + 1e-9)
             master = Master(8, np.arange(2), cap)
             pricer = Pricer(Legs.of(instance).under(cap), cap, Effort(4, 100, 10**6), make_store(8, 100_000))
-            assert generate(master, [pricer], cap, lambda: False).best.value <= optimum * (1 + 1e-9)
+            assert generate(master, [pricer], cap, lambda: np.inf).best.value <= optimum * (1 + 1e-9)
 
 
 def test_out_of_time_and_out_of_nodes_still_give_routes_and_a_valid_bound() -> None:
@@ -288,10 +288,10 @@ def test_a_trial_leaves_the_master_as_it_was() -> None:
 def test_a_branch_is_on_a_task_that_several_may_take(gap: float) -> None:
     master, _ = shared_tasks()
     far, only_far = np.array([90.0, 30.0]), np.array([[True, False], [True, True]])
-    branch = choose(master, only_far, far, gap, lambda: False)
+    branch = choose(master, only_far, far, gap, lambda: np.inf)
     assert branch is not None
     assert branch[1] == 0
-    assert choose(master, np.eye(2, dtype=bool), far, gap, lambda: False) is None
+    assert choose(master, np.eye(2, dtype=bool), far, gap, lambda: np.inf) is None
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -305,7 +305,7 @@ def test_no_branch_on_a_task_that_is_decided(seed: int) -> None:
         tasks = np.flatnonzero(allowed[k] & (rng.random(6) < 0.6))
         if tasks.size:
             master.add([Column(int(k), tuple(tasks.tolist()), float(rng.uniform(1, 100)))])
-    branch = choose(master, allowed, rng.uniform(1, 100, 6), 50.0, lambda: False)
+    branch = choose(master, allowed, rng.uniform(1, 100, 6), 50.0, lambda: np.inf)
     undecided = allowed & (allowed.sum(axis=0) > 1)
     assert branch is None if not undecided.any() else branch is not None and undecided[branch]
 
@@ -327,7 +327,7 @@ def test_searches_after_the_first_go_on_from_the_best_routes_known(monkeypatch: 
 def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() -> None:
     legs = Legs.of(random_instance(5, 2, 0))
     idle, team = Efforts((), Effort(1, 1, 1)), Team(lambda: make_store(5, 1000))
-    work = Workspace(lambda: True, team, 10, idle, idle, np.ones(5), Recall(5))
+    work = Workspace(lambda: 0.0, team, 10, idle, idle, np.ones(5), Recall(5))
     tree = Tree(legs, [], work, 100.001)
     for bound in (200.0, 100.0, 100.002, 0.0):
         tree.push(Node.root(legs, bound, [], np.arange(2)))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from formulations.routing.columns.fixing import fix_legs
-from formulations.routing.columns.label_search import never, path, search
+from formulations.routing.columns.label_search import no_limit, path, search
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pricing import DualBound, Duals, Effort, Pricer
@@ -52,7 +52,7 @@ def test_no_label_promises_less_than_the_best_tour_that_begins_so(
     for k in range(2):
         limit = min(cap, float(instance.limits[k]))
         values = {order: reduced(duals, k, order, cost) for order, cost in tours_of(instance, k, limit).items()}
-        found = search(pricer.subproblem(k, duals), store, np.inf, never, tours=10_000)
+        found = search(pricer.subproblem(k, duals), store, np.inf, no_limit, tours=10_000)
         assert found.complete
         for label in range(found.labels):
             begin = path(store, label)
@@ -90,7 +90,7 @@ def test_of_tours_that_earn_the_same_the_cheapest_is_found(clocked: Clocked) -> 
     duals = Duals(np.full(4, 1.0), np.zeros(1), np.zeros(1), np.zeros(0))
     store = make_store(4, 10_000)
     pricer = Pricer(Legs.of(instance), 1e6, Effort(2, 50, 10**6), store)
-    found = search(pricer.subproblem(0, duals), store, np.inf, never, tours=10_000)
+    found = search(pricer.subproblem(0, duals), store, np.inf, no_limit, tours=10_000)
     best: dict[frozenset[int], float] = {}
     for order, cost in tours_of(instance, 0, float(instance.limits[0])).items():
         best[frozenset(order)] = min(cost, best.get(frozenset(order), np.inf))

@@ -24,7 +24,7 @@ def test_rises_and_stays_below_the_optimum(seed: int, looseness: float) -> None:
     assert optimum is not None
     upper = looseness * optimum
     price = total(instance, upper, 60.0).price if seed % 2 else None
-    bounds = list(destructive_bounds(instance, 0.0, upper, lambda: False, price=price))
+    bounds = list(destructive_bounds(instance, 0.0, upper, lambda: np.inf, price=price))
     assert bounds
     assert all(a < b for a, b in itertools.pairwise(bounds))
     assert bounds[-1] <= optimum * (1 + 1e-12)
@@ -38,10 +38,10 @@ def test_loose_routes_cost_little() -> None:
     instance = Instance("plane", cost, 10, 2)
     optimum = SubsetDp().solve(instance, limits=Limits(time=600.0)).objective
     assert optimum is not None
-    tight, loose = (list(destructive_bounds(instance, 0.0, f * optimum, lambda: False)) for f in (1.0, 2.0))
+    tight, loose = (list(destructive_bounds(instance, 0.0, f * optimum, lambda: np.inf)) for f in (1.0, 2.0))
     assert loose[-1] >= tight[0] - 5e-3 * optimum
 
 
 def test_out_of_time_yields_nothing_false() -> None:
     instance = Instance("line", np.abs(np.subtract.outer(np.arange(6.0), np.arange(6.0))), 5, 1)
-    assert list(destructive_bounds(instance, 0.0, 10.0, lambda: True)) == []
+    assert list(destructive_bounds(instance, 0.0, 10.0, lambda: 0.0)) == []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.pricing import Column
@@ -30,3 +31,14 @@ def test_the_box_opens_no_wider_than_it_may():
     master.solve()
     assert master.penalised
     assert not master.widen(1.5)
+
+
+def test_a_programme_that_time_is_too_short_for_is_not_solved_and_later_is():
+    """The limit is one of a run, not of all: time that others took counts for nothing, and what is left is kept to."""
+    rng, n = np.random.default_rng(0), 60
+    master = Master(n, np.zeros(1, np.int64), 1.0)
+    master.add([Column(0, tuple(rng.choice(n, 5, replace=False).tolist()), rng.uniform(1, 2)) for _ in range(2000)])
+    assert master.solve(lambda: 0.0) is None
+    value = [optimum.value for left in (60.0, np.inf) if (optimum := master.solve(lambda left=left: left)) is not None]
+    assert value == [pytest.approx(value[0])] * 2
+    assert value[0] > 0

@@ -99,7 +99,7 @@ def test_with_some_uavs_listed_the_bound_is_valid_and_no_weaker(seed):
         return Pricer(few, cap, Effort(3, 50, 10**6), store)
 
     def bound(prices):
-        return generate(Master(7, np.arange(3), cap), [prices], cap, lambda: False).best
+        return generate(Master(7, np.arange(3), cap), [prices], cap, lambda: np.inf).best
 
     alone = bound(pricer())
     pool, reserve, in_vain = list_tours(none := Pool.empty(3, 7), pricer(), alone, 15, 10_000, none)

@@ -7,7 +7,7 @@ import pytest
 
 from formulations.routing.columns.completion import Bins, Memory, bins_left, completion
 from formulations.routing.columns.cuts import Watch
-from formulations.routing.columns.label_search import path, search
+from formulations.routing.columns.label_search import no_limit, path, search
 from formulations.routing.columns.labelling import least_of_all, make_store
 from formulations.routing.columns.legs import Legs, UavLegs
 from formulations.routing.columns.pricing import Duals, Effort, Priced, Pricer
@@ -66,19 +66,19 @@ def test_a_beam_gives_a_better_bound_than_none_of_the_labels() -> None:
     assert least_of_all(pricer.subproblem(0, duals)) + 1.0 < priced.least <= whole.price(0, duals, 0.0).least + 1e-9
 
 
-@pytest.mark.parametrize("time_is_up", [False, True])
-def test_all_are_priced_as_each_is_and_none_once_time_is_up(time_is_up: bool) -> None:
+@pytest.mark.parametrize("time_left", [60.0, 0.0])
+def test_all_are_priced_as_each_is_and_none_once_time_is_up(time_left: float) -> None:
     """UAVs 0 and 1 are alike, also at these duals: one of them is priced for both."""
     cost = random_instance(6, 3, 1).cost.copy()
     cost[:, 7], cost[7] = cost[:, 6], cost[6]
     legs = Legs.of(Instance("alike", cost, 6, 3))
     duals = Duals(np.full(6, 90.0), np.array([0.3, 0.3, 0.4]), np.zeros(3), np.zeros(0))
-    pricer = Pricer(legs, 300.0, Effort(2, 30, 10**6), make_store(6, 10_000), lambda: time_is_up)
+    pricer = Pricer(legs, 300.0, Effort(2, 30, 10**6), make_store(6, 10_000), lambda: time_left)
     priced = pricer.price_all([0, 1, 2], duals, np.zeros(3))
     each = Pricer(legs, 300.0, Effort(2, 30, 10**6), make_store(6, 10_000))
     for k in range(3):
-        assert priced[k] == (Priced(-np.inf, [], False) if time_is_up else each.price(k, duals, 0.0))
-        assert time_is_up or {column.uav for column in priced[k].columns} == {k}
+        assert priced[k] == (Priced(-np.inf, [], False) if time_left == 0 else each.price(k, duals, 0.0))
+        assert time_left == 0 or {column.uav for column in priced[k].columns} == {k}
     assert pricer.firsts([2, 1, 0], duals, np.zeros(3)) == {2: 2, 1: 1, 0: 1}
 
 
@@ -93,7 +93,7 @@ def test_no_label_promises_less_than_the_best_tour_that_begins_so(seed: int, nea
     duals = Duals(rng.normal(40, 40, 6), np.ones(1), np.zeros(1), rng.uniform(0, 40, len(cuts)), cuts)
     store = make_store(6, 10_000)
     pricer = Pricer(Legs.of(instance), cap, Effort(near, bins, 10**6, watch), store)
-    found = search(pricer.subproblem(0, duals), store, np.inf, lambda: False, tours=10_000)
+    found = search(pricer.subproblem(0, duals), store, np.inf, no_limit, tours=10_000)
     values = {
         tour: tour_costs(instance, [tour])[0]
         - duals.price[list(tour)].sum()

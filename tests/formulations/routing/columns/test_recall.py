@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from formulations.routing.columns.completion import Memory
-from formulations.routing.columns.label_search import never, search
+from formulations.routing.columns.label_search import no_limit, search
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pricing import Duals, Effort, Pricer
@@ -22,7 +22,7 @@ def pricer_of(seed: int, beam: int) -> Pricer:
 def labels_below(pricer: Pricer, threshold: float) -> tuple[int, float]:
     """How many labels it takes to find UAV 0's tours below a threshold, and the least of these."""
     problem = pricer.subproblem(0, EACH_TASK)
-    found = search(problem, pricer.store.of_uav(0), threshold, never, tours=1_000_000)
+    found = search(problem, pricer.store.of_uav(0), threshold, no_limit, tours=1_000_000)
     assert found.complete
     return found.labels, float(found.values.min(initial=np.inf))
 

@@ -10,7 +10,7 @@ import pytest
 from formulations.limits import Limits
 from formulations.moving_cost.families import generate
 from formulations.routing.branch_and_price import BranchAndPrice
-from formulations.routing.columns.label_search import never, path, search
+from formulations.routing.columns.label_search import no_limit, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pricing import Duals, Effort, Pricer
 from formulations.routing.columns.state_labelling import StateLabels
@@ -46,7 +46,7 @@ def test_pricing_finds_the_cheapest_tour_of_every_set_and_its_order(seed: int) -
             least[frozenset(t)] = min(cost, least.get(frozenset(t), np.inf))
         pricer = Pricer(Legs.of(stateless(instance)), cap, Effort(2, 20, 10**6, 1), labels)
         of_uav = labels.of_uav(k)
-        found = search(pricer.subproblem(k, duals), of_uav, np.inf, never, tours=10_000)
+        found = search(pricer.subproblem(k, duals), of_uav, np.inf, no_limit, tours=10_000)
         orders, ends = of_uav.orders(found)
         listed = {path(orders, int(e)): float(c) for e, c in zip(ends, found.costs, strict=True)}
         assert found.complete

@@ -35,9 +35,9 @@ def fresh(instance):
     return Node.root(Legs.of(instance), 0.0, [], np.arange(instance.n_depots))
 
 
-def workspace(out_of_time=lambda: False, labels=100_000, walks=None):
+def workspace(time_left=lambda: np.inf, labels=100_000, walks=None):
     team = Team(lambda: make_store(N, labels))
-    return Workspace(out_of_time, team, 10_000, *efforts(N, 50), np.ones(N), Recall(N), walks=walks)
+    return Workspace(time_left, team, 10_000, *efforts(N, 50), np.ones(N), Recall(N), walks=walks)
 
 
 @pytest.mark.parametrize("seed", [*range(5), 10])
@@ -92,7 +92,7 @@ def test_fixing_is_thorough_where_that_leaves_far_fewer_legs(seed):
     instance, uavs = random_instance(seed), np.arange(M)
     cap, work = 1.02 * optimum(instance), workspace()
     allowed, blunt, sharp = Legs.of(instance).under(cap), Effort(0, 3, 50), Effort(5, 200, 50)
-    at = generate(Master(N, uavs, cap), [work.pricer(allowed, cap, sharp)], cap, lambda: False).best
+    at = generate(Master(N, uavs, cap), [work.pricer(allowed, cap, sharp)], cap, lambda: np.inf).best
 
     def legs_left(legs):
         return [int(np.isfinite(legs.between[k]).sum()) for k in uavs]
@@ -107,7 +107,7 @@ def test_fixing_is_thorough_where_that_leaves_far_fewer_legs(seed):
 def test_a_node_out_of_time_is_interrupted_and_one_overtaken_is_left():
     instance = random_instance(0)
     cap = 1.3 * optimum(instance)
-    assert tighten(fresh(instance), cap, workspace(lambda: True)) == Interrupted()
+    assert tighten(fresh(instance), cap, workspace(lambda: 0.0)) == Interrupted()
     work = workspace()
     work.better = lambda *_: True
     assert tighten(fresh(instance), cap, work) == Overtaken()
@@ -125,14 +125,14 @@ def test_column_generation_says_how_it_ended():
     best = optimum(instance)
     legs, store = Legs.of(instance), make_store(N, 100_000)
 
-    def ended(cap, effort, out_of_time=lambda: False):
+    def ended(cap, effort, time_left=lambda: np.inf):
         pricer = Pricer(legs.under(cap), cap, effort, store)
-        return generate(Master(N, np.arange(M), cap), [pricer], cap, out_of_time).ended
+        return generate(Master(N, np.arange(M), cap), [pricer], cap, time_left).ended
 
     assert ended(1.2 * best, Effort(4, 100, 10**6)) is Ended.SOLVED
     assert ended(0.7 * best, Effort(4, 100, 10**6)) is Ended.PRUNED
     assert ended(1.2 * best, Effort(0, 1, 1)) is Ended.STUCK
-    assert ended(1.2 * best, Effort(4, 100, 10**6), lambda: True) is Ended.INTERRUPTED
+    assert ended(1.2 * best, Effort(4, 100, 10**6), lambda: 0.0) is Ended.INTERRUPTED
 
 
 def test_what_fails_is_tried_ever_less_often_until_it_works() -> None:

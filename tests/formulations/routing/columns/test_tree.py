@@ -25,7 +25,7 @@ def test_the_bound_holds_while_a_node_is_worked_on(seed, monkeypatch):
     best = makespan(instance, SubsetDp().solve(instance, limits=Limits(time=60)).routes)
     recorder, solver = Recorder(instance, Limits(time=60), ignore, None), BranchAndPrice(starts=0)
     recorder.incumbent((tuple(range(4)), (4, 5, 6), (7, 8, 9)))
-    tree, seen = solver.tree(recorder, 0, lambda: False, Legs.of(recorder.instance)), []
+    tree, seen = solver.tree(recorder, 0, lambda: np.inf, Legs.of(recorder.instance)), []
 
     def watched(*given):
         seen.append(tree.bound(math.inf))

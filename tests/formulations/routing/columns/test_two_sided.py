@@ -8,7 +8,7 @@ import pytest
 from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns import tightening, two_sided
-from formulations.routing.columns.label_search import Found, never, pair, path, search
+from formulations.routing.columns.label_search import Found, no_limit, pair, path, search
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pool import Pool, list_tours
@@ -52,8 +52,8 @@ def test_both_sides_find_what_one_finds(seed: int, cuts: bool, monkeypatch: pyte
     instance, duals, pricer = priced(seed, cuts)
     assert not cuts or len(duals.cuts) > 64
     sides, store = pricer.sides(0, duals), pricer.store.of_uav(0)
-    one = search(sides.problem, store, 0.0, never, tours=PLENTY)
-    [both] = sides.all_tours(store, [Attempt(0.0, PLENTY, PLENTY)], never)
+    one = search(sides.problem, store, 0.0, no_limit, tours=PLENTY)
+    [both] = sides.all_tours(store, [Attempt(0.0, PLENTY, PLENTY)], no_limit)
     assert both.complete
     assert both.pairs > 0
     expected = as_sets(one)
@@ -70,8 +70,8 @@ def test_both_sides_find_what_one_finds(seed: int, cuts: bool, monkeypatch: pyte
 def test_what_a_beam_loses_is_not_below_what_it_says(seed: int, beam: int) -> None:
     _, duals, pricer = priced(seed, cuts=True)
     sides, store = pricer.sides(0, duals), pricer.store.of_uav(0)
-    every = as_sets(search(sides.problem, store, 0.0, never, tours=PLENTY))
-    found = sides.search(store, 0.0, never, beam=beam, tours=PLENTY)
+    every = as_sets(search(sides.problem, store, 0.0, no_limit, tours=PLENTY))
+    found = sides.search(store, 0.0, no_limit, beam=beam, tours=PLENTY)
     some = as_sets(found)
     assert found.complete == (found.floor == np.inf)
     for words, (value, _) in every.items():
@@ -86,25 +86,25 @@ def test_a_list_that_does_not_fit_is_followed_by_the_first_that_does() -> None:
     """By labels, and by tours, of one side and of both: thresholds fall, and no tour is listed that is not below."""
     _, duals, pricer = priced(1, cuts=False)
     sides, store = pricer.sides(0, duals), pricer.store.of_uav(0)
-    every = search(sides.problem, store, 0.0, never, tours=PLENTY)
+    every = search(sides.problem, store, 0.0, no_limit, tours=PLENTY)
     low, high = (float(np.sort(every.values)[at : at + 2].mean()) for at in (2, 30))
     for searched, first in itertools.product((sides, Sides(sides.problem, None)), (40, PLENTY)):
         attempts = [Attempt(0.0, first, 20), Attempt(high, PLENTY, 20), Attempt(low, PLENTY, 20)]
-        tried = searched.all_tours(store, attempts, never)
+        tried = searched.all_tours(store, attempts, no_limit)
         assert not any(found.complete for found in tried[:-1])
         assert tried[-1].complete
         assert tried[-1].values.size == 3
         assert tried[-1].values.max() < low
-    assert len(sides.all_tours(store, [Attempt(low, PLENTY, PLENTY)], never)) == 1
+    assert len(sides.all_tours(store, [Attempt(low, PLENTY, PLENTY)], no_limit)) == 1
 
 
 def test_no_tour_is_lost_in_silence_where_the_store_is_full() -> None:
     """Ways home have no room left for a first label."""
     _, duals, pricer = priced(1, cuts=False)
     sides = pricer.sides(0, duals)
-    one = search(sides.problem, make_store(N, 100_000), 0.0, never, tours=PLENTY)
+    one = search(sides.problem, make_store(N, 100_000), 0.0, no_limit, tours=PLENTY)
     for room in range(N, one.labels, 7):
-        [found] = sides.all_tours(make_store(N, room), [Attempt(0.0, 4 * (one.labels - 1), PLENTY)], never)
+        [found] = sides.all_tours(make_store(N, room), [Attempt(0.0, 4 * (one.labels - 1), PLENTY)], no_limit)
         assert not found.complete or as_sets(found).keys() == as_sets(one).keys()
         assert found.complete or found.floor == -np.inf
 

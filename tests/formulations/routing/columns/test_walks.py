@@ -67,7 +67,7 @@ def test_a_relaxation_over_walks_bounds_that_over_tours(seed: int) -> None:
     costs = tour_costs(instance, best.routes)
     known = [Column(k, route, float(costs[k])) for k, route in enumerate(best.routes) if route]
     walked = relax_by_walks(pricer, pricer.legs.kinds(), known)
-    whole = generate(Master(9, pricer.legs.kinds(), cap), [pricer], cap, lambda: False)
+    whole = generate(Master(9, pricer.legs.kinds(), cap), [pricer], cap, lambda: np.inf)
     assert whole.ended is Ended.SOLVED
     assert walked.best.value <= whole.best.value + 1e-6 * cap
     assert whole.best.value <= best.objective * (1 + 1e-9)

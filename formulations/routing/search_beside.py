@@ -3,6 +3,7 @@
 It goes on from new seeds and from the best routes known as long as a gap is left, with a tenth of the work or less
 where that is narrow, and more where it is wide: labels grow exponentially with it, and shorter routes are what narrows
 it most. Of that extra work every search that finds none takes half.
+A relaxation that loses labels may go on and on: the search goes on meanwhile, by the labels that were made in vain.
 Where a relaxation is nearly as long as the routes known, some of its tours may well be tours of the best routes, and
 ones the memetic search does not light on by itself: then one is kept and the other UAVs are searched for. First comes
 the longest of each UAV that makes the relaxation as long as it is, then come tours drawn by their weights: fewer, the

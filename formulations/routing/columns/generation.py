@@ -9,7 +9,7 @@ the next, stronger one; so is one that loses labels and has hardly brought value
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
@@ -37,6 +37,8 @@ class Ended(Enum):
     """Even the strongest pricer loses labels: columns may be missing."""
     INTERRUPTED = auto()
     """Time is up."""
+    OVERTAKEN = auto()
+    """Meanwhile the cap has fallen."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,7 @@ def generate(
     centre: DualBound | None = None,
     reserve: Prices | None = None,
     start: Duals | None = None,
+    meanwhile: Callable[[DualBound, int], bool] = lambda _best, _in_vain: False,
 ) -> Relaxation:
     """Solve the relaxation over tours of cost ≤ `cap`, by `pricers` from the quickest to the strongest.
 
@@ -67,6 +70,8 @@ def generate(
         bound.
     start : duals to seek others near, and to price first where no centre is known. With these, what the strongest
         pricer loses labels for may take some rounds in which it hardly brings value and bound together.
+    meanwhile : told of the best bound so far and the labels made by the strongest pricer where it loses some, which may
+        go on and on; says whether the cap has fallen.
     """
     optimum = _settled(master, reserve, cap, time_left)
     best, trust = DualBound(-np.inf, optimum.duals if optimum else master.any_duals, np.zeros(pricers[0].n_uavs)), 1.0
@@ -90,6 +95,8 @@ def generate(
         if best.value > cap:
             return Relaxation(Ended.PRUNED, best, weight, rounds)
         complete = all(p.complete for p in priced.values())
+        if ladder.at_top and not complete and meanwhile(best, sum(p.in_vain for p in priced.values())):
+            return Relaxation(Ended.OVERTAKEN, best, weight, rounds)
         alone = centre is not None and start is None
         if alone and ladder.at_top and not complete and rise < _CLOSE * (cap - best.value):
             return Relaxation(Ended.STUCK, best, weight, rounds)

@@ -145,13 +145,14 @@ class Effort:
 class Priced:
     """What pricing found for one UAV: a lower bound on its reduced costs, its best columns, whether these are all.
 
-    lost : where they are not, the best walks: what to remember.
+    lost : where they are not, the best walks: what to remember; in_vain : how many labels were made then.
     """
 
     least: float
     columns: list[Column]
     complete: bool
     lost: tuple[Walk, ...] = ()
+    in_vain: int = 0
 
     @classmethod
     def unknown(cls) -> Priced:
@@ -280,8 +281,9 @@ class Pricer:
         best = found.best(self.wanted)
         orders, ends = labels.orders(best)
         columns = [Column(k, path(orders, int(e)), float(c)) for e, c in zip(ends, best.costs, strict=True)]
-        lost = () if found.complete else tuple(best_walks(sides.problem, threshold))
-        return Priced(least, columns, found.complete, lost)
+        if found.complete:
+            return Priced(least, columns, True)
+        return Priced(least, columns, False, tuple(best_walks(sides.problem, threshold)), found.labels)
 
 
 class Efforts(NamedTuple):

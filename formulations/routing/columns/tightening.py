@@ -88,10 +88,15 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     master, stalled, rounds = node.restricted_master(cap, near=near), 0, 0
     # not of the node's bound, which in trees under lower caps is known from outside
     level = -np.inf if node.centre is None else node.centre.value
+
+    def better_meanwhile(at: DualBound, in_vain: int) -> bool:
+        work.counts["labels in vain"] += in_vain
+        return work.better(Hint(at.value))
+
     while True:
         gap = cap - level
         pricers = _pricers(node, master, cap, work)
-        relaxation = generate(master, pricers, cap, work.time_left, node.centre, _reserve(node), near)
+        relaxation = generate(master, pricers, cap, work.time_left, node.centre, _reserve(node), near, better_meanwhile)
         best, raised = relaxation.best, relaxation.best.value - level
         stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.raise_bound(best)
@@ -100,6 +105,8 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         work.counts["rounds"] += relaxation.rounds
         if relaxation.ended is Ended.PRUNED:
             return Pruned()
+        if relaxation.ended is Ended.OVERTAKEN:
+            return Overtaken()
         if relaxation.ended is Ended.INTERRUPTED or work.time_left() <= 0:
             return Interrupted()
         if relaxation.ended is Ended.STUCK and len(master.cuts) > len(node.cuts):  # too many cuts to price with

@@ -48,7 +48,9 @@ class ChainParameters(NamedTuple):
     fewest, for_each: mean number of tasks of a tour, at least, whatever m is and for each of the m UAVs: shorter tours,
     and many of them, are the population's. 30 s, one run, population and chain, gaps in %: d1655_10 (165 tasks a tour)
     0.43 and 1.81, u2152_10 (215) 0.46 and 2.76, pr2392_10 (239) 0.01 and 1.68, rl5915_20 (296) 0.98 and 5.18; but
-    pcb3038_10 (304) 0.23 and -0.14, rl5915_10 (591) 7.06 and 3.49.
+    pcb3038_10 (304) 0.23 and -0.14, rl5915_10 (591) 7.06 and 3.49. A population that ends with a chain, and edge
+    assembly: pcb3038_10 0.12 to 0.80 (three runs) and 1.3 to 2.7 (four), fl3795_10 (379) 0.03, 0.03 and 0.03, 0.00,
+    rl5915_10 6.3 and 4.4.
     begin: share of the limit after which it takes over from the founder, with tours of its own.
     many, few, founder: tasks, mean number of them on a tour, and share of the limit that a founder takes, at least, for
     which it takes over the population's best tours (of fewer it makes less: lin318_3, 10 s, two seeds, 0.75 %, without
@@ -64,7 +66,7 @@ class ChainParameters(NamedTuple):
     """
 
     fewest: int = 150
-    for_each: int = 27
+    for_each: int = 32
     begin: float = 0.05
     many: int = 1000
     few: int = 50

@@ -125,14 +125,24 @@ def test_column_generation_says_how_it_ended():
     best = optimum(instance)
     legs, store = Legs.of(instance), make_store(N, 100_000)
 
-    def ended(cap, effort, time_left=lambda: np.inf):
+    def ended(cap, effort, time_left=lambda: np.inf, **how):
         pricer = Pricer(legs.under(cap), cap, effort, store)
-        return generate(Master(N, np.arange(M), cap), [pricer], cap, time_left).ended
+        return generate(Master(N, np.arange(M), cap), [pricer], cap, time_left, **how).ended
+
+    told = []
+
+    def overtaken(at, in_vain):
+        told.append((at.value <= best, in_vain > 0))
+        return True
 
     assert ended(1.2 * best, Effort(4, 100, 10**6)) is Ended.SOLVED
     assert ended(0.7 * best, Effort(4, 100, 10**6)) is Ended.PRUNED
     assert ended(1.2 * best, Effort(0, 1, 1)) is Ended.STUCK
     assert ended(1.2 * best, Effort(4, 100, 10**6), lambda: 0.0) is Ended.INTERRUPTED
+    assert ended(1.2 * best, Effort(4, 100, 10**6), meanwhile=overtaken) is Ended.SOLVED
+    assert told == []
+    assert ended(1.2 * best, Effort(0, 1, 1), meanwhile=overtaken) is Ended.OVERTAKEN
+    assert told == [(True, True)]
 
 
 def test_what_fails_is_tried_ever_less_often_until_it_works() -> None:

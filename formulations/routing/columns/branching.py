@@ -17,7 +17,7 @@ from formulations.routing.columns.label_search import Clock
 from formulations.routing.columns.master import Master
 from instances.arrays import Bools, Floats, Ints
 
-_GLANCED, _TRIED = 50, 8
+_GLANCED, _TRIED = 25, 4
 """Candidates of either kind tried roughly and thoroughly; of those tried roughly, as many go on."""
 _GLANCE, _TRIAL = 5, 200
 """Pivots of a rough and of a thorough trial."""

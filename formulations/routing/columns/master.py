@@ -175,7 +175,7 @@ class Master:
         slack, dear = np.arange(1, self._first, dtype=np.int32), max((c.cost for c in self.columns), default=1.0)
         lp.changeColsCost(slack.size, slack, np.full(slack.size, dear))
         lp.changeColsIntegrality(index.size, index, integer.astype(np.uint8))
-        lp.setOptionValue("time_limit", time)
+        lp.setOptionValue("time_limit", time)  # of a branch and bound it is its own, not one of all runs
         lp.setOptionValue("mip_max_nodes", nodes)
         lp.run()
         found = lp.getInfo().primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible

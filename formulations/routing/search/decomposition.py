@@ -60,7 +60,7 @@ class Subproblem(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def _task_on(tours: Tours, k: int, rng: Rng) -> int:
+def task_on(tours: Tours, k: int, rng: Rng) -> int:
     """Return a random task of tour k, its depot where there is none."""
     n = tours.after.size - tours.cost.size
     v = n + k
@@ -85,7 +85,7 @@ def around(
     for _ in range(parameters.draws * wanted):
         if count == wanted:
             break
-        v = _task_on(tours, chosen[below(rng, count)], rng)
+        v = task_on(tours, chosen[below(rng, count)], rng)
         if uniform(rng) < parameters.anywhere or v >= n or near.tasks.shape[1] == 0:
             h, g = below(rng, m), below(rng, m)
             k = h if tours.cost[h] < tours.cost[g] else g

@@ -18,6 +18,8 @@ from itertools import repeat
 from statistics import fmean
 from typing import Any, ClassVar
 
+import numpy as np
+
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.budget import Budget, Teller
@@ -34,7 +36,8 @@ from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded, uniform
 from formulations.routing.search.recreate import GUIDES
 from formulations.routing.search.states import searching as states
-from formulations.routing.search.tours import from_routes
+from formulations.routing.search.tours import duplicate, from_routes
+from formulations.routing.search.trimming import TrimmingParameters
 from formulations.routing.solver import Result
 from instances import InputError, Instance, Routes
 from instances.frozen import guiding
@@ -119,6 +122,7 @@ class Memetic(RecordedSolver):
         recreation = parameters.annealing.recreate
         perturb(part.data, part.tours, parameters.perturbation, recreation, population.rng)
         merge(population.data.costs, part.nodes, part.best, population.best)
+        population.trimmed(duplicate(population.best), np.zeros(3, np.bool_), TrimmingParameters())
         chain = parameters.chain
         if instance.by_metric is None and suits_at_last(search_costs(instance), instance.n_tasks, chain):
             ChainedSearch(population.data, population.best, chain, population.rng).advance(0.0, 1)

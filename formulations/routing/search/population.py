@@ -2,8 +2,9 @@
 
 A stage anneals one newcomer. The first stages make founders from scratch; later ones perturb a member
 (perturbation.py) or cross two (crossover.py), whichever brought what is new more often (lineage.py), or, at
-one site, search some tours of one alone (decomposition.py) or reheat it (strategy.py); where few UAVs fly long tours
-from several depots most of the time goes to long founders.
+one site, search some tours of one alone (decomposition.py) or reheat it (strategy.py), and where many UAVs fly anneal
+under a cap or search the tours beside a trimmed one (packing.py); where few UAVs fly long tours from several depots
+most of the time goes to long founders.
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
@@ -18,6 +19,8 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.budget import Window
 from formulations.routing.search.chained_search import ChainedSearch, suits, suits_at_last
@@ -28,6 +31,7 @@ from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.lineage import Family, Lineage, Successes
 from formulations.routing.search.local_search import intensify
+from formulations.routing.search.packing import CappedSchedule
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
 from formulations.routing.search.problem_data import ProblemData, grain_of
@@ -35,13 +39,16 @@ from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule
 from formulations.routing.search.tours import Tours, copy_tours, duplicate, empty_tours, reprice
+from formulations.routing.search.trimming import TrimmingParameters, trim
+from instances.arrays import Bools
 
 
 @dataclass(frozen=True)
 class Newcomer:
     """What a stage anneals: tours, of a subproblem or the whole, from a first temperature on, and the stage's length.
 
-    first: in mean legs; length: as a fraction of the limit; successes: where it is to be noted whether it was new.
+    first: in mean legs; length: as a fraction of the limit; successes: where it is to be noted whether it was new;
+    aside (m,): which tours were trimmed and are not searched.
     """
 
     tours: Tours
@@ -49,6 +56,7 @@ class Newcomer:
     length: float
     subproblem: Subproblem | None = None
     successes: Successes | None = None
+    aside: Bools | None = None
 
 
 class Population(Lineage):
@@ -68,7 +76,7 @@ class Population(Lineage):
         self.grain = 0.0 if endurance.limited else grain_of(data.costs)
         schedule = parameters.schedule
         self._newcomer = Newcomer(start if start is not None else self._constructed(), schedule.founder, 1.0)
-        self._schedule = Schedule(schedule.founder, schedule.softness[0], schedule.final)
+        self._schedule: Schedule | CappedSchedule = Schedule(schedule.founder, schedule.softness[0], schedule.final)
         self._fittest = duplicate(self._newcomer.tours)
         self.best = duplicate(self._newcomer.tours)
         self.improved = True
@@ -139,8 +147,9 @@ class Population(Lineage):
             self._chained = self._chain()
             self._begin, self.end = now, 1.0
             return
-        self._newcomer, self._schedule = self._long_founder(now, others) or self._drawn(others)
-        self._steps = self.annealing._replace(strings=self._schedule.final.strings * self.annealing.strings)
+        drawn = self._long_founder(now, others) or self._packed(others) or self._drawn(others)
+        self._newcomer, self._schedule = drawn
+        self._steps = self.annealing._replace(strings=self._schedule.strings * self.annealing.strings)
         self._fittest = duplicate(self._newcomer.tours)
         self._begin, self.end = now, self._fitting(self._newcomer.length, now)
 
@@ -156,6 +165,37 @@ class Population(Lineage):
         softness = how.softness[below(self.rng, len(how.softness))]
         schedule = Schedule(how.first, softness, self.parameters.schedule.final)
         return Newcomer(self._constructed(), how.first, length), schedule
+
+    def _packed(self, others: int) -> tuple[Newcomer, Schedule | CappedSchedule] | None:
+        """Return a newcomer that is trimmed or capped and its schedule, where the strategy has such (packing.py)."""
+        how, before = self.strategy.packing, self._newcomer
+        if how is None or self._founding(others):
+            return None
+        trimming = how.trimming
+        if before.aside is not None and before.aside.sum() < trimming.most:
+            over = float(before.tours.cost.max()) / self.incumbent - 1.0
+            if self.parameters.population.same < over < trimming.near:
+                return self.trimmed(duplicate(before.tours), before.aside.copy(), trimming)
+        if uniform(self.rng) < trimming.share:
+            tours = duplicate(self.best) if uniform(self.rng) < trimming.best else self._member()
+            return self.trimmed(tours, np.zeros(self.data.size[1], np.bool_), trimming)
+        length = how.depth * self.family.founder
+        if length <= how.longest and uniform(self.rng) < how.founders:
+            return replace(self._founder(), length=length), how.draw_schedule(from_scratch=True, rng=self.rng)
+        if uniform(self.rng) < how.others:
+            newcomer = self._renewed()
+            from_scratch = newcomer.first >= self.parameters.schedule.founder
+            return newcomer, how.draw_schedule(from_scratch=from_scratch, rng=self.rng)
+        return None
+
+    def trimmed(self, tours: Tours, aside: Bools, how: TrimmingParameters) -> tuple[Newcomer, Schedule]:
+        """Return the tours beside the longest, which is trimmed and set aside with those that are, and a schedule."""
+        trim(self.data.costs, self.data.near, tours, aside, (1.0 - how.below) * self.incumbent, how, self.rng)
+        part = subproblem(self.data, tours, np.flatnonzero(~aside).astype(np.int32), self.parameters.neighbourhood)
+        length = how.depth * self.data.crowding * self._step_length
+        final = self.strategy.fine if uniform(self.rng) < self.strategy.fine_share else self.parameters.schedule.final
+        schedule = Schedule(how.first, self.parameters.schedule.draw_softness(self.rng), final)
+        return Newcomer(duplicate(part.tours), how.first, length, part, aside=aside), schedule
 
     def _drawn(self, others: int) -> tuple[Newcomer, Schedule]:
         """Return the next newcomer and its schedule; `others` are under way in other threads."""

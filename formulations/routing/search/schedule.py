@@ -27,6 +27,11 @@ MANY_BELOW, MANY_LAST, MANY_SOFTNESS = 0.01, 0.0045, (3.0, 2.0)
 """`ScheduleParameters` of many tours: a colder end, of which the packing below the cap takes a share as before."""
 
 
+def mean_leg(tours: Tours) -> float:
+    """Return what a leg takes in the mean [s], never nothing, though an empty tour has a leg of 0."""
+    return max(float(tours.cost.sum()) / tours.after.size, TINY)
+
+
 @dataclass(frozen=True)
 class FinalPhase:
     """How an annealing ends.
@@ -97,6 +102,11 @@ class Schedule:
     final: FinalPhase
     compact: bool = False
 
+    @property
+    def strings(self) -> float:
+        """Share of ruins by strings, in that of other annealings."""
+        return self.final.strings
+
     def at(
         self, done: float, tours: Tours, incumbent: float, parameters: ScheduleParameters, grain: float = 0.0
     ) -> tuple[float, Objective]:
@@ -104,7 +114,7 @@ class Schedule:
 
         incumbent [s]: the longest of the best tours known; grain [s]: what all costs are whole multiples of, or 0.
         """
-        leg = max(float(tours.cost.sum()) / tours.after.size, TINY)  # an empty tour has a leg of 0
+        leg = mean_leg(tours)
         legs = float(tours.cost.max()) / leg
         even, peaked = parameters.mean_weight
         if self.compact:

@@ -7,7 +7,7 @@ packed tightly: individuals are compared by what exceeds the incumbent's longest
 long as that are no fault. The basins of good packings lie near each other: fine annealings begin low there, some tours
 are searched alone, and where nothing new is found many annealings are reheatings of a good individual, or weigh the
 total (schedule.py). And a task may have to go to a tour that passes none of its nearest tasks: recreations look at all
-of the granular neighbourhood.
+of the granular neighbourhood. Where many UAVs fly, packing.py says what is done besides.
 
 Where tours from several depots are short, a ruin that moves as many tasks as a tour has lets crowds change hands at
 once, and the mean tour says nothing: most UAVs have time to spare, and it keeps tasks from going to them by detours.
@@ -20,6 +20,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from formulations.routing.search.energy import Measure, excess, p_norm
+from formulations.routing.search.packing import Packing
 from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData
 from formulations.routing.search.randomness import Rng, uniform
 from formulations.routing.search.recreate import RecreateParameters
@@ -108,7 +109,7 @@ class Strategy:
     size: members at most.
     depth: of a founder's annealing, in that of the option.
     focused: whether later stages may search a few tours alone.
-    long, short: where there are any.
+    long, short, packing: where there are any.
     regions: share of the crossings of many tours that inherit a region (crossover.py).
     settling: as many after which annealings are fine as often as they may be.
     fine: the final phase of fine annealings; fine_share: their share, at most; fine_first: their first temperature in
@@ -135,10 +136,13 @@ class Strategy:
     fine_first: float
     reheating: Reheating | None
     compact: float
+    packing: Packing | None
 
     def on(self, data: ProblemData) -> Strategy:
-        """Return this one as an instance has it: with short tours, or without."""
-        return self if self.short is None or self.short.suits(data) else replace(self, short=None)
+        """Return this one as an instance has it: with short tours and with packing, or without."""
+        short = self.short if self.short is None or self.short.suits(data) else None
+        packing = self.packing if self.packing is None or self.packing.suits(data) else None
+        return replace(self, short=short, packing=packing)
 
     def distinct(self) -> float:
         """Return the share of the tasks that must have other neighbours, with short tours or without."""
@@ -175,6 +179,7 @@ SEVERAL_DEPOTS = Strategy(
     fine_first=float("inf"),
     reheating=None,
     compact=0.0,
+    packing=None,
 )
 ONE_SITE = Strategy(
     measure=excess(0.0),
@@ -193,4 +198,5 @@ ONE_SITE = Strategy(
     fine_first=0.05,
     reheating=Reheating(),
     compact=0.5,
+    packing=Packing(),
 )

@@ -37,7 +37,7 @@ def lineage(n, m, parameters=USUAL, *, together=False):
     [
         (SHORT.tasks * 5, 5, False, SEVERAL_DEPOTS),
         (SHORT.tasks * 5 + 1, 5, False, LONGER),
-        (SHORT.tasks * 5, 5, True, ONE_SITE),
+        (SHORT.tasks * 5, 5, True, replace(ONE_SITE, packing=None)),
     ],
     ids=["short", "longer", "one site"],
 )

@@ -10,7 +10,10 @@ from formulations.routing.search.strategy import Reheating
 
 FULL = SearchParameters()
 SHORT = FULL.several_depots.short
+PACKING = FULL.one_site.packing
 assert SHORT is not None
+assert PACKING is not None
+NO_TRIMMING = PACKING.trimming._replace(share=0.0)
 NO_CAP, NO_REHEATING = replace(FULL.schedule.final, below=0.0), Reheating(share=0.0)
 PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters of memetic
     "no cap in the end (p-norm throughout)": replace(
@@ -27,6 +30,11 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "no reheating": replace(FULL, one_site=replace(FULL.one_site, reheating=NO_REHEATING)),
     "no pull of the mean over plateaus": replace(FULL, schedule=replace(FULL.schedule, most_weight=0.0)),
     "no compact annealings": replace(FULL, one_site=replace(FULL.one_site, compact=0.0)),
+    "many UAVs at one site as few": replace(FULL, one_site=replace(FULL.one_site, packing=None)),
+    "no capped annealings": replace(
+        FULL, one_site=replace(FULL.one_site, packing=replace(PACKING, founders=0.0, others=0.0))
+    ),
+    "no trimmed tours": replace(FULL, one_site=replace(FULL.one_site, packing=replace(PACKING, trimming=NO_TRIMMING))),
     "members as near as they come": replace(
         FULL, several_depots=replace(FULL.several_depots, apart=0.0), one_site=replace(FULL.one_site, apart=0.0)
     ),

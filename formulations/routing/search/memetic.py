@@ -29,6 +29,7 @@ from formulations.routing.search.decomposition import merge
 from formulations.routing.search.edge_assembly import EdgeAssembly
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.lineage import Family
+from formulations.routing.search.packing import Packing
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.perturbation import perturb
 from formulations.routing.search.population import Population, next_stages, share_best
@@ -122,6 +123,7 @@ class Memetic(RecordedSolver):
         recreation = parameters.annealing.recreate
         perturb(part.data, part.tours, parameters.perturbation, recreation, population.rng)
         merge(population.data.costs, part.nodes, part.best, population.best)
+        Packing().leaves_little(0.0, population.data)
         population.trimmed(duplicate(population.best), np.zeros(3, np.bool_), TrimmingParameters())
         chain = parameters.chain
         if instance.by_metric is None and suits_at_last(search_costs(instance), instance.n_tasks, chain):

@@ -169,7 +169,9 @@ class Population(Lineage):
     def _packed(self, others: int) -> tuple[Newcomer, Schedule | CappedSchedule] | None:
         """Return a newcomer that is trimmed or capped and its schedule, where the strategy has such (packing.py)."""
         how, before = self.strategy.packing, self._newcomer
-        if how is None or self._founding(others):
+        if how is None or self._founding(others) or how.depth * self.family.founder > how.longest:
+            return None
+        if not how.leaves_little(self.incumbent, self.data):
             return None
         trimming = how.trimming
         if before.aside is not None and before.aside.sum() < trimming.most:
@@ -179,9 +181,9 @@ class Population(Lineage):
         if uniform(self.rng) < trimming.share:
             tours = duplicate(self.best) if uniform(self.rng) < trimming.best else self._member()
             return self.trimmed(tours, np.zeros(self.data.size[1], np.bool_), trimming)
-        length = how.depth * self.family.founder
-        if length <= how.longest and uniform(self.rng) < how.founders:
-            return replace(self._founder(), length=length), how.draw_schedule(from_scratch=True, rng=self.rng)
+        if uniform(self.rng) < how.founders:
+            newcomer = replace(self._founder(), length=how.depth * self.family.founder)
+            return newcomer, how.draw_schedule(from_scratch=True, rng=self.rng)
         if uniform(self.rng) < how.others:
             newcomer = self._renewed()
             from_scratch = newcomer.first >= self.parameters.schedule.founder

@@ -42,6 +42,11 @@ def new_population(instance, seed, parameters=None):
     return Population(data, Endurance(instance, costs), parameters, seeded(seed), None)
 
 
+def packed(**changed):
+    """Parameters of a search that packs however near the farthest task is."""
+    return SearchParameters(one_site=replace(ONE_SITE, packing=Packing(room=np.inf, **changed)))
+
+
 @pytest.mark.parametrize("done", [0.0, 0.3, 1.0])
 def test_a_capped_annealing_lowers_the_total_and_what_exceeds_a_cap_below_the_incumbent(done):
     instance = at_one_site(20, 4, 1)
@@ -112,6 +117,19 @@ def test_only_many_uavs_at_one_site_pack(m, strategy, packs):
     assert SEVERAL_DEPOTS.packing is None
 
 
+def test_they_pack_where_the_farthest_task_leaves_little_time_for_others():
+    instance = at_one_site(24, MANY, 1)
+    data = problem_data(both_ways(instance.cost), 24, NEAR)
+    farthest = max(instance.cost[24, v] + instance.cost[v, 24] for v in range(24))
+    packing = Packing(room=1.05)
+    assert packing.leaves_little(1.05 * farthest - 1e-9, data)
+    assert not packing.leaves_little(1.05 * farthest + 1e-9, data)
+    never = SearchParameters(one_site=replace(ONE_SITE, packing=Packing(room=0.0)))
+    for newcomer, schedule in stages(new_population(instance, 5, never), 2e-6):
+        assert newcomer.aside is None
+        assert not isinstance(schedule, CappedSchedule)
+
+
 def stages(population, step):
     """The newcomers and schedules of the stages of a search of steps that take so much of the limit each."""
     population.plan(step)
@@ -125,9 +143,9 @@ def stages(population, step):
 
 def test_stages_are_capped_or_search_the_tours_beside_a_trimmed_one():
     instance = at_one_site(24, MANY, 5)
-    population = new_population(instance, 5)
+    population = new_population(instance, 5, packed())
     capped = trimmed = 0
-    for newcomer, schedule in stages(population, 1e-5):
+    for newcomer, schedule in stages(population, 2e-6):
         capped += isinstance(schedule, CappedSchedule)
         if newcomer.aside is not None:
             trimmed += 1
@@ -143,11 +161,10 @@ def test_stages_are_capped_or_search_the_tours_beside_a_trimmed_one():
 
 @pytest.mark.parametrize(("over", "follows"), [(0.5 * HOW.near, True), (2.0 * HOW.near, False), (0.0, False)])
 def test_a_second_tour_is_trimmed_where_the_others_nearly_fit(over, follows):
-    packing = Packing(trimming=HOW._replace(share=0.0), founders=0.0, others=0.0)
-    parameters = SearchParameters(one_site=replace(ONE_SITE, packing=packing))
+    parameters = packed(trimming=HOW._replace(share=0.0), founders=0.0, others=0.0)
     instance = at_one_site(24, MANY, 6)
     population = new_population(instance, 6, parameters)
-    population.plan(1e-5)
+    population.plan(1e-6)
     population.family.members = [population.best] * 8
     population.family.since_restart = 8
     aside = np.zeros(MANY, np.bool_)

@@ -85,6 +85,11 @@ class Workspace:
         team = self.team
         return Pricer(legs, cap, effort, team, lambda: 0.0 if team.over else self.time_left(), self.recall, team.each)
 
+    def meanwhile(self, at: DualBound, in_vain: int) -> bool:
+        """Search on while a relaxation does not end, after `in_vain` labels lost; return whether there are better."""
+        self.counts["labels in vain"] += in_vain
+        return self.better(Hint(at.value))
+
 
 @dataclass
 class Node:

@@ -89,14 +89,10 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     # not of the node's bound, which in trees under lower caps is known from outside
     level = -np.inf if node.centre is None else node.centre.value
 
-    def better_meanwhile(at: DualBound, in_vain: int) -> bool:
-        work.counts["labels in vain"] += in_vain
-        return work.better(Hint(at.value))
-
     while True:
         gap = cap - level
         pricers = _pricers(node, master, cap, work)
-        relaxation = generate(master, pricers, cap, work.time_left, node.centre, _reserve(node), near, better_meanwhile)
+        relaxation = generate(master, pricers, cap, work.time_left, node.centre, _reserve(node), near, work.meanwhile)
         best, raised = relaxation.best, relaxation.best.value - level
         stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.raise_bound(best)

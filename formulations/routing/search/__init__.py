@@ -5,14 +5,16 @@ Words of our own, and options whose names differ from the field's:
 * leg: one arc of a tour; temperatures are in mean legs. Site: a place where one or more UAVs start.
 * measure: how tours count together, by a p-norm or by what exceeds a cap; guide: the measure a recreation goes by.
 * incumbent: the longest tour of the best tours known; crowding: n² / m, what the length of an annealing goes by.
+* packing: what is done where the farthest task leaves many UAVs of one site little time; trimming: a tour gives tasks
+  away until it is shorter than any known (packing.py, trimming.py).
 * stage: one annealing of a newcomer of the population; a fine annealing ends colder, with a cap nearer the incumbent.
 * options of `memetic`: cuts, share of steps that are moves of long segments (moves.py); powers, number of guides;
   focuses, share of stages that are decompositions; reliefs, share of perturbations; kicks, number of double bridges.
 
 From the bottom up: costs, leg_potentials, problem_data and tours hold the data, and endurance scales costs to what can
 be flown; energy measures tours; ruin, recreate, moves (by concatenation) and local_search change them; annealing under
-a schedule is `ruin_recreate`; decomposition, perturbation and crossover make a population of a strategy, which is
-`memetic`; parameters has all that was tuned. Where few UAVs fly long tours, edge_assembly (of rings from
-nearest_in_turn, by ab_cycles and ring_children), then chained_search by candidate_legs on a giant_tour follow the first
-annealing.
+a schedule is `ruin_recreate`; decomposition, perturbation, crossover and, with trimming, packing make a population of a
+strategy, which is `memetic`; parameters has all that was tuned. Where few UAVs fly long tours, edge_assembly (of rings
+from nearest_in_turn, by ab_cycles and ring_children), then chained_search by candidate_legs on a giant_tour follow the
+first annealing.
 """

@@ -192,7 +192,7 @@ class Population(Lineage):
 
     def trimmed(self, tours: Tours, aside: Bools, how: TrimmingParameters) -> tuple[Newcomer, Schedule]:
         """Return the tours beside the longest, which is trimmed and set aside with those that are, and a schedule."""
-        trim(self.data.costs, self.data.near, tours, aside, (1.0 - how.below) * self.incumbent, how, self.rng)
+        trim(self.data.costs, self.data.near, tours, aside, (1.0 - how.shorter) * self.incumbent, how, self.rng)
         part = subproblem(self.data, tours, np.flatnonzero(~aside).astype(np.int32), self.parameters.neighbourhood)
         length = how.depth * self.data.crowding * self._step_length
         final = self.strategy.fine if uniform(self.rng) < self.strategy.fine_share else self.parameters.schedule.final

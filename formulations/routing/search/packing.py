@@ -31,7 +31,10 @@ from instances.kernels import njit
 
 @njit(cache=True, nogil=True)
 def _farthest_trip(costs: Costs, n_tasks: int) -> float:
-    """Return what the first UAV takes to the farthest task and back [s]; at one site all take as long."""
+    """Return what the first UAV takes to the farthest task and back [s]; at one site all take as long.
+
+    The bound `farthest` of simple_bounds.py is of an instance, this of costs as the search scales them for endurance.
+    """
     most = 0.0
     for v in range(n_tasks):
         most = max(most, leg(costs, 0, n_tasks, v) + leg(costs, 0, v, n_tasks))
@@ -73,8 +76,8 @@ class Packing:
     founder; longest: as a fraction of the limit, beyond which nothing of this is done.
     others: share of the remaining ones that are capped, of members and of parts of them.
     weights: w, one of which is drawn. A small one is blind to the total, of a large one few tours go far. One annealing
-    of 5 n² / m steps on att532.euc2d_10, median of 75 to 100: 0.8 % with 0.04, 2.0 % with 0.03, 2.9 % with 0.01 and as
-    other founders are 2.3 %; the least of them 0.1, 0.1, 0.5 and 1.5 %.
+    of 5 n² / m steps on att532.euc2d_10, by script, median of 75 to 100: 0.8 % with 0.04, 2.0 % with 0.03, 2.9 % with
+    0.01 and as other founders are 2.3 %; the least of them 0.1, 0.1, 0.5 and 1.5 %.
     first, later, last: temperatures from scratch, of what is a member's, and in the end; the total's, in mean legs.
     margin: of the cap, as a share of the incumbent's longest tour.
     trimming: of tours that decide.

@@ -58,7 +58,7 @@ def growth(length: float, change: float, guide: Measure, tie: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _better_side(costs: Costs, tours: Tours, v: int, u: int) -> tuple[int, float]:
+def better_side(costs: Costs, tours: Tours, v: int, u: int) -> tuple[int, float]:
     """Return (node to put task v behind, cost change [s]) for the cheaper of behind u and before u."""
     k, b = tours.tour[u], tours.before[u]
     behind = insertion_change(costs, tours, v, u)
@@ -106,7 +106,7 @@ def best_insertion(
         k = tour[node]
         if k < 0 or j == overlooked:
             continue
-        u, change = _better_side(costs, tours, v, node)
+        u, change = better_side(costs, tours, v, node)
         value = growth(cost[k] * scale, change * scale, guide, parameters.tie)
         if value < best or best_u < 0:
             best, best_u, best_change = value, u, change

@@ -16,6 +16,7 @@ from formulations.routing.search.costs import Costs
 from formulations.routing.search.decomposition import task_on
 from formulations.routing.search.problem_data import GranularNeighbourhood
 from formulations.routing.search.randomness import Rng, below
+from formulations.routing.search.recreate import better_side
 from formulations.routing.search.tours import Tours, insertion_change, link, removal_change, unlink
 from instances.arrays import Bools
 from instances.kernels import njit
@@ -56,10 +57,9 @@ def _elsewhere(
     best, best_change = -1, np.inf
     for u in near.tasks[v]:
         if not aside[tours.tour[u]]:
-            for w in (u, tours.before[u]):
-                change = insertion_change(costs, tours, v, w)
-                if change < best_change:
-                    best, best_change = w, change
+            w, change = better_side(costs, tours, v, u)
+            if change < best_change:
+                best, best_change = w, change
     if best < 0:
         k = below(rng, aside.size)
         while aside[k]:

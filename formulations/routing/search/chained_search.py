@@ -24,19 +24,16 @@ from formulations.routing.search.giant_tour import (
     TURNED_B,
     TURNED_C,
     GiantTour,
-    Pressure,
     add_up,
-    energy_after,
-    energy_of,
     giant_tour,
     is_between,
     rejoin,
     take_back,
-    tour_at,
     tours_of,
 )
 from formulations.routing.search.problem_data import Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
+from formulations.routing.search.ring_energy import Pressure, TourEnergies, gain_across, price
 from formulations.routing.search.tours import Tours
 from instances.arrays import Bools, Ints
 from instances.kernels import njit
@@ -88,13 +85,15 @@ class ChainParameters(NamedTuple):
 class Chain(NamedTuple):
     """What a chained search works with.
 
-    move (4,): p, q, r and kind of the best move; log (moves, 4): moves made since the kick; queue (N,), queued (N,),
-    ring (2,): nodes to look at, whether among them, and the queue's first place and length (don't-look bits).
+    energies: of the tours, as moves leave them; move (4,): p, q, r and kind of the best move; log (moves, 4): moves
+    made since the kick; queue (N,), queued (N,), ring (2,): nodes to look at, whether among them, and the queue's first
+    place and length (don't-look bits).
     """
 
     costs: AlikeCosts
     near: CandidateLegs
     tour: GiantTour
+    energies: TourEnergies
     move: Ints
     log: Ints
     queue: Nodes
@@ -149,10 +148,8 @@ def _consider(chain: Chain, p: int, q: int, r: int, kind: int, gain: float, top:
     gain: what it saves in all [s].
     """
     tour = chain.tour
-    k = tour_at(tour.starts, p)
-    if tour.starts[k + 1] <= r:
-        before = energy_of(tour, k, tour_at(tour.starts, r), pressure)
-        gain = before - energy_after(chain.costs, tour, p, q, r, kind, pressure)
+    if tour.rank[p] != tour.rank[r]:
+        gain = gain_across(chain.costs, tour, chain.energies, p, q, r, kind, top, pressure)
     if gain <= top:
         return top
     move = chain.move
@@ -193,7 +190,7 @@ def _third_legs(
             if e3 == ends.e1 or e3 == ends.e2:
                 continue
             gain = so_far - near_cost[t4, j] + sums[e3 + 1] - sums[e3]
-            gain -= leg(chain.costs, 0, order[e3 + 1 - s5], t1)
+            gain -= leg(chain.costs, 0, t1, order[e3 + 1 - s5])
             p, q, r, kind = _kind(ends, e3, s5)
             top = _consider(chain, p, q, r, kind, gain, top, pressure)
     return top
@@ -227,7 +224,7 @@ def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, 
                     continue
                 gain = first + sums[e2 + 1] - sums[e2]
                 if s3 != s1:
-                    saved = gain - leg(chain.costs, 0, t4, t1)
+                    saved = gain - leg(chain.costs, 0, t1, t4)
                     p, r = min(e1, e2), max(e1, e2)
                     top = _consider(chain, p, r, r, TURNED_B, saved, top, pressure)
                 top = _third_legs(chain, Ends(e1, s1, e2, s3), s3 == s1, gain, top, parameters.second, pressure)
@@ -235,7 +232,7 @@ def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, 
 
 
 @njit(cache=True, nogil=True)
-def _make(chain: Chain, made: int) -> int:
+def _make(chain: Chain, made: int, pressure: Pressure) -> int:
     """Make the move in `chain.move`, queue the nodes where it cuts and log it; return how many are logged then."""
     move, ring, order, queue = chain.move, chain.ring, chain.tour.order, chain.queue
     for j in range(6):
@@ -247,20 +244,21 @@ def _make(chain: Chain, made: int) -> int:
     for j in range(4):
         chain.log[made, j] = move[j]
     rejoin(chain.costs, chain.tour, move[0], move[1], move[2], move[3])
+    price(chain.tour, chain.energies, chain.tour.rank[move[0]], chain.tour.rank[move[2]], pressure)
     return made + 1
 
 
 @njit(cache=True, nogil=True)
-def _kick(chain: Chain, span: int, rng: Rng) -> int:
+def _kick(chain: Chain, span: int, pressure: Pressure, rng: Rng) -> int:
     """Put three consecutive short segments in reverse order, none of them reversed; return how many moves that took."""
     move = chain.move
     span = min(span, (chain.queue.size - 1) // 3)
     a, b, c = 1 + below(rng, span), 1 + below(rng, span), 1 + below(rng, span)
     p = below(rng, chain.queue.size - a - b - c)
     move[0], move[1], move[2], move[3] = p, p + a, p + a + b + c, SWAPPED
-    made = _make(chain, 0)
+    made = _make(chain, 0, pressure)
     move[1], move[2] = p + b, p + b + c
-    return _make(chain, made)
+    return _make(chain, made, pressure)
 
 
 @njit(cache=True, nogil=True)
@@ -273,7 +271,7 @@ def _descend(chain: Chain, made: int, least: float, parameters: ChainParameters,
         ring[1] -= 1
         chain.queued[v] = False
         while made < chain.log.shape[0] and best_move(chain, v, least, parameters, pressure) > least:
-            made = _make(chain, made)
+            made = _make(chain, made, pressure)
     return made
 
 
@@ -287,16 +285,18 @@ def chain_kicks(
     """
     tour = chain.tour
     add_up(chain.costs, tour)
-    sums, starts, m = tour.sums, tour.starts, tour.starts.size - 1
+    sums, starts, energies, m = tour.sums, tour.starts, chain.energies, tour.starts.size - 1
     pressure = Pressure(sums[-1] / m, parameters.scale * temperature)
-    now, least = energy_of(tour, 0, m - 1, pressure), parameters.gain * temperature
+    price(tour, energies, 0, m - 1, pressure)
+    now, least = energies.of.sum(), parameters.gain * temperature
     for _ in range(kicks):
-        made = _kick(chain, parameters.span, rng)
+        made = _kick(chain, parameters.span, pressure, rng)
         made = _descend(chain, made, least, parameters, pressure)
-        then = energy_of(tour, 0, m - 1, pressure)
+        then = energies.of.sum()
         if then > now - temperature * math.log(1.0 - uniform(rng)):
             for i in range(made - 1, -1, -1):
                 take_back(chain.costs, tour, chain.log[i, 0], chain.log[i, 1], chain.log[i, 2], chain.log[i, 3])
+            price(tour, energies, 0, m - 1, pressure)
             continue
         now, most = then, 0.0
         for k in range(m):
@@ -312,6 +312,7 @@ def chain_kicks(
 def descend_everywhere(chain: Chain, least: float, parameters: ChainParameters, pressure: Pressure) -> None:
     """Make the best moves of all nodes until there is none worth more than `least` [s]."""
     order, size = chain.tour.order, chain.queue.size
+    price(chain.tour, chain.energies, 0, chain.energies.of.size - 1, pressure)
     made = chain.log.shape[0]
     while made == chain.log.shape[0]:
         for i in range(size):
@@ -334,11 +335,12 @@ class ChainedSearch:
     ) -> None:
         costs = data.costs
         assert isinstance(costs, AlikeCosts)
-        tour, nodes = giant_tour(costs, tours), tours.after.size
+        tour, nodes, m = giant_tour(costs, tours), tours.after.size, tours.cost.size
         room = np.zeros(nodes, np.int32), np.zeros(nodes, np.bool_), np.zeros(2, np.int64)
         log = np.zeros((parameters.log, 4), np.int64)
         near = near or chain_legs(costs, data.size[0], parameters)
-        self._chain = Chain(costs, near, tour, np.zeros(4, np.int64), log, *room)
+        energies = TourEnergies(np.empty(m), np.empty(1))
+        self._chain = Chain(costs, near, tour, energies, np.zeros(4, np.int64), log, *room)
         self._parameters = parameters._replace(second=min(parameters.second, near.nodes.shape[1]))
         self._rng = rng
         self._best = tour.order.copy()

@@ -23,7 +23,7 @@ from formulations.routing.search.ab_cycles import AbCycles, ab_room, find_cycles
 from formulations.routing.search.candidate_legs import CandidateLegs
 from formulations.routing.search.chained_search import ChainedSearch, ChainParameters, chain_legs
 from formulations.routing.search.costs import AlikeCosts, leg
-from formulations.routing.search.giant_tour import GiantTour, Pressure, energy_of, tours_of
+from formulations.routing.search.giant_tour import GiantTour, tours_of
 from formulations.routing.search.nearest_in_turn import nearest_in_turn
 from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below
@@ -37,6 +37,7 @@ from formulations.routing.search.ring_children import (
     leg_behind,
     put_in,
 )
+from formulations.routing.search.ring_energy import Pressure, energy_of
 from formulations.routing.search.tours import Tours
 from instances.kernels import njit
 
@@ -164,7 +165,7 @@ def cross(mating: Mating, tour: GiantTour, other: GiantTour, size: int, kids: in
     m = tour.starts.size - 1
     pressure = Pressure(tour.sums[-1] / m, scale)
     left = find_cycles(tour, other, mating.cycles, rng)
-    before, top = energy_of(tour, 0, m - 1, pressure), 0.0
+    before, top = energy_of(tour, pressure), 0.0
     for _ in range(min(kids, left)):
         at = below(rng, left)
         left -= 1
@@ -297,7 +298,7 @@ class EdgeAssembly:
         """Return the energy of rings, with an s of so many mean legs and the shortest total's mean tour [s]."""
         m, shortest = self._data.size[1], min(float(ring.sums[-1]) for ring in self._rings)
         pressure = Pressure(shortest / m, scale * shortest / self._best.position.size)
-        return lambda ring: float(energy_of(ring, 0, m - 1, pressure))
+        return lambda ring: float(energy_of(ring, pressure))
 
     def _remember(self, ring: GiantTour) -> None:
         """Keep a copy of a ring whose longest tour is shortest."""
@@ -313,7 +314,7 @@ def _longest(ring: GiantTour) -> float:
 
 def _copied(ring: GiantTour) -> GiantTour:
     """Return a copy."""
-    parts = ring.order.copy(), ring.position.copy(), ring.sums.copy(), ring.starts.copy()
+    parts = ring.order.copy(), ring.position.copy(), ring.sums.copy(), ring.starts.copy(), ring.rank.copy()
     return GiantTour(*parts, ring.spare_order.copy(), ring.spare_sums.copy())
 
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from formulations.routing.search.candidate_legs import CandidateLegs
 from formulations.routing.search.costs import AlikeCosts, leg
-from formulations.routing.search.giant_tour import GiantTour, Pressure, add_up, is_between, tour_energy
+from formulations.routing.search.giant_tour import GiantTour, add_up, is_between, rank
+from formulations.routing.search.ring_energy import Pressure, tour_energy
 from instances.arrays import Ints
 from instances.kernels import njit
 
@@ -241,4 +242,5 @@ def become(costs: AlikeCosts, tour: GiantTour, child: RingChild) -> None:
         if v >= total - m:
             tour.starts[k] = i
             k += 1
+    rank(tour, 0, m - 1)
     add_up(costs, tour)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from formulations.limits import Limits
 from formulations.routing.search import chained_search as chained
 from formulations.routing.search import giant_tour as giant
+from formulations.routing.search import ring_energy
 from formulations.routing.search.costs import both_ways, search_costs
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.memetic import Memetic
@@ -26,7 +27,7 @@ from instances import Instance, check_routes, makespan
 N, M = 17, 3
 ALWAYS = chained.ChainParameters(fewest=1, for_each=0)
 FULL = SearchParameters()
-PRESSURE = giant.Pressure(100.0, 40.0)
+PRESSURE = ring_energy.Pressure(100.0, 40.0)
 seeds = st.integers(0, 10**6)
 
 
@@ -59,6 +60,14 @@ def energy(costs, ring):
     return float((PRESSURE.scale * np.exp((cost - PRESSURE.mean) / PRESSURE.scale)).sum())
 
 
+def priced(ring, energies=None):
+    """The energies of its tours."""
+    energies = energies or ring_energy.TourEnergies(np.empty(M), np.empty(1))
+    ring_energy.price(ring, energies, 0, M - 1, PRESSURE)
+    assert energies.of.sum() == pytest.approx(ring_energy.energy_of(ring, PRESSURE))
+    return energies
+
+
 def assert_booked(costs, ring):
     """Places, prefix sums and starts are those of the order, which visits every node once."""
     order = ring.order
@@ -67,6 +76,7 @@ def assert_booked(costs, ring):
     assert all(order[ring.position[v]] == v for v in range(N + M))
     assert ring.sums[1:] == pytest.approx(np.cumsum(costs.out[order[:-1], order[1:]]))
     assert list(ring.starts) == [*np.flatnonzero(order[:-1] >= N), N + M]
+    assert list(ring.rank) == list(np.cumsum(order[:-1] >= N) - 1)
 
 
 def test_a_ring_is_its_tours():
@@ -87,12 +97,13 @@ def test_a_move_costs_what_it_says_and_is_taken_back(seed, kind, two):
     b, c = b[::-1] if kind & giant.TURNED_B else b, c[::-1] if kind & giant.TURNED_C else c
     expected = np.concatenate([a, c, b, d] if kind & giant.SWAPPED else [a, b, c, d])
     before, order = energy(costs, ring), ring.order.copy()
-    k, last = giant.tour_at(ring.starts, p), giant.tour_at(ring.starts, r)
-    change = giant.energy_after(costs, ring, p, q, r, kind, PRESSURE) - giant.energy_of(ring, k, last, PRESSURE)
+    across, energies = ring.rank[p] != ring.rank[r], priced(ring)
+    gain = ring_energy.gain_across(costs, ring, energies, p, q, r, kind, 0.0, PRESSURE)
     giant.rejoin(costs, ring, p, q, r, kind)
     assert list(ring.order) == list(expected)
     assert_booked(costs, ring)
-    assert energy(costs, ring) - before == pytest.approx(change, rel=1e-6, abs=1e-6)
+    if across:
+        assert gain == pytest.approx(max(before - energy(costs, ring), 0.0), rel=1e-6, abs=1e-6)
     giant.take_back(costs, ring, p, q, r, kind)
     assert list(ring.order) == list(order)
     assert_booked(costs, ring)
@@ -107,12 +118,13 @@ def test_the_best_move_of_a_node_is_worth_what_it_says(seed):
     chain, same = search._chain, 0
     ring = chain.tour
     for v in range(N + M):
-        before, total, tours = energy(data.costs, ring), float(ring.sums[-1]), ring.starts.copy()
+        before, total = energy(data.costs, ring), float(ring.sums[-1])
+        priced(ring, chain.energies)
         worth = chained.best_move(chain, v, 1e-9, ALWAYS, PRESSURE)
         if worth <= 1e-9:
             continue
         p, q, r, kind = (int(x) for x in chain.move)
-        inside = tours[giant.tour_at(tours, p) + 1] > r
+        inside = ring.rank[p] == ring.rank[r]
         giant.rejoin(data.costs, ring, p, q, r, kind)
         assert_booked(data.costs, ring)
         assert worth == pytest.approx(total - ring.sums[-1] if inside else before - energy(data.costs, ring), rel=1e-6)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
-from formulations.routing.search import ab_cycles, edge_assembly, ring_children
+from formulations.routing.search import ab_cycles, edge_assembly, ring_children, ring_energy
 from formulations.routing.search import giant_tour as giant
 from formulations.routing.search.candidate_legs import candidate_legs
 from formulations.routing.search.chained_search import ChainParameters
@@ -112,7 +112,7 @@ def test_a_child_is_one_ring_and_costs_what_it_says(seed):
     costs, a = ring(instance, seed + 1)
     _, b = ring(instance, seed + 2)
     work = mating(costs, counted_legs([]))
-    pressure = giant.Pressure(a.sums[-1] / M, 200.0)
+    pressure = ring_energy.Pressure(a.sums[-1] / M, 200.0)
     for c in range(ab_cycles.find_cycles(a, b, work.cycles, seeded(seed, 0))):
         if not edge_assembly._assemble(work, a, c):
             continue

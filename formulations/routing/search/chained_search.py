@@ -24,11 +24,13 @@ from formulations.routing.search.giant_tour import (
     TURNED_B,
     TURNED_C,
     GiantTour,
+    Kept,
     add_up,
     giant_tour,
     is_between,
+    keep,
     rejoin,
-    take_back,
+    restore,
     tours_of,
 )
 from formulations.routing.search.problem_data import Nodes, ProblemData
@@ -59,7 +61,6 @@ class ChainParameters(NamedTuple):
     pcb1173_3, 8 s, gaps of single runs: 0.10, 0.58, 1.07 % from 2.5 on; 1.3, 1.8 % from 0.8 on.
     scale: s of the energy, in temperatures.
     gain: share of the temperature below which a gain counts as rounding.
-    log: moves of a descent, at most.
     """
 
     fewest: int = 150
@@ -79,15 +80,15 @@ class ChainParameters(NamedTuple):
     last: float = 0.03
     scale: float = 4.0
     gain: float = 1e-7
-    log: int = 4000
 
 
 class Chain(NamedTuple):
     """What a chained search works with.
 
-    energies: of the tours, as moves leave them; move (4,): p, q, r and kind of the best move; log (moves, 4): moves
-    made since the kick; queue (N,), queued (N,), ring (2,): nodes to look at, whether among them, and the queue's first
-    place and length (don't-look bits).
+    energies: of the tours, as moves leave them; move (4,): p, q, r and kind of the best move; kept: the ring before the
+    kick; touched (3,): first and last position where it differs, and whether a move went across tours; queue (N,),
+    queued (N,), ring (2,): nodes to look at, whether among them, and the queue's first place and length (don't-look
+    bits).
     """
 
     costs: AlikeCosts
@@ -95,7 +96,8 @@ class Chain(NamedTuple):
     tour: GiantTour
     energies: TourEnergies
     move: Ints
-    log: Ints
+    kept: Kept
+    touched: Ints
     queue: Nodes
     queued: Bools
     ring: Ints
@@ -232,47 +234,47 @@ def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, 
 
 
 @njit(cache=True, nogil=True)
-def _make(chain: Chain, made: int, pressure: Pressure) -> int:
-    """Make the move in `chain.move`, queue the nodes where it cuts and log it; return how many are logged then."""
-    move, ring, order, queue = chain.move, chain.ring, chain.tour.order, chain.queue
+def _make(chain: Chain, pressure: Pressure) -> None:
+    """Make the move in `chain.move`, queue the nodes where it cuts and note what it touches."""
+    move, ring, order, queue, touched = chain.move, chain.ring, chain.tour.order, chain.queue, chain.touched
     for j in range(6):
         v = order[move[j // 2] + j % 2]
         if not chain.queued[v]:
             chain.queued[v] = True
             queue[(ring[0] + ring[1]) % queue.size] = v
             ring[1] += 1
-    for j in range(4):
-        chain.log[made, j] = move[j]
     rejoin(chain.costs, chain.tour, move[0], move[1], move[2], move[3])
-    price(chain.tour, chain.energies, chain.tour.rank[move[0]], chain.tour.rank[move[2]], pressure)
-    return made + 1
+    first, last = chain.tour.rank[move[0]], chain.tour.rank[move[2]]
+    price(chain.tour, chain.energies, first, last, pressure)
+    touched[0], touched[1] = min(touched[0], move[0] + 1), max(touched[1], move[2])
+    if first < last:
+        touched[2] = 1
 
 
 @njit(cache=True, nogil=True)
-def _kick(chain: Chain, span: int, pressure: Pressure, rng: Rng) -> int:
-    """Put three consecutive short segments in reverse order, none of them reversed; return how many moves that took."""
+def _kick(chain: Chain, span: int, pressure: Pressure, rng: Rng) -> None:
+    """Put three consecutive short segments in reverse order, none of them reversed."""
     move = chain.move
     span = min(span, (chain.queue.size - 1) // 3)
     a, b, c = 1 + below(rng, span), 1 + below(rng, span), 1 + below(rng, span)
     p = below(rng, chain.queue.size - a - b - c)
     move[0], move[1], move[2], move[3] = p, p + a, p + a + b + c, SWAPPED
-    made = _make(chain, 0, pressure)
+    _make(chain, pressure)
     move[1], move[2] = p + b, p + b + c
-    return _make(chain, made, pressure)
+    _make(chain, pressure)
 
 
 @njit(cache=True, nogil=True)
-def _descend(chain: Chain, made: int, least: float, parameters: ChainParameters, pressure: Pressure) -> int:
-    """Make the best moves of queued nodes until there are none or the log is full; return how many are logged then."""
+def _descend(chain: Chain, least: float, parameters: ChainParameters, pressure: Pressure) -> None:
+    """Make the best moves of queued nodes until there are none."""
     ring, queue = chain.ring, chain.queue
     while ring[1] > 0:
         v = queue[ring[0]]
         ring[0] = (ring[0] + 1) % queue.size
         ring[1] -= 1
         chain.queued[v] = False
-        while made < chain.log.shape[0] and best_move(chain, v, least, parameters, pressure) > least:
-            made = _make(chain, made, pressure)
-    return made
+        while best_move(chain, v, least, parameters, pressure) > least:
+            _make(chain, pressure)
 
 
 @njit(cache=True, nogil=True)
@@ -283,21 +285,23 @@ def chain_kicks(
 
     best (N+1,): follows the order whose longest tour is shortest, at first `longest` [s]; return how long that is then.
     """
-    tour = chain.tour
+    tour, touched = chain.tour, chain.touched
     add_up(chain.costs, tour)
     sums, starts, energies, m = tour.sums, tour.starts, chain.energies, tour.starts.size - 1
     pressure = Pressure(sums[-1] / m, parameters.scale * temperature)
     price(tour, energies, 0, m - 1, pressure)
     now, least = energies.of.sum(), parameters.gain * temperature
+    keep(tour, chain.kept, 0, tour.order.size - 1)
     for _ in range(kicks):
-        made = _kick(chain, parameters.span, pressure, rng)
-        made = _descend(chain, made, least, parameters, pressure)
+        touched[0], touched[1], touched[2] = tour.order.size, 0, 0
+        _kick(chain, parameters.span, pressure, rng)
+        _descend(chain, least, parameters, pressure)
         then = energies.of.sum()
         if then > now - temperature * math.log(1.0 - uniform(rng)):
-            for i in range(made - 1, -1, -1):
-                take_back(chain.costs, tour, chain.log[i, 0], chain.log[i, 1], chain.log[i, 2], chain.log[i, 3])
+            restore(tour, chain.kept, touched[0], touched[1], touched[2] == 1)
             price(tour, energies, 0, m - 1, pressure)
             continue
+        keep(tour, chain.kept, touched[0], touched[1])
         now, most = then, 0.0
         for k in range(m):
             most = max(most, sums[starts[k + 1]] - sums[starts[k]])
@@ -313,13 +317,11 @@ def descend_everywhere(chain: Chain, least: float, parameters: ChainParameters, 
     """Make the best moves of all nodes until there is none worth more than `least` [s]."""
     order, size = chain.tour.order, chain.queue.size
     price(chain.tour, chain.energies, 0, chain.energies.of.size - 1, pressure)
-    made = chain.log.shape[0]
-    while made == chain.log.shape[0]:
-        for i in range(size):
-            chain.queue[i] = order[i]
-            chain.queued[i] = True
-        chain.ring[0], chain.ring[1] = 0, size
-        made = _descend(chain, 0, least, parameters, pressure)
+    for i in range(size):
+        chain.queue[i] = order[i]
+        chain.queued[i] = True
+    chain.ring[0], chain.ring[1] = 0, size
+    _descend(chain, least, parameters, pressure)
 
 
 def chain_legs(costs: AlikeCosts, n_tasks: int, parameters: ChainParameters) -> CandidateLegs:
@@ -337,10 +339,9 @@ class ChainedSearch:
         assert isinstance(costs, AlikeCosts)
         tour, nodes, m = giant_tour(costs, tours), tours.after.size, tours.cost.size
         room = np.zeros(nodes, np.int32), np.zeros(nodes, np.bool_), np.zeros(2, np.int64)
-        log = np.zeros((parameters.log, 4), np.int64)
         near = near or chain_legs(costs, data.size[0], parameters)
-        energies = TourEnergies(np.empty(m), np.empty(1))
-        self._chain = Chain(costs, near, tour, energies, np.zeros(4, np.int64), log, *room)
+        energies, kept = TourEnergies(np.empty(m), np.empty(1)), Kept(tour.order.copy(), tour.sums.copy())
+        self._chain = Chain(costs, near, tour, energies, np.zeros(4, np.int64), kept, np.zeros(3, np.int64), *room)
         self._parameters = parameters._replace(second=min(parameters.second, near.nodes.shape[1]))
         self._rng = rng
         self._best = tour.order.copy()

@@ -44,6 +44,13 @@ class GiantTour(NamedTuple):
     spare_sums: Floats
 
 
+class Kept(NamedTuple):
+    """A ring to come back to: order and sums (N+1,)."""
+
+    order: Nodes
+    sums: Floats
+
+
 def giant_tour(costs: AlikeCosts, tours: Tours) -> GiantTour:
     """Return the tours one after the other."""
     m, total, after = tours.cost.size, tours.after.size, tours.after.tolist()
@@ -161,9 +168,24 @@ def _find_starts(starts: Ints, position: Ints) -> None:
 
 
 @njit(cache=True, nogil=True)
-def take_back(costs: AlikeCosts, ring: GiantTour, p: int, q: int, r: int, kind: int) -> None:
-    """Undo the move last made: the inverse of one is one of them."""
-    if kind & SWAPPED:
-        q = p + r - q
-        kind = SWAPPED + (TURNED_C if kind & TURNED_B else 0) + (TURNED_B if kind & TURNED_C else 0)
-    rejoin(costs, ring, p, q, r, kind)
+def keep(ring: GiantTour, kept: Kept, first: int, last: int) -> None:
+    """Follow the ring, which differs at positions first..last and in the prefix sums from there on."""
+    for i in range(first, last + 1):
+        kept.order[i] = ring.order[i]
+    for i in range(first, kept.sums.size):
+        kept.sums[i] = ring.sums[i]
+
+
+@njit(cache=True, nogil=True)
+def restore(ring: GiantTour, kept: Kept, first: int, last: int, crossed: bool) -> None:
+    """Make the ring as it was kept, which differs there; crossed: whether depots may have moved."""
+    for i in range(first, last + 1):
+        v = kept.order[i]
+        ring.order[i] = v
+        ring.position[v] = i
+    for i in range(first, kept.sums.size):
+        ring.sums[i] = kept.sums[i]
+    if crossed:
+        a, b = ring.rank[first - 1], ring.rank[last]
+        _find_starts(ring.starts, ring.position)
+        rank(ring, a, b)

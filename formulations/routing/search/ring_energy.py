@@ -21,6 +21,8 @@ _STEEPEST = 30.0
 """Exponents above it are continued by the tangent, so that no energy overflows."""
 _CUT = 3
 """Tours that a move cuts, at most."""
+_ROUNDING = 1e-9
+"""Share of the energy of the tours cut, below which a gain counts as rounding: descents end, however steep it is."""
 
 
 class Pressure(NamedTuple):
@@ -84,9 +86,10 @@ def gain_across(
     """Return what a move that cuts several tours takes off the energy [s], or `least` where that is no more."""
     order, sums, starts, of, longest = ring.order, ring.sums, ring.starts, energies.of, energies.longest[0]
     a, b, c = ring.rank[p], ring.rank[q], ring.rank[r]
-    left = of[a] + of[c] - least
+    before = of[a] + of[c]
     if b != a and b != c:
-        left += of[b]
+        before += of[b]
+    left = before
     u, so_far = order[p], sums[p] - sums[starts[a]]
     for part in range(2):
         i, j, turned = part_of(part, p, q, r, kind)
@@ -106,6 +109,7 @@ def gain_across(
         left -= tour_energy(so_far + head, pressure)
         so_far = tail
     so_far += leg(costs, 0, u, order[r + 1]) + sums[starts[c + 1]] - sums[r + 1]
-    if left <= 0.0 or so_far > longest:
+    if left <= least or so_far > longest:
         return least
-    return least + max(left - tour_energy(so_far, pressure), 0.0)
+    left -= tour_energy(so_far, pressure)
+    return left if left > max(least, _ROUNDING * before) else least

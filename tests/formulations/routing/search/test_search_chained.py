@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
@@ -88,6 +88,8 @@ def test_a_ring_is_its_tours():
 
 
 @given(seed=seeds, kind=st.integers(2, 6), two=st.booleans())
+@example(seed=10, kind=4, two=False)  # a depot comes to stand where the move begins
+@example(seed=30, kind=2, two=True)
 @settings(max_examples=80, deadline=None)
 def test_a_move_costs_what_it_says_and_is_taken_back(seed, kind, two):
     costs, ring = ring_of(seed)
@@ -96,7 +98,7 @@ def test_a_move_costs_what_it_says_and_is_taken_back(seed, kind, two):
     a, b, c, d = np.split(ring.order.copy(), [p + 1, q + 1, r + 1])
     b, c = b[::-1] if kind & giant.TURNED_B else b, c[::-1] if kind & giant.TURNED_C else c
     expected = np.concatenate([a, c, b, d] if kind & giant.SWAPPED else [a, b, c, d])
-    before, order = energy(costs, ring), ring.order.copy()
+    before, order, kept = energy(costs, ring), ring.order.copy(), giant.Kept(ring.order.copy(), ring.sums.copy())
     across, energies = ring.rank[p] != ring.rank[r], priced(ring)
     gain = ring_energy.gain_across(costs, ring, energies, p, q, r, kind, 0.0, PRESSURE)
     giant.rejoin(costs, ring, p, q, r, kind)
@@ -104,9 +106,14 @@ def test_a_move_costs_what_it_says_and_is_taken_back(seed, kind, two):
     assert_booked(costs, ring)
     if across:
         assert gain == pytest.approx(max(before - energy(costs, ring), 0.0), rel=1e-6, abs=1e-6)
-    giant.take_back(costs, ring, p, q, r, kind)
+    moved = ring.order.copy()
+    giant.restore(ring, kept, p + 1, r, across)
     assert list(ring.order) == list(order)
     assert_booked(costs, ring)
+    giant.rejoin(costs, ring, p, q, r, kind)
+    giant.keep(ring, kept, p + 1, r)
+    assert list(kept.order) == list(moved)
+    assert list(kept.sums) == list(ring.sums)
 
 
 @given(seed=seeds)

@@ -53,9 +53,9 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     ),
     "short tours as longer ones": replace(FULL, several_depots=replace(FULL.several_depots, short=None)),
     "children inherit tours from anywhere": replace(FULL, several_depots=replace(FULL.several_depots, regions=0.0)),
-    "no chained search across long tours": replace(FULL, chain=FULL.chain._replace(fewest=10**9, few=10**9)),
+    "no chained search across long tours": replace(FULL, handover=replace(FULL.handover, uavs=0, many=10**9)),
     "no edge assembly: chained search alone": replace(FULL, assembly=FULL.assembly._replace(size=1)),
-    "no chained search in the end": replace(FULL, chain=FULL.chain._replace(few=10**9)),
+    "no chained search in the end": replace(FULL, handover=replace(FULL.handover, many=10**9)),
     "no potentials: near is what costs least": replace(
         FULL, neighbourhood=FULL.neighbourhood._replace(potentials=PotentialParameters(most=0))
     ),

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from formulations.routing.search.candidate_legs import CandidateLegs, candidate_legs
-from formulations.routing.search.costs import AlikeCosts, Costs, leg
+from formulations.routing.search.costs import AlikeCosts, leg
 from formulations.routing.search.energy import TINY
 from formulations.routing.search.giant_tour import (
     SWAPPED,
@@ -42,19 +42,8 @@ from instances.kernels import njit
 
 
 class ChainParameters(NamedTuple):
-    """When and how it searches.
+    """How it searches.
 
-    fewest, for_each: mean number of tasks of a tour, at least, whatever m is and for each of the m UAVs: shorter tours,
-    and many of them, are the population's. 30 s, one run, population and chain, gaps in %: d1655_10 (165 tasks a tour)
-    0.43 and 1.81, u2152_10 (215) 0.46 and 2.76, pr2392_10 (239) 0.01 and 1.68, rl5915_20 (296) 0.98 and 5.18; but
-    pcb3038_10 (304) 0.23 and -0.14, rl5915_10 (591) 7.06 and 3.49. A population that ends with a chain, and edge
-    assembly: pcb3038_10 0.12 to 0.80 (three runs) and 1.3 to 2.7 (four), fl3795_10 (379) 0.03, 0.03 and 0.03, 0.00,
-    rl5915_10 6.3 and 4.4.
-    begin: share of the limit after which it takes over from the founder, with tours of its own.
-    many, few, founder: tasks, mean number of them on a tour, and share of the limit that a founder takes, at least, for
-    which it takes over the population's best tours (of fewer it makes less: lin318_3, 10 s, two seeds, 0.75 %, without
-    0.24 %; att532_5 0.01 and 0.01 %); after: this share of the limit; reheated: its first temperature then. 30 s,
-    without and with, single runs: pcb1173_20 0.28 or 0.31 and 0.00 %, d1655_20 0.84 to 1.15 and 0.65 %.
     nearest, layers, most: of candidate legs; the first new leg of a move may be any, the second the `second` shortest.
     span: tasks of a segment of a kick, at most: short ones leave little to repair.
     first, last: temperatures in mean legs; they fall geometrically. Which tour goes where is settled while it is hot:
@@ -63,14 +52,6 @@ class ChainParameters(NamedTuple):
     gain: share of the temperature below which a gain counts as rounding.
     """
 
-    fewest: int = 150
-    for_each: int = 32
-    begin: float = 0.05
-    many: int = 1000
-    few: int = 50
-    founder: float = 0.015
-    after: float = 0.6
-    reheated: float = 0.2
     nearest: int = 5
     layers: int = 2
     most: int = 12
@@ -370,21 +351,3 @@ class ChainedSearch:
     def best(self) -> Tours:
         """Return the tours whose longest was shortest so far."""
         return tours_of(self._chain.costs, self._best, self._chain.tour.starts.size - 1)
-
-
-def suits(costs: Costs, n_tasks: int, parameters: ChainParameters) -> bool:
-    """Return whether UAVs are alike, few and at one site, costs symmetric, and tours long enough."""
-    if not isinstance(costs, AlikeCosts) or costs.out is not costs.into:
-        return False
-    from_depots = costs.out[n_tasks:, :n_tasks]
-    m = from_depots.shape[0]
-    return bool(
-        m > 1
-        and n_tasks >= max(parameters.fewest, parameters.for_each * m) * m
-        and np.all(from_depots == from_depots[0])
-    )
-
-
-def suits_at_last(costs: Costs, n_tasks: int, parameters: ChainParameters) -> bool:
-    """Return whether that holds but for the number of UAVs, and tasks are enough to end with it."""
-    return n_tasks >= parameters.many and suits(costs, n_tasks, parameters._replace(fewest=parameters.few, for_each=0))

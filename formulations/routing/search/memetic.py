@@ -23,7 +23,7 @@ import numpy as np
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.budget import Budget, Teller
-from formulations.routing.search.chained_search import ChainedSearch, suits_at_last
+from formulations.routing.search.chained_search import ChainedSearch
 from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.decomposition import merge
 from formulations.routing.search.edge_assembly import EdgeAssembly
@@ -126,7 +126,7 @@ class Memetic(RecordedSolver):
         Packing().leaves_little(0.0, population.data)
         population.trimmed(duplicate(population.best), np.zeros(3, np.bool_), TrimmingParameters())
         chain = parameters.chain
-        if instance.by_metric is None and suits_at_last(search_costs(instance), instance.n_tasks, chain):
+        if instance.by_metric is None and parameters.handover.chains(search_costs(instance), instance.n_tasks):
             ChainedSearch(population.data, population.best, chain, population.rng).advance(0.0, 1)
             assembly = EdgeAssembly(population.data, chain, parameters.assembly, population.rng)
             for done in (*(0.0,) * parameters.assembly.fewest, 0.5, 0.9):

@@ -30,7 +30,7 @@ from instances.kernels import njit
 
 
 @njit(cache=True, nogil=True)
-def _farthest_trip(costs: Costs, n_tasks: int) -> float:
+def farthest_trip(costs: Costs, n_tasks: int) -> float:
     """Return what the first UAV takes to the farthest task and back [s]; at one site all take as long.
 
     The bound `farthest` of simple_bounds.py is of an instance, this of costs as the search scales them for endurance.
@@ -102,7 +102,7 @@ class Packing:
 
     def leaves_little(self, longest: float, data: ProblemData) -> bool:
         """Return whether the farthest task leaves a tour little time for others; `longest` [s] is the incumbent's."""
-        return longest <= self.room * _farthest_trip(data.costs, data.size[0])
+        return longest <= self.room * farthest_trip(data.costs, data.size[0])
 
     def draw_schedule(self, *, from_scratch: bool, rng: Rng) -> CappedSchedule:
         """Return a schedule with one of the weights."""

@@ -16,6 +16,7 @@ from formulations.routing.search.budget import BudgetParameters
 from formulations.routing.search.chained_search import ChainParameters
 from formulations.routing.search.decomposition import DecompositionParameters
 from formulations.routing.search.edge_assembly import AssemblyParameters
+from formulations.routing.search.handover import HandoverParameters
 from formulations.routing.search.local_search import LocalSearchParameters
 from formulations.routing.search.perturbation import PerturbationParameters
 from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData
@@ -68,6 +69,7 @@ class SearchParameters:
     perturbation: PerturbationParameters = field(default_factory=PerturbationParameters)
     schedule: ScheduleParameters = field(default_factory=ScheduleParameters)
     population: PopulationParameters = field(default_factory=PopulationParameters)
+    handover: HandoverParameters = field(default_factory=HandoverParameters)
     chain: ChainParameters = field(default_factory=ChainParameters)
     assembly: AssemblyParameters = field(default_factory=AssemblyParameters)
     budget: BudgetParameters = field(default_factory=BudgetParameters)

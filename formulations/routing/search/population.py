@@ -15,7 +15,6 @@ population's best tours.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -23,7 +22,7 @@ import numpy as np
 
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.budget import Window
-from formulations.routing.search.chained_search import ChainedSearch, suits, suits_at_last
+from formulations.routing.search.chained_search import ChainedSearch
 from formulations.routing.search.crossover import crossover
 from formulations.routing.search.decomposition import Subproblem, around, merge, subproblem
 from formulations.routing.search.edge_assembly import EdgeAssembly
@@ -80,18 +79,17 @@ class Population(Lineage):
         self._fittest = duplicate(self._newcomer.tours)
         self.best = duplicate(self._newcomer.tours)
         self.improved = True
-        self._long = suits(data.costs, data.size[0], parameters.chain)
-        self._handover = math.inf
+        self._long = parameters.handover.assembles(data.costs, data.size[0])
+        self._chains = False
         self._chained: ChainedSearch | EdgeAssembly | None = None
 
     def plan(self, step: float) -> None:
         """Say which part of the limit a step takes, and when chained search begins; the only founder is then short."""
         super().plan(step)
-        chain = self.parameters.chain
-        few = self.family.founder >= chain.founder and suits_at_last(self.data.costs, self.data.size[0], chain)
-        self._handover = chain.after if few else math.inf
-        if self._long:
-            self.end = self._begin + self.parameters.chain.begin
+        how, founder = self.parameters.handover, self.family.founder
+        self._chains = founder >= how.founder and how.chains(self.data.costs, self.data.size[0])
+        if self._long or (self._chains and founder > self.family.longest):
+            self.end = self._begin + how.begin
 
     def run(self, now: float, window: Window, step: float) -> int:
         """Advance while the window lasts; return the steps taken, each so much of the limit."""
@@ -143,7 +141,7 @@ class Population(Lineage):
 
     def begin(self, now: float, others: int = 0) -> None:
         """Begin the next stage; `others` are under way in other threads."""
-        if self._long or now >= self._handover:
+        if self._hands_over(now):
             self._chained = self._chain()
             self._begin, self.end = now, 1.0
             return
@@ -213,12 +211,23 @@ class Population(Lineage):
             schedule = replace(schedule, compact=True)
         return newcomer, schedule
 
+    def _hands_over(self, now: float) -> bool:
+        """Return whether it is time for an edge assembly or a chained search."""
+        how = self.parameters.handover
+        if self._long or (self._chains and self.family.founder > self.family.longest):
+            return True
+        return self._chains and now >= (how.early if how.is_hot(self.incumbent, self.data) else how.after)
+
     def _chain(self) -> ChainedSearch | EdgeAssembly:
-        """Return an edge assembly where tours are long, else a chained search from the best."""
-        chain = self.parameters.chain
+        """Return an edge assembly where few UAVs fly, else a chained search from the best."""
+        how, chain = self.parameters.handover, self.parameters.chain
         if self._long:
             return EdgeAssembly(self.data, chain, self.parameters.assembly, self.rng)
-        return ChainedSearch(self.data, self.best, chain._replace(first=chain.reheated), self.rng)
+        if how.is_hot(self.incumbent, self.data):
+            chain = chain._replace(first=max(chain.first, how.heat * self.data.size[1]), last=how.last)
+        else:
+            chain = chain._replace(first=how.reheated)
+        return ChainedSearch(self.data, self.best, chain, self.rng)
 
     def _grown(self) -> Tours:
         """Return the newcomer as its stage left it; a subproblem's tours are merged where they are fitter."""

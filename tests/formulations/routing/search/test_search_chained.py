@@ -12,12 +12,11 @@ from formulations.limits import Limits
 from formulations.routing.search import chained_search as chained
 from formulations.routing.search import giant_tour as giant
 from formulations.routing.search import ring_energy
-from formulations.routing.search.costs import both_ways, search_costs
-from formulations.routing.search.endurance import Endurance
+from formulations.routing.search.costs import search_costs
+from formulations.routing.search.handover import HandoverParameters
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.nearest_in_turn import nearest_in_turn
 from formulations.routing.search.parameters import SearchParameters
-from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.tours import from_routes, to_routes
@@ -25,7 +24,7 @@ from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan
 
 N, M = 17, 3
-ALWAYS = chained.ChainParameters(fewest=1, for_each=0)
+HOW = chained.ChainParameters()
 FULL = SearchParameters()
 PRESSURE = ring_energy.Pressure(100.0, 40.0)
 seeds = st.integers(0, 10**6)
@@ -34,7 +33,7 @@ seeds = st.integers(0, 10**6)
 class Chained(Memetic):
     """memetic that takes every instance with one depot for one of long tours."""
 
-    parameters = replace(FULL, chain=ALWAYS)
+    parameters = replace(FULL, handover=HandoverParameters(fewest=1, for_each=0))
 
 
 def one_site(seed, n=N, m=M):
@@ -121,13 +120,13 @@ def test_a_move_costs_what_it_says_and_is_taken_back(seed, kind, two):
 def test_the_best_move_of_a_node_is_worth_what_it_says(seed):
     instance, routes = one_site(seed)
     data = problem_data(search_costs(instance), N, FULL.neighbourhood)
-    search = chained.ChainedSearch(data, from_routes(data.costs, routes), ALWAYS, seeded(seed))
+    search = chained.ChainedSearch(data, from_routes(data.costs, routes), HOW, seeded(seed))
     chain, same = search._chain, 0
     ring = chain.tour
     for v in range(N + M):
         before, total = energy(data.costs, ring), float(ring.sums[-1])
         priced(ring, chain.energies)
-        worth = chained.best_move(chain, v, 1e-9, ALWAYS, PRESSURE)
+        worth = chained.best_move(chain, v, 1e-9, HOW, PRESSURE)
         if worth <= 1e-9:
             continue
         p, q, r, kind = (int(x) for x in chain.move)
@@ -143,7 +142,7 @@ def test_the_best_move_of_a_node_is_worth_what_it_says(seed):
 def test_a_search_never_gets_worse_and_keeps_all_tasks():
     instance, routes = one_site(11, 60, 3)
     data = problem_data(search_costs(instance), 60, FULL.neighbourhood)
-    search = chained.ChainedSearch(data, from_routes(data.costs, routes), ALWAYS, seeded(1))
+    search = chained.ChainedSearch(data, from_routes(data.costs, routes), HOW, seeded(1))
     lengths = [makespan(instance, routes)]
     for done in np.linspace(0.0, 1.0, 20):
         better = search.advance(float(done), 50)
@@ -185,52 +184,3 @@ def test_a_run_repeats_for_a_seed_and_starts_from_what_is_given():
     start = first.routes
     after = Chained().solve(instance, limits=Limits(time=60.0, iterations=50), seed=5, start=start)
     assert after.objective <= first.objective
-
-
-@pytest.mark.parametrize(
-    ("many", "few", "founder", "now", "chained_then"),
-    [
-        (40, 10, 0.0, 0.7, True),
-        (40, 10, 0.0, 0.5, False),
-        (41, 10, 0.0, 0.7, False),
-        (40, 11, 0.0, 0.7, False),
-        (40, 10, 0.9, 0.7, False),
-    ],
-)
-def test_it_takes_over_the_best_tours_of_a_population_late_where_founders_are_few(
-    many, few, founder, now, chained_then
-):
-    instance, _ = one_site(9, 40, 4)
-    data = problem_data(search_costs(instance), 40, FULL.neighbourhood)
-    parameters = replace(FULL, chain=chained.ChainParameters(many=many, few=few, founder=founder))
-    population = Population(data, Endurance(instance, data.costs), parameters, seeded(1), None)
-    population.plan(1e-5)
-    population.family.members = [population.best, population.best]
-    population.begin(now)
-    assert (population._chained is not None) == chained_then
-    if population._chained is not None:
-        before = population.incumbent
-        assert population._chained.longest == pytest.approx(before)
-        population.advance(0.8, 200)
-        assert population.incumbent < before
-        population.grow_up()
-        population.take_in()
-        assert check_routes(instance, to_routes(population.best)) == []
-
-
-def test_it_suits_long_tours_from_one_site_only():
-    instance, _ = one_site(2, 30, 2)
-    costs = search_costs(instance)
-
-    def suited(costs, fewest, for_each=0):
-        return chained.suits(costs, instance.n_tasks, ALWAYS._replace(fewest=fewest, for_each=for_each))
-
-    assert suited(costs, 15)
-    assert not suited(costs, 16)
-    assert suited(costs, 1, for_each=7)
-    assert not suited(costs, 1, for_each=8)
-    windy = instance.cost * np.random.default_rng(0).uniform(1.0, 1.2, instance.cost.shape)
-    assert not suited(both_ways(windy), 15)
-    apart = np.array(instance.cost)
-    apart[-1, :-1] = apart[:-1, -1] = 50.0
-    assert not suited(both_ways(apart), 15)

@@ -14,6 +14,7 @@ from formulations.routing.search import giant_tour as giant
 from formulations.routing.search.candidate_legs import candidate_legs
 from formulations.routing.search.chained_search import ChainParameters
 from formulations.routing.search.costs import search_costs
+from formulations.routing.search.handover import HandoverParameters
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.problem_data import problem_data
@@ -23,7 +24,7 @@ from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan
 
 N, M = 19, 3
-ALWAYS = ChainParameters(fewest=1, for_each=0)
+HOW = ChainParameters()
 FULL = SearchParameters()
 seeds = st.integers(0, 10**6)
 
@@ -31,7 +32,7 @@ seeds = st.integers(0, 10**6)
 class Assembled(Memetic):
     """memetic that takes every instance with one depot for one of long tours."""
 
-    parameters = replace(FULL, chain=ALWAYS)
+    parameters = replace(FULL, handover=HandoverParameters(fewest=1, for_each=0))
 
 
 def site(seed, n=N, m=M):
@@ -151,7 +152,7 @@ def test_it_finds_the_optimum_of_small_instances(seed):
 def test_what_it_says_is_what_its_tours_cost():
     instance = site(5, 60, 3)
     data = problem_data(search_costs(instance), 60, FULL.neighbourhood)
-    search = edge_assembly.EdgeAssembly(data, ALWAYS, FULL.assembly._replace(size=12), seeded(1, 0))
+    search = edge_assembly.EdgeAssembly(data, HOW, FULL.assembly._replace(size=12), seeded(1, 0))
     longest = [search.longest]
     for i in range(200):
         assert search.advance(i / 200, 100) == (search.longest < longest[-1])

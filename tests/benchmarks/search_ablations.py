@@ -54,6 +54,7 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "short tours as longer ones": replace(FULL, several_depots=replace(FULL.several_depots, short=None)),
     "children inherit tours from anywhere": replace(FULL, several_depots=replace(FULL.several_depots, regions=0.0)),
     "no chained search across long tours": replace(FULL, handover=replace(FULL.handover, uavs=0, many=10**9)),
+    "no chained search that begins hot": replace(FULL, handover=replace(FULL.handover, room=float("inf"))),
     "no edge assembly: chained search alone": replace(FULL, assembly=FULL.assembly._replace(size=1)),
     "no chained search in the end": replace(FULL, handover=replace(FULL.handover, many=10**9)),
     "no potentials: near is what costs least": replace(

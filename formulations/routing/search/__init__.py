@@ -14,7 +14,7 @@ Words of our own, and options whose names differ from the field's:
 From the bottom up: costs, leg_potentials, problem_data and tours hold the data, and endurance scales costs to what can
 be flown; energy measures tours; ruin, recreate, moves (by concatenation) and local_search change them; annealing under
 a schedule is `ruin_recreate`; decomposition, perturbation, crossover and, with trimming, packing make a population of a
-strategy, which is `memetic`; parameters has all that was tuned. Where few UAVs fly long tours, edge_assembly (of rings
-from nearest_in_turn, by ab_cycles and ring_children), then chained_search by candidate_legs on a giant_tour follow the
-first annealing.
+strategy, which is `memetic`; parameters has all that was tuned. Where tours from one site are long, handover says when
+edge_assembly (of rings from nearest_in_turn, by ab_cycles and ring_children) or chained_search (by candidate_legs on a
+giant_tour, judged by ring_energy) takes over.
 """

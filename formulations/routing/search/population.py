@@ -80,15 +80,16 @@ class Population(Lineage):
         self.best = duplicate(self._newcomer.tours)
         self.improved = True
         self._long = parameters.handover.assembles(data.costs, data.size[0])
-        self._chains = False
+        self._chains = self._soon = False
         self._chained: ChainedSearch | EdgeAssembly | None = None
 
     def plan(self, step: float) -> None:
         """Say which part of the limit a step takes, and when chained search begins; the only founder is then short."""
         super().plan(step)
-        how, founder = self.parameters.handover, self.family.founder
-        self._chains = founder >= how.founder and how.chains(self.data.costs, self.data.size[0])
-        if self._long or (self._chains and founder > self.family.longest):
+        how, family = self.parameters.handover, self.family
+        self._chains = family.founder >= how.founder and how.chains(self.data.costs, self.data.size[0])
+        self._soon = self._chains and family.founder > family.longest and how.suits_hot(self.data)
+        if self._long or self._soon:
             self.end = self._begin + how.begin
 
     def run(self, now: float, window: Window, step: float) -> int:
@@ -214,7 +215,7 @@ class Population(Lineage):
     def _hands_over(self, now: float) -> bool:
         """Return whether it is time for an edge assembly or a chained search."""
         how = self.parameters.handover
-        if self._long or (self._chains and self.family.founder > self.family.longest):
+        if self._long or self._soon:
             return True
         return self._chains and now >= (how.early if how.is_hot(self.incumbent, self.data) else how.after)
 
@@ -223,7 +224,7 @@ class Population(Lineage):
         how, chain = self.parameters.handover, self.parameters.chain
         if self._long:
             return EdgeAssembly(self.data, chain, self.parameters.assembly, self.rng)
-        if how.is_hot(self.incumbent, self.data):
+        if self._soon or how.is_hot(self.incumbent, self.data):
             chain = chain._replace(first=max(chain.first, how.heat * self.data.size[1]), last=how.last)
         else:
             chain = chain._replace(first=how.reheated)

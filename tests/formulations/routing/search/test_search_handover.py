@@ -18,7 +18,7 @@ from formulations.routing.search.tours import to_routes
 from instances import Instance, check_routes
 
 FULL = SearchParameters()
-HOW = HandoverParameters(uavs=0, many=40, few=10, founder=0.0, early=0.3, after=0.6)
+HOW = HandoverParameters(uavs=0, many=40, few=10, founder=0.0, early=0.3, each=10, after=0.6)
 
 
 def one_site(n, m, far=0.0):
@@ -45,6 +45,8 @@ def population_of(instance, how):
         (0.0, {}, 0.4, 8.0),
         (0.0, {"heat": 0.0}, 0.4, FULL.chain.first),
         (0.0, {}, 0.2, None),
+        (0.0, {"each": 11}, 0.7, 0.2),
+        (0.0, {"each": 11}, 0.5, None),
         (1000.0, {}, 0.7, 0.2),
         (1000.0, {}, 0.5, None),
         (0.0, {"many": 41}, 0.9, None),
@@ -77,6 +79,11 @@ def test_where_founders_are_as_long_as_the_limit_it_begins_soon():
     assert population.end == pytest.approx(HOW.begin)
     population.begin(HOW.begin)
     assert isinstance(population._chained, ChainedSearch)
+    assert population._chained._parameters.last == HOW.last
+    short = population_of(one_site(40, 4), replace(HOW, each=11))
+    short.family.founder = 1.0
+    short.plan(1.0)
+    assert short.end > HOW.begin
 
 
 def test_few_uavs_are_edge_assemblys():

@@ -8,9 +8,8 @@ most of the time goes to long founders.
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
-Where few UAVs fly long tours there is one founder, and then edge assembly (edge_assembly.py), which a chained local
-search ends (chained_search.py); where more do, and the limit allows for few founders, that goes on from the
-population's best tours.
+Where tours from one site are long handover.py says when the population ends: few UAVs have one founder, and then edge
+assembly (edge_assembly.py), which a chained local search ends (chained_search.py); that alone follows where more fly.
 """
 
 from __future__ import annotations
@@ -80,7 +79,7 @@ class Population(Lineage):
         self.best = duplicate(self._newcomer.tours)
         self.improved = True
         self._long = parameters.handover.assembles(data.costs, data.size[0])
-        self._chains = self._soon = False
+        self._soon, self._chains = self._long, False
         self._chained: ChainedSearch | EdgeAssembly | None = None
 
     def plan(self, step: float) -> None:
@@ -88,8 +87,9 @@ class Population(Lineage):
         super().plan(step)
         how, family = self.parameters.handover, self.family
         self._chains = family.founder >= how.founder and how.chains(self.data.costs, self.data.size[0])
-        self._soon = self._chains and family.founder > family.longest and how.suits_hot(self.data)
-        if self._long or self._soon:
+        alone = self._chains and family.founder > family.longest and how.suits_hot(self.data)
+        self._soon = self._long or alone
+        if self._soon:
             self.end = self._begin + how.begin
 
     def run(self, now: float, window: Window, step: float) -> int:
@@ -123,7 +123,7 @@ class Population(Lineage):
 
     def grow_up(self) -> None:
         """End the stage: what the newcomer came to is then whole and its tours' orders are better."""
-        if self._long or self._chained is not None:
+        if self._soon or self._chained is not None:
             return
         grown = self._grown()
         if self.parameters.population.kicks > 0:
@@ -133,7 +133,7 @@ class Population(Lineage):
 
     def take_in(self) -> None:
         """Take the newcomer in that has grown up."""
-        if self._long or self._chained is not None:
+        if self._soon or self._chained is not None:
             self.family.stages += 1
             return
         new = self._take_in(self._fittest)
@@ -215,9 +215,8 @@ class Population(Lineage):
     def _hands_over(self, now: float) -> bool:
         """Return whether it is time for an edge assembly or a chained search."""
         how = self.parameters.handover
-        if self._long or self._soon:
-            return True
-        return self._chains and now >= (how.early if how.is_hot(self.incumbent, self.data) else how.after)
+        due = self._chains and now >= (how.early if how.is_hot(self.incumbent, self.data) else how.after)
+        return self._soon or due
 
     def _chain(self) -> ChainedSearch | EdgeAssembly:
         """Return an edge assembly where few UAVs fly, else a chained search from the best."""

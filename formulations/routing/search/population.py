@@ -88,7 +88,7 @@ class Population(Lineage):
         how, family = self.parameters.handover, self.family
         self._chains = family.founder >= how.founder and how.chains(self.data.costs, self.data.size[0])
         alone = self._chains and family.founder > family.longest and how.suits_hot(self.data)
-        self._soon = self._long or alone
+        self._soon = (self._long or alone) and how.fits(self.data, step, how.begin)
         if self._soon:
             self.end = self._begin + how.begin
 
@@ -216,7 +216,7 @@ class Population(Lineage):
         """Return whether it is time for an edge assembly or a chained search."""
         how = self.parameters.handover
         due = self._chains and now >= (how.early if how.is_hot(self.incumbent, self.data) else how.after)
-        return self._soon or due
+        return self._soon or (due and how.fits(self.data, self._step_length, now))
 
     def _chain(self) -> ChainedSearch | EdgeAssembly:
         """Return an edge assembly where few UAVs fly, else a chained search from the best."""

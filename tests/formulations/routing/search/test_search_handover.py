@@ -75,15 +75,23 @@ def test_a_chained_search_takes_over_early_and_hot_but_where_a_far_task_decides(
 def test_where_founders_are_as_long_as_the_limit_it_begins_soon():
     population = population_of(one_site(40, 4), HOW)
     population.family.founder = 1.0
-    population.plan(1.0)
+    population.plan(5e-5)
     assert population.end == pytest.approx(HOW.begin)
     population.begin(HOW.begin)
     assert isinstance(population._chained, ChainedSearch)
     assert population._chained._parameters.last == HOW.last
     short = population_of(one_site(40, 4), replace(HOW, each=11))
     short.family.founder = 1.0
-    short.plan(1.0)
+    short.plan(5e-5)
     assert short.end > HOW.begin
+
+
+@pytest.mark.parametrize(("pair", "fits"), [(9.0, True), (60.0, False)])  # 40² pairs, 1e-5 of the limit each step
+@pytest.mark.parametrize("how", [HOW, HandoverParameters(fewest=10, for_each=0)])
+def test_where_candidate_legs_take_too_long_the_population_goes_on(how, pair, fits):
+    population = population_of(one_site(40, 4), replace(how, pair=pair, most=0.5))
+    population.begin(0.7)
+    assert (population._chained is not None) == fits
 
 
 def test_few_uavs_are_edge_assemblys():

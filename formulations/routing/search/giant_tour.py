@@ -115,14 +115,7 @@ def part_of(part: int, p: int, q: int, r: int, kind: int) -> tuple[int, int, boo
 @njit(cache=True, nogil=True)
 def rejoin(costs: AlikeCosts, ring: GiantTour, p: int, q: int, r: int, kind: int) -> None:
     """Make the move that cuts behind positions p ≤ q ≤ r < N."""
-    order, position, sums, starts, spare, spare_sums = (
-        ring.order,
-        ring.position,
-        ring.sums,
-        ring.starts,
-        ring.spare_order,
-        ring.spare_sums,
-    )
+    order, position, sums, starts, _, spare, spare_sums = ring
     u, at, so_far = order[p], 0, sums[p]
     for part in range(2):
         i, j, turned = part_of(part, p, q, r, kind)

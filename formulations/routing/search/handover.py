@@ -62,6 +62,10 @@ class HandoverParameters:
         """Return whether there is time for candidate legs, where a step takes such a share of the limit."""
         return self.pair * data.size[0] ** 2 * step <= self.most * (1.0 - now)
 
+    def ever(self, costs: Costs, n_tasks: int) -> bool:
+        """Return whether there may be a handover at all."""
+        return self.assembles(costs, n_tasks) or self.chains(costs, n_tasks)
+
     def assembles(self, costs: Costs, n_tasks: int) -> bool:
         """Return whether few UAVs fly so long tours that they are edge assembly's."""
         m = _on_one_ring(costs, n_tasks)

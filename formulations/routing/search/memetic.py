@@ -126,7 +126,7 @@ class Memetic(RecordedSolver):
         Packing().leaves_little(0.0, population.data)
         population.trimmed(duplicate(population.best), np.zeros(3, np.bool_), TrimmingParameters())
         chain = parameters.chain
-        if instance.by_metric is None and parameters.handover.chains(search_costs(instance), instance.n_tasks):
+        if instance.by_metric is None and parameters.handover.ever(search_costs(instance), instance.n_tasks):
             ChainedSearch(population.data, population.best, chain, population.rng).advance(0.0, 1)
             assembly = EdgeAssembly(population.data, chain, parameters.assembly, population.rng)
             for done in (*(0.0,) * parameters.assembly.fewest, 0.5, 0.9):

@@ -109,6 +109,8 @@ def test_long_tours_from_one_site_are_edge_assemblys():
         return HandoverParameters(uavs=uavs, fewest=fewest, for_each=for_each).assembles(costs, instance.n_tasks)
 
     assert suited(costs, 15)
+    assert HandoverParameters(fewest=15, for_each=0).ever(costs, instance.n_tasks)
+    assert not HandoverParameters(fewest=16).ever(costs, instance.n_tasks)
     assert not suited(costs, 16)
     assert suited(costs, 1, for_each=7)
     assert not suited(costs, 1, for_each=8)

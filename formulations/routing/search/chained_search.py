@@ -35,9 +35,9 @@ from formulations.routing.search.giant_tour import (
 )
 from formulations.routing.search.problem_data import Nodes, ProblemData
 from formulations.routing.search.randomness import Rng, below, uniform
-from formulations.routing.search.ring_energy import Pressure, TourEnergies, gain_across, price
+from formulations.routing.search.ring_energy import Pressure, ThreeLegs, gain_across, price
 from formulations.routing.search.tours import Tours
-from instances.arrays import Bools, Ints
+from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
 
@@ -66,16 +66,16 @@ class ChainParameters(NamedTuple):
 class Chain(NamedTuple):
     """What a chained search works with.
 
-    energies: of the tours, as moves leave them; move (4,): p, q, r and kind of the best move; kept: the ring before the
-    kick; touched (3,): first and last position where it differs, and whether a move went across tours; queue (N,),
-    queued (N,), ring (2,): nodes to look at, whether among them, and the queue's first place and length (don't-look
-    bits).
+    energies (m,): of the tours, as moves leave them [s]; move (4,): p, q, r and kind of the best move; kept: the ring
+    before the kick; touched (3,): first and last position where it differs, and whether a move went across tours;
+    queue (N,), queued (N,), ring (2,): nodes to look at, whether among them, and the queue's first place and length
+    (don't-look bits).
     """
 
     costs: AlikeCosts
     near: CandidateLegs
     tour: GiantTour
-    energies: TourEnergies
+    energies: Floats
     move: Ints
     kept: Kept
     touched: Ints
@@ -108,31 +108,46 @@ def _partner(end: int, t1: int, t3: int, t5: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _kind(ends: Ends, e3: int, s5: int) -> tuple[int, int, int, int]:
-    """Return (p, q, r, kind) of the move that removes three legs; ends are numbered 0 to 5 along the ring."""
+def _put_in(end: int, t1: int, t3: int, t5: int) -> int:
+    """Return which leg is put in at an end: 0 for t2..t3, 1 for t4..t5, 2 for t6..t1."""
+    if end == t1 ^ 1 or end == t3:
+        return 0
+    return 1 if end == t3 ^ 1 or end == t5 else 2
+
+
+@njit(cache=True, nogil=True)
+def _cuts(ends: Ends, e3: int, s5: int, costs: ThreeLegs) -> tuple[int, int, int, int, ThreeLegs]:
+    """Return (p, q, r, kind, legs) of the move that removes three legs; ends are numbered 0 to 5 along the ring.
+
+    costs: of the legs put in, t2..t3, t4..t5, t6..t1 [s]; legs: the same in the order in which they are flown then.
+    """
     e1, e2 = ends.e1, ends.e2
     p, r = min(e1, e2, e3), max(e1, e2, e3)
     q = e1 + e2 + e3 - p - r
     t1 = 2 * ((e1 > e2) + (e1 > e3)) + ends.s1
     t3 = 2 * ((e2 > e1) + (e2 > e3)) + ends.s3
     t5 = 2 * ((e3 > e1) + (e3 > e2)) + s5
-    first = _partner(0, t1, t3, t5)
-    if first == 2:
-        return p, q, r, TURNED_B + TURNED_C
-    if first == 4:
-        return p, q, r, SWAPPED + TURNED_C
-    return p, q, r, SWAPPED if _partner(4, t1, t3, t5) == 1 else SWAPPED + TURNED_B
+    first, last = _put_in(0, t1, t3, t5), _put_in(5, t1, t3, t5)
+    legs = costs[first], costs[3 - first - last], costs[last]
+    begin = _partner(0, t1, t3, t5)
+    if begin == 2:
+        return p, q, r, TURNED_B + TURNED_C, legs
+    if begin == 4:
+        return p, q, r, SWAPPED + TURNED_C, legs
+    return p, q, r, SWAPPED if _partner(4, t1, t3, t5) == 1 else SWAPPED + TURNED_B, legs
 
 
-@njit(cache=True, nogil=True)
-def _consider(chain: Chain, p: int, q: int, r: int, kind: int, gain: float, top: float, pressure: Pressure) -> float:
+@njit(cache=True, nogil=True, inline="always")  # as gain_across
+def _consider(
+    chain: Chain, p: int, q: int, r: int, kind: int, legs: ThreeLegs, gain: float, top: float, pressure: Pressure
+) -> float:
     """Write the move to `chain.move` if it is worth more than `top`; return what the best is worth [s].
 
-    gain: what it saves in all [s].
+    legs: what those put in cost, in the order in which they are flown; gain: what it saves in all [s].
     """
     tour = chain.tour
     if tour.rank[p] != tour.rank[r]:
-        gain = gain_across(chain.costs, tour, chain.energies, p, q, r, kind, top, pressure)
+        gain = gain_across(tour, chain.energies, p, q, r, kind, legs, top, pressure)
     if gain <= top:
         return top
     move = chain.move
@@ -142,11 +157,12 @@ def _consider(chain: Chain, p: int, q: int, r: int, kind: int, gain: float, top:
 
 @njit(cache=True, nogil=True)
 def _third_legs(
-    chain: Chain, ends: Ends, closed: bool, so_far: float, top: float, second: int, pressure: Pressure
+    chain: Chain, ends: Ends, closed: bool, so_far: float, put_in: float, top: float, second: int, pressure: Pressure
 ) -> float:
     """Look at 3-opt moves that remove the two legs of `ends`; return what the best is worth [s].
 
-    closed: whether t2..t3 would be a ring of its own, which the third leg removed must open; so_far: gain without it.
+    closed: whether t2..t3 would be a ring of its own, which the third leg removed must open; so_far: gain without it;
+    put_in: what t2..t3 costs [s].
     """
     near, near_cost = chain.near
     order, position, sums = chain.tour.order, chain.tour.position, chain.tour.sums
@@ -172,10 +188,10 @@ def _third_legs(
             e3 = i - s5 if i >= s5 else order.size - 2
             if e3 == ends.e1 or e3 == ends.e2:
                 continue
-            gain = so_far - near_cost[t4, j] + sums[e3 + 1] - sums[e3]
-            gain -= leg(chain.costs, 0, t1, order[e3 + 1 - s5])
-            p, q, r, kind = _kind(ends, e3, s5)
-            top = _consider(chain, p, q, r, kind, gain, top, pressure)
+            costs = put_in, near_cost[t4, j], leg(chain.costs, 0, t1, order[e3 + 1 - s5])
+            gain = so_far - costs[1] + sums[e3 + 1] - sums[e3] - costs[2]
+            p, q, r, kind, legs = _cuts(ends, e3, s5, costs)
+            top = _consider(chain, p, q, r, kind, legs, gain, top, pressure)
     return top
 
 
@@ -194,7 +210,8 @@ def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, 
         t2 = order[e1 + 1 - s1]
         for j in range(near.shape[1]):
             t3 = near[t2, j]
-            first = sums[e1 + 1] - sums[e1] - near_cost[t2, j]
+            put_in = near_cost[t2, j]
+            first = sums[e1 + 1] - sums[e1] - put_in
             if t3 < 0 or first <= 0.0:
                 break
             if t3 == t1:
@@ -207,10 +224,11 @@ def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, 
                     continue
                 gain = first + sums[e2 + 1] - sums[e2]
                 if s3 != s1:
-                    saved = gain - leg(chain.costs, 0, t1, t4)
-                    p, r = min(e1, e2), max(e1, e2)
-                    top = _consider(chain, p, r, r, TURNED_B, saved, top, pressure)
-                top = _third_legs(chain, Ends(e1, s1, e2, s3), s3 == s1, gain, top, parameters.second, pressure)
+                    back, p, r = leg(chain.costs, 0, t1, t4), min(e1, e2), max(e1, e2)
+                    legs = (put_in, back, 0.0) if s1 else (back, put_in, 0.0)
+                    top = _consider(chain, p, r, r, TURNED_B, legs, gain - back, top, pressure)
+                ends, second = Ends(e1, s1, e2, s3), parameters.second
+                top = _third_legs(chain, ends, s3 == s1, gain, put_in, top, second, pressure)
     return top
 
 
@@ -271,16 +289,16 @@ def chain_kicks(
     sums, starts, energies, m = tour.sums, tour.starts, chain.energies, tour.starts.size - 1
     pressure = Pressure(sums[-1] / m, parameters.scale * temperature)
     price(tour, energies, 0, m - 1, pressure)
-    now, least = energies.of.sum(), parameters.gain * temperature
+    now, least = energies.sum(), parameters.gain * temperature
     keep(tour, chain.kept, 0, tour.order.size - 1)
     for _ in range(kicks):
         touched[0], touched[1], touched[2] = tour.order.size, 0, 0
         _kick(chain, parameters.span, pressure, rng)
         _descend(chain, least, parameters, pressure)
-        then = energies.of.sum()
+        then = energies.sum()
         if then > now - temperature * math.log(1.0 - uniform(rng)):
             restore(tour, chain.kept, touched[0], touched[1], touched[2] == 1)
-            price(tour, energies, 0, m - 1, pressure)
+            price(tour, energies, tour.rank[touched[0] - 1], tour.rank[touched[1]], pressure)
             continue
         keep(tour, chain.kept, touched[0], touched[1])
         now, most = then, 0.0
@@ -297,7 +315,7 @@ def chain_kicks(
 def descend_everywhere(chain: Chain, least: float, parameters: ChainParameters, pressure: Pressure) -> None:
     """Make the best moves of all nodes until there is none worth more than `least` [s]."""
     order, size = chain.tour.order, chain.queue.size
-    price(chain.tour, chain.energies, 0, chain.energies.of.size - 1, pressure)
+    price(chain.tour, chain.energies, 0, chain.energies.size - 1, pressure)
     for i in range(size):
         chain.queue[i] = order[i]
         chain.queued[i] = True
@@ -321,7 +339,7 @@ class ChainedSearch:
         tour, nodes, m = giant_tour(costs, tours), tours.after.size, tours.cost.size
         room = np.zeros(nodes, np.int32), np.zeros(nodes, np.bool_), np.zeros(2, np.int64)
         near = near or chain_legs(costs, data.size[0], parameters)
-        energies, kept = TourEnergies(np.empty(m), np.empty(1)), Kept(tour.order.copy(), tour.sums.copy())
+        energies, kept = np.empty(m), Kept(tour.order.copy(), tour.sums.copy())
         self._chain = Chain(costs, near, tour, energies, np.zeros(4, np.int64), kept, np.zeros(3, np.int64), *room)
         self._parameters = parameters._replace(second=min(parameters.second, near.nodes.shape[1]))
         self._rng = rng

@@ -4,7 +4,8 @@
 
 which near the mean tour μ is the total, and rises the faster the more a tour exceeds it: s [s] is how much is a lot.
 A move cuts two or three tours and joins their ends. All between them cost the same both ways, so that prefix sums and
-the energies of single tours say what it is worth without a walk; most moves make a tour so long that no more is asked.
+the energies of single tours say what it is worth without a walk; most moves make a tour that alone costs more than all
+that it cuts, and no more is asked.
 """
 
 from __future__ import annotations
@@ -12,17 +13,18 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from formulations.routing.search.costs import AlikeCosts, leg
 from formulations.routing.search.giant_tour import GiantTour, part_of
 from instances.arrays import Floats
 from instances.kernels import njit
 
 _STEEPEST = 30.0
 """Exponents above it are continued by the tangent, so that no energy overflows."""
-_CUT = 3
-"""Tours that a move cuts, at most."""
+_MANY = math.log(3.0)
+"""So many s longer a tour costs as much as three: as many as a move cuts, at most."""
 _ROUNDING = 1e-9
 """Share of the energy of the tours cut, below which a gain counts as rounding: descents end, however steep it is."""
+
+ThreeLegs = tuple[float, float, float]
 
 
 class Pressure(NamedTuple):
@@ -30,13 +32,6 @@ class Pressure(NamedTuple):
 
     mean: float
     scale: float
-
-
-class TourEnergies(NamedTuple):
-    """of (m,): energy of each tour, in the ring's order [s]; longest (1,): a tour [s] longer than any move may make."""
-
-    of: Floats
-    longest: Floats
 
 
 @njit(cache=True, nogil=True)
@@ -59,57 +54,68 @@ def energy_of(ring: GiantTour, pressure: Pressure) -> float:
 
 
 @njit(cache=True, nogil=True)
-def price(ring: GiantTour, energies: TourEnergies, first: int, last: int, pressure: Pressure) -> None:
-    """Write the energies of tours first..last, and how long none may become: as costly as three of the costliest."""
-    sums, starts, of = ring.sums, ring.starts, energies.of
+def price(ring: GiantTour, energies: Floats, first: int, last: int, pressure: Pressure) -> None:
+    """Write the energies [s] of tours first..last to `energies` (m,), which follow the ring's order."""
+    sums, starts = ring.sums, ring.starts
     for k in range(first, last + 1):
-        of[k] = tour_energy(sums[starts[k + 1]] - sums[starts[k]], pressure)
-    top = of[0]
-    for k in range(1, of.size):
-        top = max(top, of[k])
-    x = math.log(_CUT * top / pressure.scale)
-    energies.longest[0] = pressure.mean + pressure.scale * x if x < _STEEPEST else math.inf
+        energies[k] = tour_energy(sums[starts[k + 1]] - sums[starts[k]], pressure)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")  # its arguments are some hundred words: handing them over took as long
 def gain_across(
-    costs: AlikeCosts,
     ring: GiantTour,
-    energies: TourEnergies,
+    energies: Floats,
     p: int,
     q: int,
     r: int,
     kind: int,
+    legs: ThreeLegs,
     least: float,
     pressure: Pressure,
 ) -> float:
-    """Return what a move that cuts several tours takes off the energy [s], or `least` where that is no more."""
-    order, sums, starts, of, longest = ring.order, ring.sums, ring.starts, energies.of, energies.longest[0]
-    a, b, c = ring.rank[p], ring.rank[q], ring.rank[r]
-    before = of[a] + of[c]
+    """Return what a move that cuts several tours takes off the energy [s], or `least` where that is no more.
+
+    legs: what the legs put in cost, in their order [s]; a 2-opt move has two.
+    """
+    sums, starts, rank = ring.sums, ring.starts, ring.rank
+    a, b, c = rank[p], rank[q], rank[r]
+    from_a, to_a, from_c, to_c = starts[a], starts[a + 1], starts[c], starts[c + 1]
+    before, longest = energies[a] + energies[c], max(sums[to_a] - sums[from_a], sums[to_c] - sums[from_c])
     if b != a and b != c:
-        before += of[b]
-    left = before
-    u, so_far = order[p], sums[p] - sums[starts[a]]
+        before += energies[b]
+        longest = max(longest, sums[starts[b + 1]] - sums[starts[b]])
+    if longest < pressure.mean + _STEEPEST * pressure.scale:
+        longest += _MANY * pressure.scale
+    else:
+        longest = math.inf
+    one = two = -1.0
+    so_far = sums[p] - sums[from_a] + legs[0]
     for part in range(2):
         i, j, turned = part_of(part, p, q, r, kind)
         if i > j:
             continue
-        so_far += leg(costs, 0, u, order[j] if turned else order[i])
-        u = order[i] if turned else order[j]
         first, last = (a, b) if i == p + 1 else (b, c)
         if first == last:
             so_far += sums[j] - sums[i]
-            continue
-        head, tail = sums[starts[first + 1]] - sums[i], sums[j] - sums[starts[last]]
-        if turned:
-            head, tail = tail, head
-        if so_far + head > longest:
-            return least
-        left -= tour_energy(so_far + head, pressure)
-        so_far = tail
-    so_far += leg(costs, 0, u, order[r + 1]) + sums[starts[c + 1]] - sums[r + 1]
-    if left <= least or so_far > longest:
+        else:
+            head, tail = sums[starts[first + 1]] - sums[i], sums[j] - sums[starts[last]]
+            if turned:
+                head, tail = tail, head
+            if so_far + head > longest:
+                return least
+            one, two = so_far + head, one
+            so_far = tail
+        so_far += legs[1 + part]
+    so_far += sums[to_c] - sums[r + 1]
+    if so_far > longest:
         return least
-    left -= tour_energy(so_far, pressure)
+    top = max(one, two, so_far)
+    left = before - tour_energy(top, pressure)
+    if left <= least:
+        return least
+    if two < 0.0:
+        left -= tour_energy(one + so_far - top, pressure)
+    else:
+        low = min(one, two, so_far)
+        left -= tour_energy(low, pressure) + tour_energy(one + two + so_far - top - low, pressure)
     return left if left > max(least, _ROUNDING * before) else least

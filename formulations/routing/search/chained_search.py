@@ -19,23 +19,29 @@ import numpy as np
 from formulations.routing.search.candidate_legs import CandidateLegs, candidate_legs
 from formulations.routing.search.costs import AlikeCosts, leg
 from formulations.routing.search.energy import TINY
-from formulations.routing.search.giant_tour import (
+from formulations.routing.search.giant_tour import is_between, tours_of
+from formulations.routing.search.problem_data import Nodes, ProblemData
+from formulations.routing.search.randomness import Rng, below, uniform
+from formulations.routing.search.ring_energy import Pressure, ThreeLegs, gain_across, tour_energy
+from formulations.routing.search.tour_blocks import (
     SWAPPED,
     TURNED_B,
     TURNED_C,
-    GiantTour,
     Kept,
+    TourBlocks,
     add_up,
-    giant_tour,
-    is_between,
     keep,
+    kept_of,
+    leg_at,
+    longest_of,
+    note_change,
+    position_of,
     rejoin,
     restore,
-    tours_of,
+    total_of,
+    tour_blocks,
+    write_ring,
 )
-from formulations.routing.search.problem_data import Nodes, ProblemData
-from formulations.routing.search.randomness import Rng, below, uniform
-from formulations.routing.search.ring_energy import Pressure, ThreeLegs, gain_across, price
 from formulations.routing.search.tours import Tours
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
@@ -66,19 +72,17 @@ class ChainParameters(NamedTuple):
 class Chain(NamedTuple):
     """What a chained search works with.
 
-    energies (m,): of the tours, as moves leave them [s]; move (4,): p, q, r and kind of the best move; kept: the ring
-    before the kick; touched (3,): first and last position where it differs, and whether a move went across tours;
-    queue (N,), queued (N,), ring (2,): nodes to look at, whether among them, and the queue's first place and length
-    (don't-look bits).
+    energies (m,): of the tours, as moves leave them [s]; move (4,): p, q, r and kind of the best move; kept: the tours
+    before the kick; queue (N,), queued (N,), ring (2,): nodes to look at, whether among them, and the queue's first
+    place and length (don't-look bits).
     """
 
     costs: AlikeCosts
     near: CandidateLegs
-    tour: GiantTour
+    blocks: TourBlocks
     energies: Floats
     move: Ints
     kept: Kept
-    touched: Ints
     queue: Nodes
     queued: Bools
     ring: Ints
@@ -145,9 +149,9 @@ def _consider(
 
     legs: what those put in cost, in the order in which they are flown; gain: what it saves in all [s].
     """
-    tour = chain.tour
-    if tour.rank[p] != tour.rank[r]:
-        gain = gain_across(tour, chain.energies, p, q, r, kind, legs, top, pressure)
+    blocks = chain.blocks
+    if p >> blocks.bits != r >> blocks.bits:
+        gain = gain_across(blocks, chain.energies, p, q, r, kind, legs, top, pressure)
     if gain <= top:
         return top
     move = chain.move
@@ -165,7 +169,8 @@ def _third_legs(
     put_in: what t2..t3 costs [s].
     """
     near, near_cost = chain.near
-    order, position, sums = chain.tour.order, chain.tour.position, chain.tour.sums
+    blocks = chain.blocks
+    order, position, sums = blocks.order, blocks.position, blocks.sums
     t1, t2 = order[ends.e1 + ends.s1], order[ends.e1 + 1 - ends.s1]
     t3, t4 = order[ends.e2 + ends.s3], order[ends.e2 + 1 - ends.s3]
     low, high = position[t2], position[t3] if closed else position[t4]
@@ -185,7 +190,7 @@ def _third_legs(
                     continue
             elif (s5 == ends.s1) != inside:
                 continue
-            e3 = i - s5 if i >= s5 else order.size - 2
+            e3 = leg_at(blocks, i, s5)
             if e3 == ends.e1 or e3 == ends.e2:
                 continue
             costs = put_in, near_cost[t4, j], leg(chain.costs, 0, t1, order[e3 + 1 - s5])
@@ -202,11 +207,11 @@ def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, 
     Return what it is worth, `least` where there is none.
     """
     near, near_cost = chain.near
-    order, position, sums = chain.tour.order, chain.tour.position, chain.tour.sums
-    top, last = least, order.size - 2
+    blocks = chain.blocks
+    order, position, sums = blocks.order, blocks.position, blocks.sums
+    top = least
     for s1 in range(2):
-        i = position[t1]
-        e1 = i - s1 if i >= s1 else last
+        e1 = leg_at(blocks, position[t1], s1)
         t2 = order[e1 + 1 - s1]
         for j in range(near.shape[1]):
             t3 = near[t2, j]
@@ -217,8 +222,7 @@ def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, 
             if t3 == t1:
                 continue
             for s3 in range(2):
-                i = position[t3]
-                e2 = i - s3 if i >= s3 else last
+                e2 = leg_at(blocks, position[t3], s3)
                 t4 = order[e2 + 1 - s3]
                 if t4 == t2:
                     continue
@@ -233,34 +237,47 @@ def best_move(chain: Chain, t1: int, least: float, parameters: ChainParameters, 
 
 
 @njit(cache=True, nogil=True)
+def _price(chain: Chain, k: int, pressure: Pressure) -> None:
+    """Write the energy of tour k."""
+    chain.energies[k] = tour_energy(chain.blocks.sums[chain.blocks.ends[k]], pressure)
+
+
+@njit(cache=True, nogil=True)
+def price_all(chain: Chain, pressure: Pressure) -> None:
+    """Write the energies of all tours."""
+    for k in range(chain.energies.size):
+        _price(chain, k, pressure)
+
+
+@njit(cache=True, nogil=True)
 def _make(chain: Chain, pressure: Pressure) -> None:
-    """Make the move in `chain.move`, queue the nodes where it cuts and note what it touches."""
-    move, ring, order, queue, touched = chain.move, chain.ring, chain.tour.order, chain.queue, chain.touched
+    """Make the move in `chain.move`, queue the nodes where it cuts and note which tours differ."""
+    ring, queue, blocks = chain.ring, chain.queue, chain.blocks
+    p, q, r, kind = chain.move
     for j in range(6):
-        v = order[move[j // 2] + j % 2]
+        v = blocks.order[chain.move[j // 2] + j % 2]
         if not chain.queued[v]:
             chain.queued[v] = True
             queue[(ring[0] + ring[1]) % queue.size] = v
             ring[1] += 1
-    rejoin(chain.costs, chain.tour, move[0], move[1], move[2], move[3])
-    first, last = chain.tour.rank[move[0]], chain.tour.rank[move[2]]
-    price(chain.tour, chain.energies, first, last, pressure)
-    touched[0], touched[1] = min(touched[0], move[0] + 1), max(touched[1], move[2])
-    if first < last:
-        touched[2] = 1
+    rejoin(chain.costs, blocks, p, q, r, kind)
+    note_change(blocks, chain.kept, p, q, r)
+    _price(chain, p >> blocks.bits, pressure)
+    _price(chain, q >> blocks.bits, pressure)
+    _price(chain, r >> blocks.bits, pressure)
 
 
 @njit(cache=True, nogil=True)
 def _kick(chain: Chain, span: int, pressure: Pressure, rng: Rng) -> None:
     """Put three consecutive short segments in reverse order, none of them reversed."""
-    move = chain.move
     span = min(span, (chain.queue.size - 1) // 3)
     a, b, c = 1 + below(rng, span), 1 + below(rng, span), 1 + below(rng, span)
-    p = below(rng, chain.queue.size - a - b - c)
-    move[0], move[1], move[2], move[3] = p, p + a, p + a + b + c, SWAPPED
-    _make(chain, pressure)
-    move[1], move[2] = p + b, p + b + c
-    _make(chain, pressure)
+    place = below(rng, chain.queue.size - a - b - c)
+    for q, r in ((a, a + b + c), (b, b + c)):
+        for j, further in enumerate((0, q, r)):
+            chain.move[j] = position_of(chain.blocks, place + further)
+        chain.move[3] = SWAPPED
+        _make(chain, pressure)
 
 
 @njit(cache=True, nogil=True)
@@ -282,42 +299,42 @@ def chain_kicks(
 ) -> float:
     """Kick and repair `kicks` times at a temperature [s].
 
-    best (N+1,): follows the order whose longest tour is shortest, at first `longest` [s]; return how long that is then.
+    best (N+1,): follows the ring whose longest tour is shortest, at first `longest` [s]; return how long that is then.
     """
-    tour, touched = chain.tour, chain.touched
-    add_up(chain.costs, tour)
-    sums, starts, energies, m = tour.sums, tour.starts, chain.energies, tour.starts.size - 1
-    pressure = Pressure(sums[-1] / m, parameters.scale * temperature)
-    price(tour, energies, 0, m - 1, pressure)
-    now, least = energies.sum(), parameters.gain * temperature
-    keep(tour, chain.kept, 0, tour.order.size - 1)
+    blocks, kept, m = chain.blocks, chain.kept, chain.energies.size
+    add_up(chain.costs, blocks)
+    pressure = Pressure(total_of(blocks) / m, parameters.scale * temperature)
+    price_all(chain, pressure)
+    now, least = chain.energies.sum(), parameters.gain * temperature
+    for k in range(m):
+        kept.since[k] = k << blocks.bits
+    keep(blocks, kept)
     for _ in range(kicks):
-        touched[0], touched[1], touched[2] = tour.order.size, 0, 0
+        kept.since[:] = -1
         _kick(chain, parameters.span, pressure, rng)
         _descend(chain, least, parameters, pressure)
-        then = energies.sum()
+        then = chain.energies.sum()
         if then > now - temperature * math.log(1.0 - uniform(rng)):
-            restore(tour, chain.kept, touched[0], touched[1], touched[2] == 1)
-            price(tour, energies, tour.rank[touched[0] - 1], tour.rank[touched[1]], pressure)
+            restore(blocks, kept)
+            for k in range(m):
+                if kept.since[k] >= 0:
+                    _price(chain, k, pressure)
             continue
-        keep(tour, chain.kept, touched[0], touched[1])
-        now, most = then, 0.0
-        for k in range(m):
-            most = max(most, sums[starts[k + 1]] - sums[starts[k]])
-        if most < (1.0 - 1e-12) * longest:
-            longest = most
-            for i in range(best.size):
-                best[i] = tour.order[i]
+        keep(blocks, kept)
+        now = then
+        if longest_of(blocks) < (1.0 - 1e-12) * longest:
+            longest = longest_of(blocks)
+            write_ring(blocks, best)
     return longest
 
 
 @njit(cache=True, nogil=True)
 def descend_everywhere(chain: Chain, least: float, parameters: ChainParameters, pressure: Pressure) -> None:
     """Make the best moves of all nodes until there is none worth more than `least` [s]."""
-    order, size = chain.tour.order, chain.queue.size
-    price(chain.tour, chain.energies, 0, chain.energies.size - 1, pressure)
+    price_all(chain, pressure)
+    size = chain.queue.size
     for i in range(size):
-        chain.queue[i] = order[i]
+        chain.queue[i] = chain.blocks.order[position_of(chain.blocks, i)]
         chain.queued[i] = True
     chain.ring[0], chain.ring[1] = 0, size
     _descend(chain, least, parameters, pressure)
@@ -336,14 +353,13 @@ class ChainedSearch:
     ) -> None:
         costs = data.costs
         assert isinstance(costs, AlikeCosts)
-        tour, nodes, m = giant_tour(costs, tours), tours.after.size, tours.cost.size
+        nodes, m = tours.after.size, tours.cost.size
         room = np.zeros(nodes, np.int32), np.zeros(nodes, np.bool_), np.zeros(2, np.int64)
-        near = near or chain_legs(costs, data.size[0], parameters)
-        energies, kept = np.empty(m), Kept(tour.order.copy(), tour.sums.copy())
-        self._chain = Chain(costs, near, tour, energies, np.zeros(4, np.int64), kept, np.zeros(3, np.int64), *room)
+        near, blocks = near or chain_legs(costs, data.size[0], parameters), tour_blocks(costs, tours)
+        self._chain = Chain(costs, near, blocks, np.empty(m), np.zeros(4, np.int64), kept_of(blocks), *room)
         self._parameters = parameters._replace(second=min(parameters.second, near.nodes.shape[1]))
         self._rng = rng
-        self._best = tour.order.copy()
+        self._best = self.ring()
         self._leg = float(tours.cost.sum()) / nodes
         self.longest = float(tours.cost.max())
 
@@ -356,16 +372,17 @@ class ChainedSearch:
 
     def settle(self, scale: float) -> None:
         """Descend from all nodes, s of the energy in mean legs; `best` and `longest` do not follow."""
-        sums, m = self.ring.sums, self.ring.starts.size - 1
-        leg = float(sums[-1]) / self._chain.queue.size
-        pressure = Pressure(float(sums[-1]) / m, scale * leg)
-        descend_everywhere(self._chain, self._parameters.gain * leg, self._parameters, pressure)
+        chain = self._chain
+        total = total_of(chain.blocks)
+        leg, mean = total / chain.queue.size, total / chain.energies.size
+        descend_everywhere(chain, self._parameters.gain * leg, self._parameters, Pressure(mean, scale * leg))
 
-    @property
-    def ring(self) -> GiantTour:
-        """The ring it works on."""
-        return self._chain.tour
+    def ring(self) -> Nodes:
+        """Return all nodes (N+1,) in the order in which tours are now, the first again at the end."""
+        ring = np.empty(self._chain.queue.size + 1, np.int32)
+        write_ring(self._chain.blocks, ring)
+        return ring
 
     def best(self) -> Tours:
         """Return the tours whose longest was shortest so far."""
-        return tours_of(self._chain.costs, self._best, self._chain.tour.starts.size - 1)
+        return tours_of(self._chain.costs, self._best, self._chain.energies.size)

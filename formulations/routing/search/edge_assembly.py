@@ -23,7 +23,7 @@ from formulations.routing.search.ab_cycles import AbCycles, ab_room, find_cycles
 from formulations.routing.search.candidate_legs import CandidateLegs
 from formulations.routing.search.chained_search import ChainedSearch, ChainParameters, chain_legs
 from formulations.routing.search.costs import AlikeCosts, leg
-from formulations.routing.search.giant_tour import GiantTour, tours_of
+from formulations.routing.search.giant_tour import GiantTour, giant_tour, tours_of
 from formulations.routing.search.nearest_in_turn import nearest_in_turn
 from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below
@@ -245,7 +245,7 @@ class EdgeAssembly:
         chain = ChainedSearch(self._data, tours, self._chain_parameters, self._rng, self._near)
         for scale in scales:
             chain.settle(scale)
-        return chain.ring
+        return giant_tour(self._costs, chain.ring(), self._data.size[1])
 
     def _cross(self, done: float, pairs: int) -> None:
         """Cross so many rings with the next of a random order, or let s fall in the end of one."""
@@ -314,8 +314,7 @@ def _longest(ring: GiantTour) -> float:
 
 def _copied(ring: GiantTour) -> GiantTour:
     """Return a copy."""
-    parts = ring.order.copy(), ring.position.copy(), ring.sums.copy(), ring.starts.copy(), ring.rank.copy()
-    return GiantTour(*parts, ring.spare_order.copy(), ring.spare_sums.copy())
+    return GiantTour._make(part.copy() for part in ring)
 
 
 def _shuffled(count: int, rng: Rng) -> list[int]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from formulations.routing.search.candidate_legs import CandidateLegs
 from formulations.routing.search.costs import AlikeCosts, leg
-from formulations.routing.search.giant_tour import GiantTour, add_up, is_between, rank
+from formulations.routing.search.giant_tour import GiantTour, add_up, is_between
 from formulations.routing.search.ring_energy import Pressure, tour_energy
 from instances.arrays import Ints
 from instances.kernels import njit
@@ -232,15 +232,14 @@ def become(costs: AlikeCosts, tour: GiantTour, child: RingChild) -> None:
             v = order[(j - x if end % 2 else i + x) % total]
             if v == total - m:
                 depot = at
-            tour.spare_order[at] = v
+            tour.spare[at] = v
             at += 1
     k = 0
     for i in range(total):
-        v = tour.spare_order[(depot + i) % total]
+        v = tour.spare[(depot + i) % total]
         order[i] = v
         tour.position[v] = i
         if v >= total - m:
             tour.starts[k] = i
             k += 1
-    rank(tour, 0, m - 1)
     add_up(costs, tour)

@@ -13,7 +13,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from formulations.routing.search.giant_tour import GiantTour, part_of
+from formulations.routing.search.giant_tour import GiantTour
+from formulations.routing.search.tour_blocks import TourBlocks, part_of
 from instances.arrays import Floats
 from instances.kernels import njit
 
@@ -53,17 +54,9 @@ def energy_of(ring: GiantTour, pressure: Pressure) -> float:
     return total
 
 
-@njit(cache=True, nogil=True)
-def price(ring: GiantTour, energies: Floats, first: int, last: int, pressure: Pressure) -> None:
-    """Write the energies [s] of tours first..last to `energies` (m,), which follow the ring's order."""
-    sums, starts = ring.sums, ring.starts
-    for k in range(first, last + 1):
-        energies[k] = tour_energy(sums[starts[k + 1]] - sums[starts[k]], pressure)
-
-
 @njit(cache=True, nogil=True, inline="always")  # its arguments are some hundred words: handing them over took as long
 def gain_across(
-    ring: GiantTour,
+    blocks: TourBlocks,
     energies: Floats,
     p: int,
     q: int,
@@ -75,21 +68,20 @@ def gain_across(
 ) -> float:
     """Return what a move that cuts several tours takes off the energy [s], or `least` where that is no more.
 
-    legs: what the legs put in cost, in their order [s]; a 2-opt move has two.
+    energies (m,): of the tours [s]; legs: what the legs put in cost, in their order [s]; a 2-opt move has two.
     """
-    sums, starts, rank = ring.sums, ring.starts, ring.rank
-    a, b, c = rank[p], rank[q], rank[r]
-    from_a, to_a, from_c, to_c = starts[a], starts[a + 1], starts[c], starts[c + 1]
-    before, longest = energies[a] + energies[c], max(sums[to_a] - sums[from_a], sums[to_c] - sums[from_c])
+    sums, ends, bits = blocks.sums, blocks.ends, blocks.bits
+    a, b, c = p >> bits, q >> bits, r >> bits
+    before, longest = energies[a] + energies[c], max(sums[ends[a]], sums[ends[c]])
     if b != a and b != c:
         before += energies[b]
-        longest = max(longest, sums[starts[b + 1]] - sums[starts[b]])
+        longest = max(longest, sums[ends[b]])
     if longest < pressure.mean + _STEEPEST * pressure.scale:
         longest += _MANY * pressure.scale
     else:
         longest = math.inf
     one = two = -1.0
-    so_far = sums[p] - sums[from_a] + legs[0]
+    so_far = sums[p] + legs[0]
     for part in range(2):
         i, j, turned = part_of(part, p, q, r, kind)
         if i > j:
@@ -98,7 +90,7 @@ def gain_across(
         if first == last:
             so_far += sums[j] - sums[i]
         else:
-            head, tail = sums[starts[first + 1]] - sums[i], sums[j] - sums[starts[last]]
+            head, tail = sums[ends[first]] - sums[i], sums[j]
             if turned:
                 head, tail = tail, head
             if so_far + head > longest:
@@ -106,7 +98,7 @@ def gain_across(
             one, two = so_far + head, one
             so_far = tail
         so_far += legs[1 + part]
-    so_far += sums[to_c] - sums[r + 1]
+    so_far += sums[ends[c]] - sums[r + 1]
     if so_far > longest:
         return least
     top = max(one, two, so_far)

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from formulations.limits import Limits
 from formulations.routing.search import chained_search as chained
-from formulations.routing.search import giant_tour as giant
 from formulations.routing.search import ring_energy
+from formulations.routing.search import tour_blocks as blocks
 from formulations.routing.search.costs import search_costs
+from formulations.routing.search.giant_tour import tours_of
 from formulations.routing.search.handover import HandoverParameters
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.nearest_in_turn import nearest_in_turn
@@ -47,76 +48,102 @@ def one_site(seed, n=N, m=M):
     return Instance("one-site", cost, n, m), routes
 
 
-def ring_of(seed):
+def blocks_of(seed):
     instance, routes = one_site(seed)
     costs = search_costs(instance)
-    return costs, giant.giant_tour(costs, from_routes(costs, routes))
+    return costs, blocks.tour_blocks(costs, from_routes(costs, routes))
+
+
+def ring_of(ring):
+    """All nodes in turn, the first again at the end."""
+    order = np.empty(N + M + 1, np.int32)
+    blocks.write_ring(ring, order)
+    return order
+
+
+def tours_on(order):
+    """The tours of a ring, each in the direction that begins with the smaller end, in any order."""
+    parts = np.split(order[:-1], np.flatnonzero(order[:-1] >= N)[1:])
+    return sorted(min(part[1:].tolist(), part[:0:-1].tolist()) for part in parts)
 
 
 def energy(costs, order, pressure=PRESSURE):
     """The energy of all tours, walked along; above 30 s it rises as its tangent there does."""
-    over = (giant.tours_of(costs, order, M).cost - pressure.mean) / pressure.scale
+    over = (tours_of(costs, order, M).cost - pressure.mean) / pressure.scale
     steep = np.maximum(over - 30.0, 0.0)
     return float((pressure.scale * np.exp(over - steep) * (1.0 + steep)).sum())
 
 
 def priced(ring, pressure=PRESSURE):
     """The energies of its tours."""
-    energies = np.empty(M)
-    ring_energy.price(ring, energies, 0, M - 1, pressure)
-    assert energies.sum() == pytest.approx(ring_energy.energy_of(ring, pressure))
-    return energies
+    return np.array([ring_energy.tour_energy(ring.sums[end], pressure) for end in ring.ends])
 
 
 def assert_booked(costs, ring):
-    """Places, prefix sums and starts are those of the order, which visits every node once."""
-    order = ring.order
-    assert order[0] == order[-1] == N
+    """Places, prefix sums and ends are those of the order, which visits every node once."""
+    order = ring_of(ring)
     assert sorted(order[:-1]) == list(range(N + M))
-    assert all(order[ring.position[v]] == v for v in range(N + M))
-    assert ring.sums[1:] == pytest.approx(np.cumsum(costs.out[order[:-1], order[1:]]))
-    assert list(ring.starts) == [*np.flatnonzero(order[:-1] >= N), N + M]
-    assert list(ring.rank) == list(np.cumsum(order[:-1] >= N) - 1)
+    for k in range(M):
+        first, end = k << ring.bits, ring.ends[k]
+        nodes = ring.order[first : end + 1]
+        assert nodes[0] == N + k
+        assert nodes[-1] == N + (k + 1) % M
+        assert all(v < N for v in nodes[1:-1])
+        assert list(ring.position[nodes[:-1]]) == list(range(first, end))
+        assert ring.sums[first : end + 1] == pytest.approx(np.cumsum([0.0, *costs.out[nodes[:-1], nodes[1:]]]))
 
 
 def test_a_ring_is_its_tours():
     instance, routes = one_site(5)
     costs = search_costs(instance)
-    ring = giant.giant_tour(costs, from_routes(costs, routes))
+    ring = blocks.tour_blocks(costs, from_routes(costs, routes))
     assert_booked(costs, ring)
-    assert to_routes(giant.tours_of(costs, ring.order, M)) == routes
+    order = ring_of(ring)
+    assert to_routes(tours_of(costs, order, M)) == routes
+    assert blocks.longest_of(ring) == pytest.approx(makespan(instance, routes))
+    at = [blocks.position_of(ring, place) for place in range(N + M)]
+    assert list(ring.order[at]) == list(order[:-1])
+    for right in (0, 1):
+        legs = [blocks.leg_at(ring, i, right) for i in at]
+        assert list(ring.order[np.add(legs, right)]) == list(order[:-1])
+        assert sorted(legs) == at
 
 
 @given(seed=seeds, kind=st.integers(2, 6), two=st.booleans(), scale=st.sampled_from([400.0, 40.0, 8.0, 1.0]))
 @example(seed=10, kind=4, two=False, scale=40.0)  # a depot comes to stand where the move begins
 @example(seed=30, kind=2, two=True, scale=40.0)
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=200, deadline=None)
 def test_a_move_costs_what_it_says_and_is_taken_back(seed, kind, two, scale):
-    costs, ring = ring_of(seed)
+    costs, ring = blocks_of(seed)
     p, q, r = (int(x) for x in np.sort(np.random.default_rng(seed).choice(N + M, 3, replace=False)))
-    q, kind = (r, giant.TURNED_B) if two or kind == giant.TURNED_B else (q, kind)
-    a, b, c, d = np.split(ring.order.copy(), [p + 1, q + 1, r + 1])
-    b, c = b[::-1] if kind & giant.TURNED_B else b, c[::-1] if kind & giant.TURNED_C else c
-    expected = np.concatenate([a, c, b, d] if kind & giant.SWAPPED else [a, b, c, d])
-    order, kept = ring.order.copy(), giant.Kept(ring.order.copy(), ring.sums.copy())
-    across, pressure = ring.rank[p] != ring.rank[r], ring_energy.Pressure(100.0, scale)
-    if across:
-        joints = [p, r, r] if kind == giant.TURNED_B else [p, p + (r - q if kind & giant.SWAPPED else q - p), r]
-        legs = tuple(costs.out[expected[joints], expected[np.add(joints, 1)]].tolist())
+    q, kind = (r, blocks.TURNED_B) if two or kind == blocks.TURNED_B else (q, kind)
+    order, kept = ring_of(ring), blocks.kept_of(ring)
+    a, b, c, d = np.split(order, [p + 1, q + 1, r + 1])
+    b, c = b[::-1] if kind & blocks.TURNED_B else b, c[::-1] if kind & blocks.TURNED_C else c
+    expected = np.concatenate([a, c, b, d] if kind & blocks.SWAPPED else [a, b, c, d])
+    joints = [p, r, r] if kind == blocks.TURNED_B else [p, p + (r - q if kind & blocks.SWAPPED else q - p), r]
+    legs = tuple(costs.out[expected[joints], expected[np.add(joints, 1)]].tolist())
+    p, q, r = (blocks.position_of(ring, place) for place in (p, q, r))
+    pressure = ring_energy.Pressure(100.0, scale)
+    if p >> ring.bits != r >> ring.bits:
         gain = ring_energy.gain_across(ring, priced(ring, pressure), p, q, r, kind, legs, 0.0, pressure)
         before, after = energy(costs, order, pressure), energy(costs, expected, pressure)
         assert gain == pytest.approx(max(before - after, 0.0), rel=1e-6, abs=1e-8 * before)
-    giant.rejoin(costs, ring, p, q, r, kind)
-    assert list(ring.order) == list(expected)
+    blocks.rejoin(costs, ring, p, q, r, kind)
+    assert tours_on(ring_of(ring)) == tours_on(expected)
     assert_booked(costs, ring)
-    moved = ring.order.copy()
-    giant.restore(ring, kept, p + 1, r, across)
-    assert list(ring.order) == list(order)
+    moved = ring_of(ring)
+    blocks.note_change(ring, kept, p, q, r)
+    blocks.restore(ring, kept)
+    assert list(ring_of(ring)) == list(order)
     assert_booked(costs, ring)
-    giant.rejoin(costs, ring, p, q, r, kind)
-    giant.keep(ring, kept, p + 1, r)
-    assert list(kept.order) == list(moved)
-    assert list(kept.sums) == list(ring.sums)
+    blocks.rejoin(costs, ring, p, q, r, kind)
+    blocks.keep(ring, kept)
+    other = blocks.tour_blocks(costs, tours_of(costs, order, M))
+    kept.since[:] = np.arange(M) << ring.bits
+    blocks.restore(other, kept)
+    assert list(ring_of(other)) == list(moved)
+    assert_booked(costs, other)
 
 
 @given(seed=seeds)
@@ -126,19 +153,20 @@ def test_the_best_move_of_a_node_is_worth_what_it_says(seed):
     data = problem_data(search_costs(instance), N, FULL.neighbourhood)
     search = chained.ChainedSearch(data, from_routes(data.costs, routes), HOW, seeded(seed))
     chain, same = search._chain, 0
-    ring = chain.tour
+    ring = chain.blocks
     for v in range(N + M):
-        before, total = energy(data.costs, ring.order), float(ring.sums[-1])
-        chain.energies[:] = priced(ring)
+        before, total = energy(data.costs, ring_of(ring)), blocks.total_of(ring)
+        chained.price_all(chain, PRESSURE)
+        assert chain.energies.sum() == pytest.approx(before)
         worth = chained.best_move(chain, v, 1e-9, HOW, PRESSURE)
         if worth <= 1e-9:
             continue
         p, q, r, kind = (int(x) for x in chain.move)
-        inside = ring.rank[p] == ring.rank[r]
-        giant.rejoin(data.costs, ring, p, q, r, kind)
+        inside = p >> ring.bits == r >> ring.bits
+        blocks.rejoin(data.costs, ring, p, q, r, kind)
         assert_booked(data.costs, ring)
-        after = energy(data.costs, ring.order)
-        assert worth == pytest.approx(total - ring.sums[-1] if inside else before - after, rel=1e-6)
+        after = energy(data.costs, ring_of(ring))
+        assert worth == pytest.approx(total - blocks.total_of(ring) if inside else before - after, rel=1e-6)
         assert after < before
         same += 1
     assert same > 0

@@ -19,7 +19,7 @@ from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
-from formulations.routing.search.tours import from_routes, to_routes
+from formulations.routing.search.tours import to_routes
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan
 
@@ -45,9 +45,10 @@ def site(seed, n=N, m=M):
 def ring(instance, seed):
     rng = np.random.default_rng(seed)
     cuts = np.sort(rng.integers(0, N + 1, M - 1))
-    routes = tuple(tuple(part.tolist()) for part in np.split(rng.permutation(N), cuts))
+    tours = np.split(rng.permutation(N), cuts)
+    order = np.concatenate([np.append(N + k, tour) for k, tour in enumerate(tours)] + [[N]]).astype(np.int32)
     costs = search_costs(instance)
-    return costs, giant.giant_tour(costs, from_routes(costs, routes))
+    return costs, giant.giant_tour(costs, order, M)
 
 
 def merged(v):

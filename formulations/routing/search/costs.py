@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from formulations.routing.search.place_costs import PlaceCosts, place_costs, place_leg, read_only
 from instances import Instance, Travel
 from instances.arrays import Floats, Ints
+from instances.kernels import njit
 
 _FEW = 8
 """Rows that show most asymmetric matrices to be so, before all are compared."""
@@ -118,6 +119,18 @@ def _n_nodes(costs: Any) -> Callable[..., Any]:
     if _of_places(costs):
         return lambda costs: costs.x.size
     return lambda costs: costs.out.shape[-1]
+
+
+@njit(cache=True, nogil=True)
+def farthest_trip(costs: Costs, n_tasks: int) -> float:
+    """Return what the first UAV takes to the farthest task and back [s]; at one site all take as long.
+
+    The bound `farthest` of simple_bounds.py is of an instance, this of costs as the search scales them for endurance.
+    """
+    most = 0.0
+    for v in range(n_tasks):
+        most = max(most, leg(costs, 0, n_tasks, v) + leg(costs, 0, v, n_tasks))
+    return most
 
 
 def both_ways(cost: Floats) -> AlikeCosts:

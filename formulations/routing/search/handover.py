@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.routing.search.costs import AlikeCosts, Costs
-from formulations.routing.search.packing import farthest_trip
+from formulations.routing.search.costs import AlikeCosts, Costs, farthest_trip
 from formulations.routing.search.problem_data import ProblemData
 
 

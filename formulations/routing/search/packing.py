@@ -19,26 +19,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from formulations.routing.search.costs import Costs, leg
+from formulations.routing.search.costs import farthest_trip
 from formulations.routing.search.energy import Objective, excess
 from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below
 from formulations.routing.search.schedule import ScheduleParameters, mean_leg
 from formulations.routing.search.tours import Tours
 from formulations.routing.search.trimming import TrimmingParameters
-from instances.kernels import njit
-
-
-@njit(cache=True, nogil=True)
-def farthest_trip(costs: Costs, n_tasks: int) -> float:
-    """Return what the first UAV takes to the farthest task and back [s]; at one site all take as long.
-
-    The bound `farthest` of simple_bounds.py is of an instance, this of costs as the search scales them for endurance.
-    """
-    most = 0.0
-    for v in range(n_tasks):
-        most = max(most, leg(costs, 0, n_tasks, v) + leg(costs, 0, v, n_tasks))
-    return most
 
 
 @dataclass(frozen=True)

@@ -237,7 +237,7 @@ class EdgeAssembly:
     def _made(self) -> GiantTour:
         """Return a local optimum, from the nearest tasks in turn."""
         first = int(self._firsts[len(self._rings) % self._firsts.size])
-        start = nearest_in_turn(self._costs, self._data.size[0], first)
+        start = nearest_in_turn(self._data, first)
         return self._settled(start, self._how.loose, self._how.scales[0])
 
     def _settled(self, tours: Tours, *scales: float) -> GiantTour:

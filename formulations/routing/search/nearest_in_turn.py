@@ -9,36 +9,45 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.routing.search.costs import AlikeCosts
-from formulations.routing.search.problem_data import Nodes
+from formulations.routing.search.problem_data import Nodes, ProblemData
 from formulations.routing.search.tours import Tours, empty_tours, fill, sum_costs
 from instances.arrays import Floats
 from instances.kernels import njit
 
 
 @njit(cache=True, nogil=True)
-def _visited(cost: Floats, n: int, first: int) -> tuple[Nodes, Floats]:
-    """Return all n tasks in turn, and what it costs to fly to each from the site [s]."""
-    order, sums, left = np.empty(n, np.int32), np.empty(n), np.arange(n)
-    v, at, so_far = n, first, 0.0
+def _visited(cost: Floats, near: Nodes, first: int) -> tuple[Nodes, Floats]:
+    """Return all tasks in turn, and what it costs to fly to each from the site [s]; `near` (n, k) lists the nearest."""
+    n = near.shape[0]
+    order, sums, left, place = np.empty(n, np.int32), np.empty(n), np.arange(n), np.arange(n)
+    v, w, so_far = n, first, 0.0
     for i in range(n):
-        w = left[at]
         so_far += cost[v, w]
         order[i], sums[i], v = w, so_far, w
-        left[at] = left[n - 1 - i]
-        row, at = cost[v], 0
+        last = left[n - 1 - i]
+        left[place[w]], place[last] = last, place[w]
+        place[w], w = -1, -1
+        for j in range(near.shape[1]):
+            if place[near[v, j]] >= 0:
+                w = near[v, j]
+                break
+        if w >= 0:
+            continue
+        row, w = cost[v], left[0]
         for j in range(1, n - 1 - i):
-            if row[left[j]] < row[left[at]]:
-                at = j
+            if row[left[j]] < row[w]:
+                w = left[j]
     return order, sums
 
 
-def nearest_in_turn(costs: AlikeCosts, n_tasks: int, first: int) -> Tours:
+def nearest_in_turn(data: ProblemData, first: int) -> Tours:
     """Return a tour that flies on to the nearest task again and again, from the task `first` on.
 
     It is cut into parts that cost about the same.
     """
-    n, m = n_tasks, len(costs.out) - n_tasks
-    order, sums = _visited(costs.out, n, first)
+    costs, (n, m) = data.costs, data.size
+    assert isinstance(costs, AlikeCosts)
+    order, sums = _visited(costs.out, data.near.tasks, first)
     cuts = np.searchsorted(sums, sums[-1] * np.arange(1, m) / m)
     tours = empty_tours(n, m)
     for k, part in enumerate(np.split(order, cuts)):

@@ -189,7 +189,7 @@ def test_a_search_never_gets_worse_and_keeps_all_tasks():
 
 def test_the_first_tours_fly_on_to_the_nearest_task_and_are_about_as_long():
     instance, _ = one_site(7, 90, 3)
-    tours = nearest_in_turn(search_costs(instance), 90, 17)
+    tours = nearest_in_turn(problem_data(search_costs(instance), 90, FULL.neighbourhood), 17)
     routes = to_routes(tours)
     assert routes[0][0] == 17
     assert check_routes(instance, routes) == []

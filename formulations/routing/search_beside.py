@@ -32,6 +32,7 @@ _NARROW, _MOST = 0.005, 8.0  # gap, as a share of the routes, up to which it is 
 _NEAR = 0.01  # gap, as a share of the routes, above which relaxations say nothing of tours
 _STEPS_A_LABEL = 0.05  # and for each label made in vain
 _ROUNDS_A_RELAXATION, _ROUNDS_A_LIST = 25, 200  # as which a relaxation that is near, and a list in vain then, count
+_LONG = 2.0  # as many first searches one takes at least where no relaxation is near: short ones end in the same traps
 _IN_VAIN = 5  # searches around tours drawn that find nothing, after which that counts half
 _AFRESH = 5  # one in so many searches around tours drawn is around none
 
@@ -68,7 +69,7 @@ class Search:
                 if self.recorder.objective < before:
                     self._in_vain = 0
                     break
-        elif due >= STEPS * n**2 / 2:
+        elif due >= _LONG * STEPS * n**2:
             self._on(int(due))
             self._barren = 0 if self.recorder.objective < before else self._barren + 1
         return self.recorder.objective < before * (1 - self.tolerance)

@@ -15,6 +15,6 @@ From the bottom up: costs, leg_potentials, problem_data and tours hold the data,
 be flown; energy measures tours; ruin, recreate, moves (by concatenation) and local_search change them; annealing under
 a schedule is `ruin_recreate`; decomposition, perturbation, crossover and, with trimming, packing make a population of a
 strategy, which is `memetic`; parameters has all that was tuned. Where tours from one site are long, handover says when
-edge_assembly (of rings from nearest_in_turn, by ab_cycles and ring_children) or chained_search (by candidate_legs on a
-giant_tour, judged by ring_energy) takes over.
+edge_assembly (of rings from nearest_in_turn, each a giant_tour, by ab_cycles and ring_children) or chained_search (by
+candidate_legs on tour_blocks, judged by ring_energy) takes over.
 """

@@ -310,7 +310,8 @@ def chain_kicks(
         kept.since[k] = k << blocks.bits
     keep(blocks, kept)
     for _ in range(kicks):
-        kept.since[:] = -1
+        for k in range(m):
+            kept.since[k] = -1
         _kick(chain, parameters.span, pressure, rng)
         _descend(chain, least, parameters, pressure)
         then = chain.energies.sum()

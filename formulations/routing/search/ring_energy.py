@@ -1,4 +1,4 @@
-"""Energy of the tours on a giant tour, and what a move that cuts several of them takes off it.
+"""Energy of tours from one site, and what a move that cuts several of them takes off it.
 
     E = Σ_k s · exp((C_k − μ) / s),
 

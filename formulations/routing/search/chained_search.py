@@ -73,8 +73,8 @@ class Chain(NamedTuple):
     """What a chained search works with.
 
     energies (m,): of the tours, as moves leave them [s]; move (4,): p, q, r and kind of the best move; kept: the tours
-    before the kick; queue (N,), queued (N,), ring (2,): nodes to look at, whether among them, and the queue's first
-    place and length (don't-look bits).
+    before the kick; queue (N,), queued (N,), queue_at (2,): nodes to look at, whether among them, and the queue's
+    first place and length (don't-look bits).
     """
 
     costs: AlikeCosts
@@ -85,7 +85,7 @@ class Chain(NamedTuple):
     kept: Kept
     queue: Nodes
     queued: Bools
-    ring: Ints
+    queue_at: Ints
 
 
 class Ends(NamedTuple):
@@ -252,14 +252,14 @@ def price_all(chain: Chain, pressure: Pressure) -> None:
 @njit(cache=True, nogil=True)
 def _make(chain: Chain, pressure: Pressure) -> None:
     """Make the move in `chain.move`, queue the nodes where it cuts and note which tours differ."""
-    ring, queue, blocks = chain.ring, chain.queue, chain.blocks
+    at, queue, blocks = chain.queue_at, chain.queue, chain.blocks
     p, q, r, kind = chain.move
     for j in range(6):
         v = blocks.order[chain.move[j // 2] + j % 2]
         if not chain.queued[v]:
             chain.queued[v] = True
-            queue[(ring[0] + ring[1]) % queue.size] = v
-            ring[1] += 1
+            queue[(at[0] + at[1]) % queue.size] = v
+            at[1] += 1
     rejoin(chain.costs, blocks, p, q, r, kind)
     note_change(blocks, chain.kept, p, q, r)
     _price(chain, p >> blocks.bits, pressure)
@@ -283,11 +283,11 @@ def _kick(chain: Chain, span: int, pressure: Pressure, rng: Rng) -> None:
 @njit(cache=True, nogil=True)
 def _descend(chain: Chain, least: float, parameters: ChainParameters, pressure: Pressure) -> None:
     """Make the best moves of queued nodes until there are none."""
-    ring, queue = chain.ring, chain.queue
-    while ring[1] > 0:
-        v = queue[ring[0]]
-        ring[0] = (ring[0] + 1) % queue.size
-        ring[1] -= 1
+    at, queue = chain.queue_at, chain.queue
+    while at[1] > 0:
+        v = queue[at[0]]
+        at[0] = (at[0] + 1) % queue.size
+        at[1] -= 1
         chain.queued[v] = False
         while best_move(chain, v, least, parameters, pressure) > least:
             _make(chain, pressure)
@@ -337,7 +337,7 @@ def descend_everywhere(chain: Chain, least: float, parameters: ChainParameters, 
     for i in range(size):
         chain.queue[i] = chain.blocks.order[position_of(chain.blocks, i)]
         chain.queued[i] = True
-    chain.ring[0], chain.ring[1] = 0, size
+    chain.queue_at[0], chain.queue_at[1] = 0, size
     _descend(chain, least, parameters, pressure)
 
 

@@ -26,6 +26,7 @@ _ROUNDING = 1e-9
 """Share of the energy of the tours cut, below which a gain counts as rounding: descents end, however steep it is."""
 
 ThreeLegs = tuple[float, float, float]
+"""What three legs cost [s]."""
 
 
 class Pressure(NamedTuple):
@@ -83,10 +84,9 @@ def gain_across(
     one = two = -1.0
     so_far = sums[p] + legs[0]
     for part in range(2):
-        i, j, turned = part_of(part, p, q, r, kind)
+        i, j, turned, first, last = part_of(blocks, part, p, q, r, kind)
         if i > j:
             continue
-        first, last = (a, b) if i == p + 1 else (b, c)
         if first == last:
             so_far += sums[j] - sums[i]
         else:

@@ -147,11 +147,15 @@ def position_of(blocks: TourBlocks, place: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def part_of(part: int, p: int, q: int, r: int, kind: int) -> tuple[int, int, bool]:
-    """Return (first position, last position, whether turned) of the part that comes as number `part` after A."""
+def part_of(blocks: TourBlocks, part: int, p: int, q: int, r: int, kind: int) -> tuple[int, int, bool, int, int]:
+    """Return the part that comes as number `part` after A, where a move cuts at p ≤ q ≤ r.
+
+    As (first position, last position, whether turned, number of the tour that it begins on, and of that it ends on);
+    the last position is below the first where it is empty.
+    """
     if (part == 1) == (kind & SWAPPED == 0):
-        return q + 1, r, kind & TURNED_C != 0
-    return p + 1, q, kind & TURNED_B != 0
+        return q + 1, r, kind & TURNED_C != 0, q >> blocks.bits, r >> blocks.bits
+    return p + 1, q, kind & TURNED_B != 0, p >> blocks.bits, q >> blocks.bits
 
 
 @njit(cache=True, nogil=True)
@@ -201,7 +205,7 @@ def rejoin(costs: AlikeCosts, blocks: TourBlocks, p: int, q: int, r: int, kind: 
         return
     x, u, so_far = 0, blocks.order[p], blocks.sums[p]
     for part in range(2):
-        i, j, turned = part_of(part, p, q, r, kind)
+        i, j, turned, _, _ = part_of(blocks, part, p, q, r, kind)
         x, u, so_far = _fly_on(costs, blocks, i, j, turned, x, u, so_far)
     change = so_far + leg(costs, 0, u, blocks.order[r + 1]) - blocks.sums[r + 1]
     _take_back(blocks, p + 1, 0, x)
@@ -218,11 +222,8 @@ def _rejoin_across(costs: AlikeCosts, blocks: TourBlocks, p: int, q: int, r: int
     cost_one = cost_two = 0.0
     x, u, so_far = 0, blocks.order[p], blocks.sums[p]
     for part in range(2):
-        i, j, turned = part_of(part, p, q, r, kind)
-        if i > j:
-            continue
-        first, last = (a, b) if i == p + 1 else (b, c)
-        if first == last:
+        i, j, turned, first, last = part_of(blocks, part, p, q, r, kind)
+        if first == last:  # or it is empty
             x, u, so_far = _fly_on(costs, blocks, i, j, turned, x, u, so_far)
             continue
         head, tail = (i, ends[first] - 1), ((last << bits) + 1, j)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.routing.columns.cuts import incidence
+from formulations.routing.columns.exempting import shares, sole_bottleneck
 from formulations.routing.columns.label_search import Clock
 from formulations.routing.columns.master import Master
 from instances.arrays import Bools, Floats, Ints
@@ -23,17 +24,6 @@ _GLANCE, _TRIAL = 5, 200
 """Pivots of a rough and of a thorough trial."""
 _LEAST = 1e-6
 """Share of the master's value below which a rise counts as this much: neither side may count as nothing."""
-_WHOLE = 1e-6
-"""How far a share may be from a whole number."""
-
-
-def shares(master: Master, weight: Floats) -> Floats:
-    """Return y_ki, how much of task i UAV k takes, shape (m, n)."""
-    share = np.zeros((master.m, master.n))
-    for p in np.flatnonzero(weight > 1e-9):
-        column = master.columns[p]
-        share[column.uav, list(column.tasks)] += weight[p]
-    return share
 
 
 def choose(master: Master, allowed: Bools, far: Floats, gap: float, time_left: Clock) -> tuple[int, int] | None:
@@ -54,9 +44,8 @@ def choose(master: Master, allowed: Bools, far: Floats, gap: float, time_left: C
     kinds = [_promising(split * far**2), _promising(split * np.maximum(duals.price, 0.0))]
     if kinds[0].size + kinds[1].size == 0:
         return _dearest(undecided, share, duals.price)
-    k = duals.bottleneck
-    if k is not None and np.abs(share[k] - share[k].round()).max() < _WHOLE and kinds[0].size > 0:
-        # one whole tour alone makes the relaxation as long as it is: no branch on the others raises it
+    if sole_bottleneck(master, duals, weight) is not None and kinds[0].size > 0:
+        # no branch on the others raises the relaxation
         return divmod(int(kinds[0][0]), master.n)
     trials = _Trials(master, value, gap, time_left)
     roughly = trials.best(_each_once(*kinds), _GLANCE, _TRIED)

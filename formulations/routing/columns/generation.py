@@ -1,10 +1,10 @@
 """Column generation: the master and pricing in turn, until the capped relaxation is solved or its bound passes the cap.
 
 Only tours of cost ≤ cap < U exist, which is what makes the bound strong: a relaxation without columns enough is itself
-a proof. Duals are smoothed (Wentges, "Weighted Dantzig–Wolfe decomposition for linear mixed-integer programming",
-1997): priced half-way between the best duals so far and the master's; where that finds nothing the master's own are
-priced. Every pricing gives a Lagrangian bound. A pricer that can neither find columns nor exclude them is followed by
-the next, stronger one; so is one that loses labels and has hardly brought value and bound together for some rounds.
+a proof. Duals are smoothed (`smoothing.py`): priced between the best so far and the master's; where that finds nothing
+the master's own are priced. Every pricing gives a Lagrangian bound. A pricer that can neither find columns nor exclude
+them is followed by the next, stronger one; so is one that loses labels and has hardly brought value and bound together
+for some rounds.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ import numpy as np
 from formulations.routing.columns.label_search import Clock
 from formulations.routing.columns.master import Master, Optimum
 from formulations.routing.columns.pricing import DualBound, Duals, Priced, Prices
+from formulations.routing.columns.smoothing import HALF_WAY, adapted
 from instances.arrays import Floats
 
-_SMOOTHING = 0.5
 _CLOSE = 0.02  # of the gap to the cap: how near the master's value and the bound must come
 _PROGRESS, _DULL = 0.02, 3  # share by which the span from bound to value shrinks, and rounds in which it does not
 _EXACT = 1e-7  # of the cap: columns that gain less are not worth adding
@@ -60,6 +60,8 @@ def generate(
     reserve: Prices | None = None,
     start: Duals | None = None,
     meanwhile: Callable[[DualBound, int], bool] = lambda _best, _in_vain: False,
+    roughly: bool = False,
+    steady: bool = False,
 ) -> Relaxation:
     """Solve the relaxation over tours of cost ≤ `cap`, by `pricers` from the quickest to the strongest.
 
@@ -72,14 +74,16 @@ def generate(
         pricer loses labels for may take some rounds in which it hardly brings value and bound together.
     meanwhile : told of the best bound so far and the labels made by the strongest pricer where it loses some, which may
         go on and on; says whether the cap has fallen.
+    roughly : no bound is asked for: it is stuck as well where value and bound are hardly brought together any more.
+    steady : smoothing stays half-way, as it does where a start is given.
     """
     optimum = _settled(master, reserve, cap, time_left)
     best, trust = DualBound(-np.inf, optimum.duals if optimum else master.any_duals, np.zeros(pricers[0].n_uavs)), 1.0
     if centre is not None:
-        best, trust = centre, _SMOOTHING
+        best, trust = centre, HALF_WAY
     elif start is not None:
         best, trust = replace(best, duals=start), 0.0
-    ladder, rounds = _Ladder(pricers), 0
+    ladder, rounds, share = _Ladder(pricers), 0, HALF_WAY
     while optimum is not None:
         rounds += 1
         value, at_master, weight = optimum
@@ -90,6 +94,8 @@ def generate(
         least = np.array([min(0.0, priced[k].least) for k in master.first])
         found = DualBound(duals.offset + float(least.sum()) - duals.margin(cap, master.m), duals, least)
         rise = found.value - best.value
+        if trust < 1.0 and start is None and not steady:
+            share = adapted(share, priced, duals, master, at_master)
         if rise > 0:
             best = found
         if best.value > cap:
@@ -109,7 +115,7 @@ def generate(
             close = value - best.value <= _CLOSE * (cap - best.value)
             if close and not master.penalised:
                 return Relaxation(Ended.SOLVED, best, weight, rounds)
-            widened, trust = close and master.widen(2 * cap), _SMOOTHING if value - best.value > _EXACT * cap else 1.0
+            widened, trust = close and master.widen(2 * cap), share if value - best.value > _EXACT * cap else 1.0
         elif trust < 1.0:
             trust = 1.0
         elif not (widened := master.widen(2 * cap)):
@@ -120,7 +126,7 @@ def generate(
             optimum = _settled(master, reserve, cap, time_left)
             ladder = _Ladder(pricers)
         elif dull:
-            if ladder.at_top and start is not None:
+            if ladder.at_top and (roughly or start is not None):
                 return Relaxation(Ended.STUCK, best, weight, rounds)
             ladder.climb()
     return Relaxation(Ended.INTERRUPTED, best, np.zeros(len(master.columns)), rounds)

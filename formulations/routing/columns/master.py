@@ -18,7 +18,7 @@ come from `pricing`, at the duals found here.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -51,17 +51,25 @@ class Master:
 
     half : half width of the box the duals of the tasks begin in [s], one for all or (n,); centre : its middle.
     kinds : UAVs of one number are alike, (m,); a column of one of them is kept as one of the `first` of them.
+    exempt : UAVs alone of their kind that z need not reach: σ_k = 0.
     uavs : the first of every kind; first (m,) : the first that is like each UAV.
     """
 
     def __init__(
-        self, n_tasks: int, kinds: Ints, half: float | Floats, cuts: Sequence[Cut] = (), centre: float | Floats = 0.0
+        self,
+        n_tasks: int,
+        kinds: Ints,
+        half: float | Floats,
+        cuts: Sequence[Cut] = (),
+        centre: float | Floats = 0.0,
+        exempt: Collection[int] = (),
     ) -> None:
         self.n, self.m = n_tasks, kinds.size
         _, self.uavs, self._kind = np.unique(kinds, return_index=True, return_inverse=True)
         self.first, alike = self.uavs[self._kind], np.bincount(self._kind).astype(float)
         self.columns: list[Column] = []
         self.cuts: list[Cut] = []
+        self.exempt = frozenset(exempt)
         self.half = np.tile(np.broadcast_to(half, n_tasks), 2)
         self.centre = np.outer((1.0, -1.0), np.broadcast_to(centre, n_tasks)).ravel()
         self._known: dict[tuple[int, tuple[int, ...]], int] = {}
@@ -74,7 +82,8 @@ class Master:
         for option, value in settings:
             lp.setOptionValue(option, value)
         empty = np.array([], dtype=np.int32), np.array([])
-        for upper in [1.0] * n_tasks + [0.0] * n_kinds + alike.tolist():
+        below_z = [highspy.kHighsInf if k in self.exempt else 0.0 for k in self.uavs.tolist()]
+        for upper in [1.0] * n_tasks + below_z + alike.tolist():
             lower = 1.0 if lp.getNumRow() < n_tasks else -highspy.kHighsInf
             lp.addRow(lower, upper, 0, *empty)
         costs = np.arange(n_tasks, n_tasks + n_kinds, dtype=np.int32)

@@ -85,10 +85,10 @@ class Workspace:
         team = self.team
         return Pricer(legs, cap, effort, team, lambda: 0.0 if team.over else self.time_left(), self.recall, team.each)
 
-    def meanwhile(self, at: DualBound, in_vain: int) -> bool:
-        """Search on while a relaxation does not end, after `in_vain` labels lost; return whether there are better."""
+    def meanwhile(self, level: float, in_vain: int) -> bool:
+        """Search on while a relaxation at `level` [s] goes on, after `in_vain` labels lost; say whether that helps."""
         self.counts["labels in vain"] += in_vain
-        return self.better(Hint(at.value))
+        return self.better(Hint(level))
 
 
 @dataclass
@@ -102,6 +102,7 @@ class Node:
     fixed_at : gap [s] at which legs were fixed away last, here or above.
     kinds : UAVs of one number are alike: any permutation of them turns routes allowed here into such routes.
     reserve : some tours of UAVs that are not listed, to look for columns in first; reserved_at : where it was made.
+    exempt : UAVs whose costs the relaxation does not count (`exempting.py`); level [s] : what it came to with them.
     """
 
     legs: Legs
@@ -119,6 +120,8 @@ class Node:
     number: int = 0
     proof: DualBound | None = None
     reserved_at: DualBound | None = None
+    exempt: frozenset[int] = frozenset()
+    level: float = -np.inf
 
     @classmethod
     def root(cls, legs: Legs, bound: float, columns: list[Column], kinds: Ints) -> Node:
@@ -165,6 +168,11 @@ class Node:
         legs = self.legs.without(task, uavs)
         return replace(self, legs=legs, columns=columns, pool=pool, reserve=reserve, number=number)
 
+    def exempt_cost_of(self, k: int, level: float) -> None:
+        """Count the cost of UAV k no more, with which the relaxation comes to `level` [s]: it begins anew."""
+        self.exempt, self.level, self.centre = self.exempt | {k}, max(self.level, level), None
+        self.fixed_at = self.listing_failed = self.last_failed = np.inf
+
     def lighten(self, cap: float) -> None:
         """Drop the cuts that nothing pays for, and the columns that are in no routes of cost ≤ `cap`."""
         if self.centre is None:
@@ -188,6 +196,6 @@ class Node:
         elif self.centre is not None:
             half = np.maximum(half, 2 * np.abs(self.centre.duals.price))
         columns = [c for c in self.columns if c.cost <= cap]
-        master = Master(n, self._one_apart() if apart else self.kinds, half, self.cuts, middle)
+        master = Master(n, self._one_apart() if apart else self.kinds, half, self.cuts, middle, self.exempt)
         master.add(self._for_all_alike(columns) if apart else columns)
         return master

@@ -6,13 +6,14 @@ they fit; then it is cut and solved again. What ends this is one of the outcomes
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from formulations.routing.columns.branching import choose
-from formulations.routing.columns.cuts import separate
+from formulations.routing.columns.cuts import Cut, separate
+from formulations.routing.columns.exempting import sole_bottleneck
 from formulations.routing.columns.fixing import fix_as_worth
 from formulations.routing.columns.generation import Ended, generate
 from formulations.routing.columns.master import Master
@@ -27,9 +28,12 @@ _WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not l
 _QUICK_ROOM = 2_000_000  # labels of a UAV to list its tours with while cuts raise the bound: lists shrink with the gap
 _MORE_ROOM = 4  # times the labels, after an attempt to list the tours that failed where cuts did no more
 _CUTS_A_ROUND = 50
+_ROUGH_ROUNDS = (
+    2  # of cuts after each round, on relaxations solved as the quickest pricer can, where tours are not listed
+)
 _STALLED = 0.05  # of the gap: cuts that close less of it
 _ROUNDS_STALLED = 2
-_DEAR = 0.08  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
+_DEAR = 0.2  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
 _LONG = 15  # tasks a UAV above which labels that pay for cuts cost more than branches, and far-off duals lose labels
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
@@ -92,7 +96,10 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
     while True:
         gap = cap - level
         pricers = _pricers(node, master, cap, work)
-        relaxation = generate(master, pricers, cap, work.time_left, node.centre, _reserve(node), near, work.meanwhile)
+        relaxation = generate(
+            master, pricers, cap, work.time_left, node.centre, _reserve(node), near,
+            lambda at, in_vain: work.meanwhile(max(node.level, at.value), in_vain),
+        )  # fmt: skip
         best, raised = relaxation.best, relaxation.best.value - level
         stalled = stalled + 1 if raised < _STALLED * gap else 0
         node.raise_bound(best)
@@ -111,14 +118,20 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         routes = _whole_tours(master, relaxation.weight) if relaxation.ended is Ended.SOLVED else None
         if routes is not None:
             return Improved(routes)
-        if work.better(hint(master, best, relaxation.weight)):
+        if work.better(hint(master, best, relaxation.weight, node.level)):
             return Overtaken()
         if not dived and (routes := _dive(master, work)) is not None:
             return Improved(routes)
         dived, listed = True, node.pool.listed
         _reduce(node, best, cap, work)
-        cuts = separate([c.tasks for c in master.columns], relaxation.weight, master.n, set(master.cuts), _CUTS_A_ROUND)
+        cuts = _violated(master, relaxation.weight)
         wide = cap - best.value > _WORTH_LISTING * cap  # then a branch does more than cuts, and sooner
+        alone = sole_bottleneck(master, best.duals, relaxation.weight) if rounds > 0 or wide or not cuts else None
+        if alone is not None:
+            work.log.put_aside(node.number, best, node.pool.listed & ~listed)
+            node.exempt_cost_of(alone, level)
+            master, near, stalled, rounds, level = node.restricted_master(cap), None, 0, 0, -np.inf
+            continue
         # what the first relaxation rises above the one before is the branch's doing, and says nothing of cuts
         dull = rounds > 0 and raised < _DEAR * gap
         dear = not node.pool.complete and (dull or master.n > _LONG * master.m)
@@ -126,8 +139,7 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
         work.log.put_aside(node.number, best, node.pool.listed & ~listed)
         if done:
             return _branch(node, cap, work)
-        master.cut_off(cuts)
-        work.counts["cuts"] += len(cuts)
+        _cut(node, master, cuts, cap, work)
         rounds += 1
 
 
@@ -162,6 +174,29 @@ def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
     pair = choose(master, node.may_visit(), work.far, rise, work.time_left)
     routes = _dive(master, work)
     return Stuck(routes) if pair is None else Branch(*pair, routes)
+
+
+def _cut(node: Node, master: Master, cuts: Sequence[Cut], cap: float, work: Workspace) -> None:
+    """Add the cuts, and those that the relaxation solved roughly asks for then: all of them are priced exactly once."""
+    _add(master, cuts, work)
+    for _ in range(0 if node.pool.complete else _ROUGH_ROUNDS):
+        quick = PoolPricer(node.pool, work.pricer(node.legs, cap, work.cutting.pricing[0]))
+        rough = generate(master, [quick], cap, work.time_left, reserve=_reserve(node), roughly=True)
+        work.counts["rounds"] += rough.rounds
+        if rough.ended in (Ended.PRUNED, Ended.INTERRUPTED) or not (cuts := _violated(master, rough.weight)):
+            break
+        _add(master, cuts, work)
+
+
+def _add(master: Master, cuts: Sequence[Cut], work: Workspace) -> None:
+    """Add the cuts, and count them."""
+    master.cut_off(cuts)
+    work.counts["cuts"] += len(cuts)
+
+
+def _violated(master: Master, weight: Floats) -> list[Cut]:
+    """Return cuts that the master's solution violates."""
+    return separate([c.tasks for c in master.columns], weight, master.n, set(master.cuts), _CUTS_A_ROUND)
 
 
 def _pricers(node: Node, master: Master, cap: float, work: Workspace) -> list[Prices]:
@@ -225,15 +260,15 @@ def _list(node: Node, at: DualBound, cap: float, work: Workspace, labels: int) -
     return node.pool.complete
 
 
-def hint(master: Master, best: DualBound, weight: Floats) -> Hint:
-    """Return what a relaxation says of routes.
+def hint(master: Master, best: DualBound, weight: Floats, level: float = -np.inf) -> Hint:
+    """Return what a relaxation says of routes, whose `level` [s] is known to be no lower.
 
     Long is, of each UAV that sets much of it, the longest tour in use; the UAV that sets most comes first.
     """
     used, sigma = [(master.columns[p], float(weight[p])) for p in np.flatnonzero(weight > _USED)], best.duals.sigma
     uavs = [k for k in np.argsort(-sigma, kind="stable").tolist() if sigma[k] > _MUCH]
     flown = ([column for column, _ in used if column.uav == k] for k in uavs)
-    return Hint(best.value, [max(tours, key=lambda tour: tour.cost) for tours in flown if tours], used)
+    return Hint(max(level, best.value), [max(tours, key=lambda tour: tour.cost) for tours in flown if tours], used)
 
 
 def _dive(master: Master, work: Workspace) -> Routes | None:

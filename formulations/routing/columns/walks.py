@@ -48,7 +48,7 @@ def relax_by_walks(pricer: Pricer, kinds: Ints, tours: Sequence[Column]) -> Walk
     while True:
         master = _master(pricer, kinds, walks, best)
         start = None if best is None else best.duals
-        relaxation = generate(master, [WalkPricer(pricer)], cap, pricer.time_left, start=start)
+        relaxation = generate(master, [WalkPricer(pricer)], cap, pricer.time_left, start=start, steady=True)
         rounds += relaxation.rounds
         found |= dict.fromkeys(_tour(pricer.legs, walk) for walk in master.columns)
         gain = np.inf if best is None else relaxation.best.value - best.value

@@ -75,7 +75,7 @@ def test_cuts_are_sought_as_long_as_they_raise_the_relaxation_whatever_is_known_
     instance, values = random_instance(0, m=3), iter([930.0, 950.0, 970.0, 970.5, 971.0])
     triples = ([(a, a + 1, a + 2)] for a in range(5))
 
-    def relaxed(master, *_):
+    def relaxed(master, *_, **how):
         duals = Duals(np.zeros(N), np.full(3, 0.3), np.zeros(3), np.zeros(len(master.cuts)), tuple(master.cuts))
         at = DualBound(next(values), duals, np.zeros(3))
         return Relaxation(Ended.SOLVED, at, np.zeros(len(master.columns)), 1)

@@ -1,0 +1,92 @@
+"""A UAV that sets the relaxation alone is counted no more: what is said of routes stays true."""
+
+import numpy as np
+import pytest
+
+from formulations.limits import Limits
+from formulations.routing.branch_and_price import BranchAndPrice
+from formulations.routing.columns.exempting import sole_bottleneck
+from formulations.routing.columns.labelling import make_store
+from formulations.routing.columns.legs import Legs
+from formulations.routing.columns.master import Master
+from formulations.routing.columns.node import Node, Workspace
+from formulations.routing.columns.pricing import Column, Duals, efforts
+from formulations.routing.columns.recall import Recall
+from formulations.routing.columns.team import Team
+from formulations.routing.columns.tightening import Branch, Improved, Pruned, tighten
+from formulations.routing.solver import Status
+from formulations.routing.subset_dp import SubsetDp
+from instances import Instance, check_routes, makespan
+
+N, M = 9, 3
+
+
+def with_a_task_far_out(seed):
+    """Tasks and depots in a square, and one task so far from it that who flies there does nothing else."""
+    points = np.random.default_rng(seed).uniform(0, 100, (N + M, 2))
+    points[0] = 260.0, 50.0
+    leg = points[None] - points[:, None]
+    return Instance("far", np.hypot(leg[..., 0], leg[..., 1]) + 0.2 * leg[..., 0], N, M)
+
+
+def two_alone(*, exempt=()):
+    """UAV 0 has the far task, UAVs 1 and 2 share two tasks in halves."""
+    master = Master(3, np.arange(3), 1000.0, exempt=exempt)
+    tours = [(k, tasks, cost) for k in (1, 2) for tasks, cost in [((1,), 10.0), ((2,), 14.0), ((1, 2), 30.0)]]
+    master.add([Column(0, (0,), 90.0), *(Column(*tour) for tour in tours)])
+    return master
+
+
+def test_the_cost_of_an_exempt_uav_sets_no_value_and_has_no_price():
+    value, duals, weight = two_alone().solve()
+    assert value == pytest.approx(90.0)
+    assert sole_bottleneck(two_alone(), duals, weight) == 0
+    value, duals, _ = two_alone(exempt={0}).solve()
+    assert value == pytest.approx(12.0, abs=2.0)
+    assert duals.sigma[0] == 0.0
+    assert duals.sigma.sum() == pytest.approx(1.0)
+
+
+def test_who_shares_its_tour_or_is_the_last_one_counted_does_not_set_it_alone():
+    master, sigma = two_alone(), np.array([0.95, 0.05, 0.0])
+    duals = Duals(np.zeros(3), sigma, np.zeros(3), np.zeros(0))
+    halves = np.array([0.5, *np.zeros(6)])
+    whole = np.array([1.0, *np.zeros(6)])
+    assert sole_bottleneck(master, duals, whole) == 0
+    assert sole_bottleneck(master, duals, halves) is None
+    assert sole_bottleneck(master, Duals(np.zeros(3), sigma[::-1] * 0.8, np.zeros(3), np.zeros(0)), whole) is None
+    assert sole_bottleneck(two_alone(exempt={1, 2}), duals, whole) is None
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("share", [0.8, 0.9999, 1.0001, 1.2])
+@pytest.mark.parametrize("exempt", [(), (0,), (0, 2)])
+def test_whoever_is_exempt_an_outcome_says_nothing_false(seed, share, exempt):
+    instance = with_a_task_far_out(seed)
+    best = SubsetDp().solve(instance, limits=Limits(time=600.0)).objective
+    cap, node = share * best, Node.root(Legs.of(instance), 0.0, [], np.arange(M))
+    work = Workspace(
+        lambda: np.inf, Team(lambda: make_store(N, 100_000)), 10_000, *efforts(N, 50), np.ones(N), Recall(N)
+    )
+    for k in exempt:
+        node.exempt_cost_of(k, -np.inf)
+    match tighten(node, cap, work):
+        case Pruned():
+            assert node.bound > cap
+            assert cap < best
+        case Improved(routes):
+            assert not check_routes(instance, routes)
+            assert best * (1 - 1e-9) <= makespan(instance, routes) <= cap * (1 + 1e-9)
+        case Branch(uav, task, _):
+            assert node.may_visit()[uav, task]
+        case outcome:
+            pytest.fail(f"{outcome}: there was time, room and nobody beside")
+    assert cap < best or node.bound <= best * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_proofs_hold_where_one_uav_sets_the_relaxation(seed):
+    instance = with_a_task_far_out(seed)
+    found = BranchAndPrice().solve(instance, limits=Limits(time=60.0))
+    assert found.status is Status.OPTIMAL
+    assert found.objective == pytest.approx(SubsetDp().solve(instance, limits=Limits(time=600.0)).objective)

@@ -13,8 +13,9 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
 3. Where tours are long, arcs left out by the capped total.                                          `capped_total.py`
    At a node the relaxation by column generation, at the root begun with walks; legs fixed away by reduced cost; a
    UAV's tours listed when they fit; subset-row cuts. Short tours are looked for from both sides where labels are many.
-        `columns/tightening.py`, `walks.py`, `generation.py`, `pricing.py`, `master.py`, `fixing.py`, `pool.py`,
-        `label_search.py`, `two_sided.py`
+   A UAV that sets the relaxation alone is counted no more.
+        `columns/tightening.py`, `walks.py`, `generation.py`, `smoothing.py`, `pricing.py`, `master.py`, `fixing.py`,
+        `pool.py`, `label_search.py`, `two_sided.py`, `exempting.py`
 4. Where the gap stays wide to the end: trees under lower caps. One that ends without routes makes its cap a bound
    (Klein & Scholl, Eur. J. Oper. Res. 112, 1999: destructive improvement).
 

@@ -1,7 +1,9 @@
 """Tightening a node: the work that raises its bound, and what can come of it.
 
 The relaxation is solved by column generation; legs or tours are fixed away by reduced cost, and the tours listed when
-they fit; then it is cut and solved again. What ends this is one of the outcomes below; the tree decides what follows.
+they fit; then it is cut and solved again. While they do not fit, exact pricing takes most of the time: before the next,
+more cuts are asked for, of relaxations solved by the quickest pricer alone, which give no bounds. What ends this is one
+of the outcomes below; the tree decides what follows.
 """
 
 from __future__ import annotations

@@ -87,6 +87,38 @@ def test_cuts_are_sought_as_long_as_they_raise_the_relaxation_whatever_is_known_
     assert work.counts["cuts"] == 4
 
 
+@pytest.mark.parametrize("rough", [Ended.STUCK, Ended.SOLVED, Ended.PRUNED, Ended.INTERRUPTED])
+def test_where_tours_are_not_listed_more_cuts_are_asked_for_before_all_are_priced_exactly(rough, monkeypatch):
+    asked, triples = [], ([(a, a + 1, a + 2)] for a in range(7))
+
+    def relaxed(master, pricers, *_, **how):
+        asked.append((len(pricers), how["roughly"], len(master.cuts)))
+        any_duals = Duals(np.zeros(N), np.full(M, 0.5), np.zeros(M), np.zeros(0))
+        return Relaxation(rough, DualBound(-np.inf, any_duals, np.zeros(M)), np.zeros(len(master.columns)), 3)
+
+    monkeypatch.setattr(tightening, "generate", relaxed)
+    monkeypatch.setattr(tightening, "separate", lambda *_: next(triples))
+    node, work = fresh(random_instance(0)), workspace()
+    master = node.restricted_master(1000.0)
+    tightening._cut(node, master, [(0, 3, 6)], 1000.0, work)
+    on = rough in (Ended.STUCK, Ended.SOLVED)
+    assert asked == [(1, True, 1), (1, True, 2)] if on else [(1, True, 1)]
+    assert len(master.cuts) == work.counts["cuts"] == (3 if on else 1)
+    assert work.counts["rounds"] == 3 * len(asked)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("share", [0.95, 1.01, 1.05])
+def test_an_outcome_says_nothing_false_where_tours_find_no_room(seed, share):
+    instance = random_instance(seed, m=3)
+    best, node, work = optimum(instance), fresh(instance), workspace()
+    work.tours_room = 3
+    outcome = tighten(node, share * best, work)
+    assert isinstance(outcome, Pruned | Improved | Branch)
+    assert share < 1 or not isinstance(outcome, Pruned)
+    assert share < 1 or node.bound <= best * (1 + 1e-9)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_fixing_is_thorough_where_that_leaves_far_fewer_legs(seed):
     instance, uavs = random_instance(seed), np.arange(M)

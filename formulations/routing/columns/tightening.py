@@ -30,9 +30,7 @@ _WORTH_LISTING = 0.08  # gap, as a share of the cap, above which tours are not l
 _QUICK_ROOM = 2_000_000  # labels of a UAV to list its tours with while cuts raise the bound: lists shrink with the gap
 _MORE_ROOM = 4  # times the labels, after an attempt to list the tours that failed where cuts did no more
 _CUTS_A_ROUND = 50
-_ROUGH_ROUNDS = (
-    2  # of cuts after each round, on relaxations solved as the quickest pricer can, where tours are not listed
-)
+_ROUGH_ROUNDS = 2  # of cuts before each exact pricing where some tours are not listed
 _STALLED = 0.05  # of the gap: cuts that close less of it
 _ROUNDS_STALLED = 2
 _DEAR = 0.2  # the same where some tours are not listed, so that pricing is dear: then one such round is enough

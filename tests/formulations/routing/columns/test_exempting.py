@@ -5,6 +5,7 @@ import pytest
 
 from formulations.limits import Limits
 from formulations.routing.branch_and_price import BranchAndPrice
+from formulations.routing.certifying import certify
 from formulations.routing.columns.exempting import sole_bottleneck
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
@@ -17,16 +18,17 @@ from formulations.routing.columns.tightening import Branch, Improved, Pruned, ti
 from formulations.routing.solver import Status
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan
+from instances.certificate import verify
 
 N, M = 9, 3
 
 
-def with_a_task_far_out(seed):
-    """Tasks and depots in a square, and one task so far from it that who flies there does nothing else."""
-    points = np.random.default_rng(seed).uniform(0, 100, (N + M, 2))
-    points[0] = 260.0, 50.0
+def with_a_task_far_out(seed, n=N):
+    """Tasks and depots in a square, and one task so far from it that who flies there does hardly anything else."""
+    points = np.random.default_rng(seed).uniform(0, 100, (n + M, 2))
+    points[0] = 220.0, 50.0
     leg = points[None] - points[:, None]
-    return Instance("far", np.hypot(leg[..., 0], leg[..., 1]) + 0.2 * leg[..., 0], N, M)
+    return Instance("far", np.hypot(leg[..., 0], leg[..., 1]) + 0.2 * leg[..., 0], n, M)
 
 
 def two_alone(*, exempt=()):
@@ -90,3 +92,21 @@ def test_proofs_hold_where_one_uav_sets_the_relaxation(seed):
     found = BranchAndPrice().solve(instance, limits=Limits(time=60.0))
     assert found.status is Status.OPTIMAL
     assert found.objective == pytest.approx(SubsetDp().solve(instance, limits=Limits(time=600.0)).objective)
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_what_is_proved_with_uavs_exempt_is_confirmed_by_who_knows_nothing_of_it(seed, monkeypatch):
+    """In so little room no case ends before tasks are given to UAVs."""
+    instance, exempted, exempt = with_a_task_far_out(seed, 12), [], Node.exempt_cost_of
+
+    def noting(node, k, level):
+        exempted.append(k)
+        exempt(node, k, level)
+
+    monkeypatch.setattr(Node, "exempt_cost_of", noting)
+    start = ((*range(8),), (8, 9), (10, 11))
+    solver = BranchAndPrice(starts=0, tours=100, labels=1000)
+    certificate = certify(instance, limits=Limits(time=60.0), start=start, solver=solver)
+    assert exempted
+    assert certificate.bound == pytest.approx(certificate.objective, rel=1e-6)
+    assert verify(instance, certificate).problems == ()

@@ -27,3 +27,10 @@ def test_the_share_grows_where_the_bound_rises_towards_the_master_and_shrinks_wh
 def test_with_no_tour_worth_adding_only_the_prices_count():
     nothing = {0: Priced(0.0, [], True)}
     assert adapted(0.5, nothing, duals(1.0, 1.0), MASTER, duals(2.0, 1.0)) > 0.5
+
+
+def test_a_walk_earns_a_price_as_often_as_it_comes():
+    [once, twice] = duals(3.0, 4.0).values([Column(0, (0, 1), 10.0), Column(0, (0, 1, 0), 10.0)])
+    assert once == pytest.approx(3.0)
+    assert twice == pytest.approx(0.0)
+    assert duals(3.0, 4.0).values([]).size == 0

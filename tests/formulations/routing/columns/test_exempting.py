@@ -94,17 +94,17 @@ def test_proofs_hold_where_one_uav_sets_the_relaxation(seed):
     assert found.objective == pytest.approx(SubsetDp().solve(instance, limits=Limits(time=600.0)).objective)
 
 
-@pytest.mark.parametrize("seed", [1, 5])
+@pytest.mark.parametrize("seed", [7])
 def test_what_is_proved_with_uavs_exempt_is_confirmed_by_who_knows_nothing_of_it(seed, monkeypatch):
     """In so little room no case ends before tasks are given to UAVs."""
-    instance, exempted, exempt = with_a_task_far_out(seed, 12), [], Node.exempt_cost_of
+    instance, exempted, exempt = with_a_task_far_out(seed, 10), [], Node.exempt_cost_of
 
     def noting(node, k, level):
         exempted.append(k)
         exempt(node, k, level)
 
     monkeypatch.setattr(Node, "exempt_cost_of", noting)
-    start = ((*range(8),), (8, 9), (10, 11))
+    start = ((*range(6),), (6, 7), (8, 9))
     solver = BranchAndPrice(starts=0, tours=100, labels=1000)
     certificate = certify(instance, limits=Limits(time=60.0), start=start, solver=solver)
     assert exempted

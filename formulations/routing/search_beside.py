@@ -1,8 +1,8 @@
 """The search beside the tree: routes are wanted as much as bounds, and each helps the other.
 
-It goes on from new seeds and from the best routes known as long as a gap is left, with a tenth of the work or less
-where that is narrow, and more where it is wide: labels grow exponentially with it, and shorter routes are what narrows
-it most. Of that extra work every search that finds none takes half.
+It goes on from new seeds, afresh and from the best routes known in turn, as long as a gap is left, with a tenth of the
+work or less where that is narrow, and more where it is wide: labels grow exponentially with it, and shorter routes are
+what narrows it most. Of that extra work every search that finds none takes half.
 A relaxation that loses labels may go on and on: the search goes on meanwhile, by the labels that were made in vain.
 Where a relaxation is nearly as long as the routes known, some of its tours may well be tours of the best routes, and
 ones the memetic search does not light on by itself: then one is kept and the other UAVs are searched for. First comes
@@ -45,7 +45,15 @@ class Search:
 
     def __init__(self, recorder: Recorder, counts: Counter[str], seed: int, run: int, tolerance: float) -> None:
         self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
-        self._steps, self._due, self._work, self._lists, self._barren, self._in_vain = 0, 0.0, 0.0, 0, 0, 0
+        self._steps, self._due, self._work, self._lists, self._barren, self._in_vain, self._long = (
+            0,
+            0.0,
+            0.0,
+            0,
+            0,
+            0,
+            0,
+        )
         self._tried: set[tuple[int, frozenset[int]]] = set()
         self._rng = np.random.default_rng(seed)
 
@@ -70,7 +78,8 @@ class Search:
                     self._in_vain = 0
                     break
         elif due >= _LONG * STEPS * n**2:
-            self._on(int(due))
+            self._on(int(due), afresh=self._long % 2 == 0)
+            self._long += 1
             self._barren = 0 if self.recorder.objective < before else self._barren + 1
         return self.recorder.objective < before * (1 - self.tolerance)
 
@@ -97,10 +106,10 @@ class Search:
         weight = np.array([share for _, share in hint.used])
         self._around(hint.used[self._rng.choice(weight.size, p=weight / weight.sum())][0], self.seed + self.run)
 
-    def _on(self, steps: int) -> None:
-        """Search on from the best routes."""
+    def _on(self, steps: int, *, afresh: bool = False) -> None:
+        """Search on from the best routes, or afresh: what a short search found may be a trap for the next."""
         self._steps += steps
-        search(self.recorder, steps, self.seed, self.run, self.recorder.remaining / 3)
+        search(self.recorder, steps, self.seed, self.run, self.recorder.remaining / 3, afresh=afresh)
         self.run += 1
 
     def _around(self, tour: Column, seed: int) -> None:
@@ -128,14 +137,14 @@ def first_routes(recorder: Recorder, seed: int, runs: int) -> None:
         search(recorder, STEPS * instance.n_tasks**2, seed, run, share)
 
 
-def search(recorder: Recorder, steps: int, seed: int, run: int, time: float) -> None:
+def search(recorder: Recorder, steps: int, seed: int, run: int, time: float, *, afresh: bool = False) -> None:
     """Run the memetic search for the `run`-th time, where it takes the instance: the tree needs no routes to begin.
 
-    After the first time from the best routes known, which are one member of its first population.
+    After the first time from the best routes known, which are one member of its first population; not if `afresh`.
     """
     memetic = Memetic()
     if time > 0 and refusal(memetic, recorder.instance) is None:
-        limits, start = Limits(time=time, iterations=steps), recorder.routes if run > 0 else None
+        limits, start = Limits(time=time, iterations=steps), None if afresh or run == 0 else recorder.routes
         found = memetic.solve(recorder.instance, limits=limits, seed=seed + run, start=start)
         if found.routes is not None:
             recorder.incumbent(found.routes)

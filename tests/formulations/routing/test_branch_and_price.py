@@ -321,7 +321,8 @@ def test_searches_after_the_first_go_on_from_the_best_routes_known(monkeypatch: 
     recorder = Recorder(instance, Limits(time=60.0), ignore, (tuple(range(8)), ()))
     for run in range(3):
         search(recorder, 100, 0, run, 60.0)
-    assert begun_from == [None, recorder.routes, recorder.routes]
+    search(recorder, 100, 0, 3, 60.0, afresh=True)
+    assert begun_from == [None, recorder.routes, recorder.routes, None]
 
 
 def test_of_equal_bounds_the_newest_node_is_next_and_the_bound_is_the_least() -> None:

@@ -21,7 +21,7 @@ N, M = 8, 2
 def steps(monkeypatch):
     """Return what follows the steps of every search that is asked for, none of which finds anything."""
     asked = []
-    monkeypatch.setattr(search_beside, "search", lambda recorder, steps, *rest: asked.append(steps))
+    monkeypatch.setattr(search_beside, "search", lambda recorder, steps, *rest, **how: asked.append(steps))
     return asked
 
 
@@ -65,6 +65,17 @@ def test_after_searches_in_vain_a_wide_gap_is_searched_no_oftener_than_a_narrow_
     wide, narrow = (np.diff(searches(recorder, steps, gap, 800)) for gap in (0.3, 1e-4))
     assert wide[0] < wide[-1]
     assert wide[-1] == pytest.approx(narrow[-1], abs=1)
+
+
+def test_long_searches_begin_afresh_and_from_the_best_routes_in_turn(recorder, monkeypatch):
+    begun = []
+    monkeypatch.setattr(search_beside, "search", lambda *_, afresh=False: begun.append(afresh))
+    counts = Counter()
+    search = Search(recorder, counts, 0, 1, 1e-6)
+    while len(begun) < 4:
+        counts["rounds"] += 10
+        search.better(Hint(0.9 * recorder.objective))
+    assert begun == [True, False, True, False]
 
 
 def test_what_was_due_at_a_wide_gap_stays_due_when_it_narrows(recorder, steps):

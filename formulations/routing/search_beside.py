@@ -45,15 +45,8 @@ class Search:
 
     def __init__(self, recorder: Recorder, counts: Counter[str], seed: int, run: int, tolerance: float) -> None:
         self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
-        self._steps, self._due, self._work, self._lists, self._barren, self._in_vain, self._long = (
-            0,
-            0.0,
-            0.0,
-            0,
-            0,
-            0,
-            0,
-        )
+        self._steps, self._due, self._work, self._lists, self._barren, self._in_vain = 0, 0.0, 0.0, 0, 0, 0
+        self._long = 0  # searches that were as long as _LONG says
         self._tried: set[tuple[int, frozenset[int]]] = set()
         self._rng = np.random.default_rng(seed)
 

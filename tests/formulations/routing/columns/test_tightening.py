@@ -42,11 +42,15 @@ def workspace(time_left=lambda: np.inf, labels=100_000, walks=None):
 
 @pytest.mark.parametrize("seed", [*range(5), 10])
 @pytest.mark.parametrize("share", [0.7, 0.99, 1.01, 1.3])
-@pytest.mark.parametrize("walks", [None, Effort(2, 20, 0)])
-def test_an_outcome_says_nothing_false(seed, share, walks):
-    instance = random_instance(seed)
+@pytest.mark.parametrize(
+    ("m", "walks", "exempt"), [(M, None, ()), (M, Effort(2, 20, 0), ()), (3, None, (0,)), (3, None, (0, 2))]
+)
+def test_an_outcome_says_nothing_false(seed, share, m, walks, exempt):
+    instance = random_instance(seed, m)
     best, node = optimum(instance), fresh(instance)
     cap = share * best
+    for k in exempt:
+        node.exempt_cost_of(k, -np.inf)
     outcome = tighten(node, cap, workspace(walks=walks))
     match outcome:
         case Pruned():

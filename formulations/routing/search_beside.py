@@ -1,8 +1,8 @@
 """The search beside the tree: routes are wanted as much as bounds, and each helps the other.
 
-It goes on from new seeds, afresh and from the best routes known in turn, as long as a gap is left, with a tenth of the
-work or less where that is narrow, and more where it is wide: labels grow exponentially with it, and shorter routes are
-what narrows it most. Of that extra work every search that finds none takes half.
+It begins afresh from new seeds, and goes on in parts (`search_in_parts.py`), as long as a gap is left, with a tenth of
+the work or less where that is narrow, and more where it is wide: labels grow exponentially with it, and shorter routes
+are what narrows it most. Of that extra work every search that finds none takes half.
 A relaxation that loses labels may go on and on: the search goes on meanwhile, by the labels that were made in vain.
 Where a relaxation is nearly as long as the routes known, some of its tours may well be tours of the best routes, and
 ones the memetic search does not light on by itself: then one is kept and the other UAVs are searched for. First comes
@@ -21,8 +21,8 @@ from formulations.routing.columns.node import Hint
 from formulations.routing.columns.pricing import Column
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
-from formulations.routing.solver import refusal
-from instances import Instance, Travel
+from formulations.routing.search_in_parts import improve_in_parts, search_of_part
+from formulations.routing.solver import ignore, refusal
 
 STEPS = 125
 """Steps of a search, for each pair of tasks."""
@@ -46,7 +46,6 @@ class Search:
     def __init__(self, recorder: Recorder, counts: Counter[str], seed: int, run: int, tolerance: float) -> None:
         self.recorder, self.counts, self.seed, self.run, self.tolerance = recorder, counts, seed, run, tolerance
         self._steps, self._due, self._work, self._lists, self._barren, self._in_vain = 0, 0.0, 0.0, 0, 0, 0
-        self._long = 0  # searches that were as long as _LONG says
         self._tried: set[tuple[int, frozenset[int]]] = set()
         self._rng = np.random.default_rng(seed)
 
@@ -71,8 +70,7 @@ class Search:
                     self._in_vain = 0
                     break
         elif due >= _LONG * STEPS * n**2:
-            self._on(int(due), afresh=self._long % 2 == 0)
-            self._long += 1
+            self._on(int(due), afresh=True)
             self._barren = 0 if self.recorder.objective < before else self._barren + 1
         return self.recorder.objective < before * (1 - self.tolerance)
 
@@ -101,8 +99,7 @@ class Search:
 
     def _on(self, steps: int, *, afresh: bool = False) -> None:
         """Search on from the best routes, or afresh: what a short search found may be a trap for the next."""
-        self._steps += steps
-        search(self.recorder, steps, self.seed, self.run, self.recorder.remaining / 3, afresh=afresh)
+        self._steps += search(self.recorder, steps, self.seed, self.run, self.recorder.remaining / 3, afresh=afresh)
         self.run += 1
 
     def _around(self, tour: Column, seed: int) -> None:
@@ -130,44 +127,31 @@ def first_routes(recorder: Recorder, seed: int, runs: int) -> None:
         search(recorder, STEPS * instance.n_tasks**2, seed, run, share)
 
 
-def search(recorder: Recorder, steps: int, seed: int, run: int, time: float, *, afresh: bool = False) -> None:
-    """Run the memetic search for the `run`-th time, where it takes the instance: the tree needs no routes to begin.
+def search(recorder: Recorder, steps: int, seed: int, run: int, time: float, *, afresh: bool = False) -> int:
+    """Run the memetic search for the `run`-th time, then in parts; return the steps made, none where it cannot.
 
     After the first time from the best routes known, which are one member of its first population; not if `afresh`.
     """
-    memetic = Memetic()
-    if time > 0 and refusal(memetic, recorder.instance) is None:
-        limits, start = Limits(time=time, iterations=steps), None if afresh or run == 0 else recorder.routes
-        found = memetic.solve(recorder.instance, limits=limits, seed=seed + run, start=start)
-        if found.routes is not None:
-            recorder.incumbent(found.routes)
+    memetic, instance = Memetic(), recorder.instance
+    if time <= 0 or refusal(memetic, instance) is not None:
+        return 0
+    found = Recorder(instance, Limits(time=time), ignore)
+    limits, start = Limits(time=time, iterations=steps), None if afresh or run == 0 else recorder.routes
+    routes = memetic.solve(instance, limits=limits, seed=seed + run, start=start).routes
+    if routes is None:
+        return steps
+    found.incumbent(routes)
+    made = improve_in_parts(found, seed + run)
+    recorder.incumbent(found.routes or routes)
+    return steps + made
 
 
 def search_around(recorder: Recorder, tour: Column, steps: int, seed: int, time: float) -> None:
     """Search for routes that contain `tour`: for tours of the other UAVs over the other tasks."""
-    instance = recorder.instance
-    tasks = [i for i in instance.tasks if i not in tour.tasks]
-    uavs = [k for k in range(instance.n_depots) if k != tour.uav]
-    if time <= 0 or not tasks or not uavs:
-        return
-    memetic, others = Memetic(), part(instance, tasks, uavs)
-    if refusal(memetic, others) is not None:
-        return
-    found = memetic.solve(others, limits=Limits(time=time, iterations=steps), seed=seed)
-    if found.routes is not None:
-        routes = [tuple(tasks[i] for i in route) for route in found.routes]
-        routes.insert(tour.uav, tour.tasks)
-        recorder.incumbent(tuple(routes))
-
-
-def part(instance: Instance, tasks: list[int], uavs: list[int]) -> Instance:
-    """Return the instance of some of the tasks and some of the UAVs, numbered in the order given."""
-    nodes = tasks + [instance.n_tasks + k for k in uavs]
-    whole = instance.travel or Travel(instance.cost[None, None], instance.classes)
-    at = np.full(instance.n_nodes, -1)
-    at[nodes] = np.arange(len(nodes))
-    kept = np.flatnonzero(at[whole.nodes] >= 0)
-    states = kept[np.argsort(at[whole.nodes[kept]], kind="stable")]
-    costs = whole.cost[:, :, states[:, None], states]
-    travel = Travel(costs, whole.classes[uavs], whole.departures, at[whole.nodes[states]], whole.closed)
-    return Instance.of_travel(instance.name, travel, len(tasks), endurance=instance.limits[uavs])
+    m = recorder.instance.n_depots
+    others, alone = [k for k in range(m) if k != tour.uav], tuple(tour.tasks if k == tour.uav else () for k in range(m))
+    if time > 0:
+        limits = Limits(time=time, iterations=steps)
+        routes = search_of_part(recorder.instance, alone, others, limits, seed, goes_on=False)
+        if routes is not None:
+            recorder.incumbent(routes)

@@ -14,7 +14,7 @@ from formulations.routing.columns.label_search import no_limit, path, search
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.pricing import Duals, Effort, Pricer
 from formulations.routing.columns.state_labelling import StateLabels
-from formulations.routing.search_beside import part
+from formulations.routing.search_in_parts import part
 from formulations.routing.solver import Status, refusal
 from formulations.routing.stateless import stateless
 from formulations.routing.subset_dp import SubsetDp

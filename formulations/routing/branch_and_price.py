@@ -16,7 +16,8 @@ stronger than that of θ_ijk, most of all because P_k holds only tours that cost
    A UAV that sets the relaxation alone is counted no more.
         `columns/tightening.py`, `walks.py`, `generation.py`, `smoothing.py`, `pricing.py`, `master.py`, `fixing.py`,
         `pool.py`, `label_search.py`, `two_sided.py`, `exempting.py`
-4. Where the gap stays wide to the end: trees under lower caps. One that ends without routes makes its cap a bound
+4. Trees under lower caps, where pricing is dear at the root and gains little, or the gap stays wide to the end. One
+   that ends without routes makes its cap a bound, one whose cap is a little above the best routes finds them
    (Klein & Scholl, Eur. J. Oper. Res. 112, 1999: destructive improvement).
 
 Where nodes have several states, labels keep the least cost of each state of their last task; what bounds them knows
@@ -49,7 +50,7 @@ from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.label_search import Clock, Labels, no_limit
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.node import Workspace
+from formulations.routing.columns.node import Hint, Workspace
 from formulations.routing.columns.pool import Pool, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer, efforts, walking
 from formulations.routing.columns.proof_log import ProofLog
@@ -85,6 +86,7 @@ more).
 _FOR_ARCS = 0.2  # share of the time, at most, for the capped total
 _PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end
 _WIDE = 0.02  # gap left after two thirds of the time above which trials of caps get the last third
+_APART = 0.0025  # gap left at the root, of short tours, above which trials of caps come before its children
 
 
 @dataclass(frozen=True)
@@ -184,6 +186,8 @@ class BranchAndPrice(RecordedSolver):
 
         nodes = np.inf if limits.iterations is None else limits.iterations
         patience.share(2 / 3)
+        if limits.iterations is None and _short(instance):
+            tree = self.approach(recorder, patience, tree, legs)
         work.time_left = lambda: left if (left := patience.left()) > 0 or wide() else recorder.remaining
         ended = tree.grow(recorder, TOLERANCE, nodes)
         work.time_left = patience.left
@@ -214,8 +218,7 @@ class BranchAndPrice(RecordedSolver):
         instance = recorder.instance
         team = Team(lambda: labels_for(instance, self.labels), min(threads, instance.n_depots, _MOST_THREADS))
         far = np.nan_to_num((legs.out + legs.home).min(axis=0), posinf=instance.cost.max())
-        short = instance.n_tasks <= _LONG * instance.n_depots
-        hard, recall = efforts(instance.n_tasks, self.bins, both=short), Recall(instance.n_tasks)
+        hard, recall = efforts(instance.n_tasks, self.bins, both=_short(instance)), Recall(instance.n_tasks)
         work = Workspace(time_left, team, self.tours, *hard, far, recall, log=log or ProofLog())
         if self.starts > 0:
             work.better = Search(recorder, work.counts, 1000 * seed, self.starts, TOLERANCE).better
@@ -226,20 +229,55 @@ class BranchAndPrice(RecordedSolver):
             work.walks = walking(instance.n_tasks, self.bins)
         return Tree(legs, _columns(recorder), work, bound, most, kinds)
 
-    def destroy(self, recorder: Recorder, patience: Patience, whole: Tree, legs: Legs) -> None:
+    def approach(self, recorder: Recorder, patience: Patience, tree: Tree, legs: Legs) -> Tree:
+        """Return the tree to grow: another, after trials of caps, where pricing is dear at the root and gains little.
+
+        Under lower caps tours are listed sooner, and a cap a little above the best routes finds them.
+        """
+        tree.work.hasty = True
+        ended = tree.grow(recorder, TOLERANCE, np.inf)
+        tree.work.hasty = False
+        if ended is not StoppedBy.ITERATIONS:
+            return tree
+        patience.share(1)
+        columns = self.destroy(recorder, patience, tree, legs, _APART)
+        patience.share(2 / 3)
+        return Tree(legs, columns, tree.work, recorder.bound, tree.most, tree.kinds)
+
+    def destroy(
+        self, recorder: Recorder, patience: Patience, whole: Tree, legs: Legs, precision: float = _PRECISION
+    ) -> list[Column]:
         """Raise the bound by trees under caps below the incumbent: where one ends without routes, its cap is a bound.
 
-        A tree whose cap is half-way to the incumbent is far smaller than half the tree. The next cap is half-way
-        between the highest proved and the lowest not proved in its share of the time. Each begins with the columns of
-        the `whole` tree, and with its `legs`.
+        A tree whose cap is half-way to the incumbent is far smaller than half the tree, and one whose cap is a little
+        above the best routes finds them. The next cap is half-way between the highest proved and the lowest not proved
+        in its share of the time, as long as they differ by more than `precision`, a share. Each begins with the columns
+        of the one before, the first with those of the `whole` tree, all with its `legs`; those of the last are
+        returned.
         """
-        high, end = min(recorder.objective, whole.most), patience.until
-        while high - recorder.bound > _PRECISION * high and recorder.remaining - end > _PRECISION * recorder.remaining:
+        work, high, end, columns = whole.work, min(recorder.objective, whole.most), patience.until, whole.columns
+        search = work.better
+        while high - recorder.bound > precision * high and recorder.remaining - end > _PRECISION * recorder.remaining:
             cap = (recorder.bound + high) / 2
-            patience.share(1 / 2, end)
-            tree = Tree(legs, whole.columns, whole.work, recorder.bound, cap, whole.kinds)
+            last = cap - recorder.bound <= precision * high  # what stops this one stops the whole tree as well
+            patience.share(1 if last else 1 / 2, end)
+            work.better = search if last else _nothing_better
+            tree = Tree(legs, columns, work, recorder.bound, cap, whole.kinds)
             tree.grow(recorder, TOLERANCE, np.inf)
+            columns = tree.columns
             high = min(high if recorder.bound >= cap * (1 - TOLERANCE) else cap, recorder.objective)
+        work.better = search
+        return columns
+
+
+def _nothing_better(hint: Hint) -> bool:
+    """Search for no routes: a tree under a lower cap finds them or shows that there are none."""
+    return False
+
+
+def _short(instance: Instance) -> bool:
+    """Say whether tours are so short that they are looked for from both sides."""
+    return instance.n_tasks <= _LONG * instance.n_depots
 
 
 def _long(instance: Instance, legs: Legs) -> bool:

@@ -65,6 +65,7 @@ class Workspace:
     better : asked after every relaxation: searches on for better routes, and says whether there are any.
     dives : when to look for routes among the columns of a node.
     recall : what pricing has learnt to remember.
+    hasty : whether a node is left as soon as pricing is dear and gains little, not branched on.
     """
 
     time_left: Clock
@@ -79,6 +80,7 @@ class Workspace:
     walks: Effort | None = None
     log: ProofLog = field(default_factory=ProofLog)
     dives: Tries = field(default_factory=Tries)
+    hasty: bool = False
 
     def pricer(self, legs: Legs, cap: float, effort: Effort) -> Pricer:
         """Return a pricer of one effort."""

@@ -33,7 +33,8 @@ _CUTS_A_ROUND = 50
 _ROUGH_ROUNDS = 2  # of cuts before each exact pricing where some tours are not listed
 _STALLED = 0.05  # of the gap: cuts that close less of it
 _ROUNDS_STALLED = 2
-_DEAR = 0.2  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
+_DEAR = 0.1  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
+_HASTY = 0.5  # the same where a node is left then, as it is
 _LONG = 15  # tasks a UAV above which labels that pay for cuts cost more than branches, and far-off duals lose labels
 _RETRY = 0.8  # of the gap at the last list that did not fit
 _REFIX = 0.9  # of the gap at which legs were fixed last
@@ -81,7 +82,12 @@ class Overtaken:
     """The search beside the tree has lowered the cap: the node is to be taken up again, and counts only then."""
 
 
-Outcome = Pruned | Improved | Branch | Stuck | Interrupted | Overtaken
+@dataclass(frozen=True)
+class Dear:
+    """Only dear pricing or a branch would go on here: lower caps may do more (`Workspace.hasty`)."""
+
+
+Outcome = Pruned | Improved | Branch | Stuck | Interrupted | Overtaken | Dear
 
 
 def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
@@ -132,6 +138,9 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
             node.exempt_cost_of(alone, level)
             master, near, stalled, rounds, level = node.restricted_master(cap), None, 0, 0, -np.inf
             continue
+        if work.hasty and rounds > 0 and not node.pool.complete and raised < _HASTY * gap:
+            work.log.put_aside(node.number, best, node.pool.listed & ~listed)
+            return Dear()
         # what the first relaxation rises above the one before is the branch's doing, and says nothing of cuts
         dull = rounds > 0 and raised < _DEAR * gap
         dear = not node.pool.complete and (dull or master.n > _LONG * master.m)

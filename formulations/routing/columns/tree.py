@@ -18,7 +18,16 @@ import numpy as np
 from formulations.routing.columns.legs import Legs
 from formulations.routing.columns.node import Node, Workspace
 from formulations.routing.columns.pricing import Column
-from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
+from formulations.routing.columns.tightening import (
+    Branch,
+    Dear,
+    Improved,
+    Interrupted,
+    Overtaken,
+    Pruned,
+    Stuck,
+    tighten,
+)
 from formulations.routing.proved import StoppedBy
 from formulations.routing.recorder import Recorder
 from instances.arrays import Ints
@@ -51,9 +60,11 @@ class Tree:
         self.kinds = np.arange(self.m) if kinds is None else kinds
         self._at: Node | None = None
         """The node that is worked on."""
+        self._last = Node.root(legs, bound, list(columns), self.kinds)
+        """The node that was worked on last, at first the root."""
         self._stuck = math.inf
         """The least bound of the nodes left aside."""
-        self.push(Node.root(legs, bound, list(columns), self.kinds))
+        self.push(self._last)
 
     def push(self, node: Node) -> None:
         """Add an open node."""
@@ -99,7 +110,7 @@ class Tree:
             if node.bound > cap():
                 self.work.log.close(node.number, node.proof)
                 continue
-            self._at = node
+            self._at = self._last = node
             outcome = tighten(node, cap(), self.work)
             self._at = None
             if not isinstance(outcome, Overtaken):
@@ -117,7 +128,9 @@ class Tree:
                 case Stuck():
                     self._stuck = min(self._stuck, node.bound)
                     self.work.log.close(node.number, node.proof)
-                case Improved() | Interrupted() | Overtaken():
+                case Improved() | Interrupted() | Overtaken() | Dear():
                     self.push(node)
             recorder.raise_bound(self.bound(cap()))
+            if isinstance(outcome, Dear):
+                return StoppedBy.ITERATIONS
         return StoppedBy.PROOF if self._stuck > cap() or cap() <= 0 else StoppedBy.MEMORY

@@ -19,12 +19,14 @@ from formulations.routing.columns.pricing import Column, DualBound, Duals, Effor
 from formulations.routing.columns.recall import Recall
 from formulations.routing.columns.team import Team
 from formulations.routing.columns.tree import Tree
+from formulations.routing.proved import StoppedBy
 from formulations.routing.recorder import Recorder
 from formulations.routing.search.memetic import Memetic
-from formulations.routing.search_beside import part, search
+from formulations.routing.search_beside import search
+from formulations.routing.search_in_parts import part
 from formulations.routing.solver import Result, Status, ignore
 from formulations.routing.subset_dp import SubsetDp
-from instances import Instance, Routes, check_routes
+from instances import Instance, Routes, check_routes, makespan
 
 LIMITS = Limits(time=600.0)
 
@@ -141,6 +143,28 @@ def test_trials_of_lower_caps_raise_the_bound_to_the_optimum_and_no_further(seed
     patience.share(1 / 2)
     solver.destroy(recorder, patience, Tree(legs, [], work), legs)
     assert 0.99 * oracle <= recorder.bound <= oracle * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_trials_of_caps_before_the_children_of_the_root_end_at_the_optimum(
+    monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    """As where pricing is dear at the root: it is left as it is."""
+    grow = Tree.grow
+    roots: list[Tree] = []
+
+    def left_at_first(self: Tree, recorder: Recorder, tolerance: float, nodes: float) -> StoppedBy:
+        roots.append(self)
+        return StoppedBy.ITERATIONS if self.work.hasty else grow(self, recorder, tolerance, nodes)
+
+    monkeypatch.setattr(Tree, "grow", left_at_first)
+    instance = random_instance(8, 2, seed)
+    oracle = SubsetDp().solve(instance, limits=LIMITS)
+    assert oracle.objective is not None
+    agrees(instance, BranchAndPrice(starts=0), (tuple(range(8)), ()), oracle.objective)
+    assert len(roots) > 2
+    assert len(set(map(id, roots))) == len(roots), "each tree grew once"
+    assert min(tree.most for tree in roots) < makespan(instance, (tuple(range(8)), ()))
 
 
 @pytest.mark.parametrize("seed", range(12))

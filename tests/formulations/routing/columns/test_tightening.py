@@ -14,7 +14,16 @@ from formulations.routing.columns.node import Node, Tries, Workspace
 from formulations.routing.columns.pricing import DualBound, Duals, Effort, Pricer, efforts
 from formulations.routing.columns.recall import Recall
 from formulations.routing.columns.team import Team
-from formulations.routing.columns.tightening import Branch, Improved, Interrupted, Overtaken, Pruned, Stuck, tighten
+from formulations.routing.columns.tightening import (
+    Branch,
+    Dear,
+    Improved,
+    Interrupted,
+    Overtaken,
+    Pruned,
+    Stuck,
+    tighten,
+)
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan
 
@@ -109,6 +118,30 @@ def test_where_tours_are_not_listed_more_cuts_are_asked_for_before_all_are_price
     assert asked == [(1, True, 1), (1, True, 2)] if on else [(1, True, 1)]
     assert len(master.cuts) == work.counts["cuts"] == (3 if on else 1)
     assert work.counts["rounds"] == 3 * len(asked)
+
+
+@pytest.mark.parametrize(
+    ("hasty", "second", "left"), [(True, 950.0, True), (True, 970.0, False), (False, 950.0, False)]
+)
+def test_a_node_is_left_as_it_is_where_pricing_is_dear_and_gains_little_if_that_is_asked_for(
+    hasty, second, left, monkeypatch
+):
+    values, triples = iter([930.0, second, 1001.0]), ([(a, a + 1, a + 2)] for a in range(5))
+
+    def relaxed(master, *_, roughly=False, **how):
+        duals = Duals(np.zeros(N), np.full(3, 0.3), np.zeros(3), np.zeros(len(master.cuts)), tuple(master.cuts))
+        at = DualBound(-np.inf if roughly else next(values), duals, np.zeros(3))
+        ended = Ended.INTERRUPTED if roughly else Ended.PRUNED if at.value > 1000.0 else Ended.SOLVED
+        return Relaxation(ended, at, np.zeros(len(master.columns)), 1)
+
+    monkeypatch.setattr(tightening, "generate", relaxed)
+    monkeypatch.setattr(tightening, "separate", lambda *_: next(triples))
+    monkeypatch.setattr(tightening, "_list", lambda *_: False)
+    node, work = fresh(random_instance(0, m=3)), workspace()
+    work.hasty = hasty
+    outcome = tighten(node, 1000.0, work)
+    assert isinstance(outcome, Dear if left else Pruned)
+    assert node.bound == (second if left else 1001.0)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -85,7 +85,7 @@ more).
 """
 _FOR_ARCS = 0.2  # share of the time, at most, for the capped total
 _PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end
-_WIDE = 0.02  # gap left after two thirds of the time above which trials of caps get the last third
+_WIDE = 0.02  # gap above which trials of caps get the last third of the time, and are searched beside
 _APART = 0.0025  # gap left at the root, of short tours, above which trials of caps come before its children
 
 
@@ -252,8 +252,8 @@ class BranchAndPrice(RecordedSolver):
         A tree whose cap is half-way to the incumbent is far smaller than half the tree, and one whose cap is a little
         above the best routes finds them. The next cap is half-way between the highest proved and the lowest not proved
         in its share of the time, as long as they differ by more than `precision`, a share. Each begins with the columns
-        of the one before, the first with those of the `whole` tree, all with its `legs`; those of the last are
-        returned.
+        of the one before (not with its cuts, which make pricing dear before legs are fixed), the first with those of
+        the `whole` tree, all with its `legs`; those of the last are returned.
         """
         work, high, end, columns = whole.work, min(recorder.objective, whole.most), patience.until, whole.columns
         search = work.better
@@ -261,7 +261,8 @@ class BranchAndPrice(RecordedSolver):
             cap = (recorder.bound + high) / 2
             last = cap - recorder.bound <= precision * high  # what stops this one stops the whole tree as well
             patience.share(1 if last else 1 / 2, end)
-            work.better = search if last else _nothing_better
+            wide = high - recorder.bound > _WIDE * high
+            work.better = search if last or wide else _nothing_better
             tree = Tree(legs, columns, work, recorder.bound, cap, whole.kinds)
             tree.grow(recorder, TOLERANCE, np.inf)
             columns = tree.columns
@@ -271,7 +272,7 @@ class BranchAndPrice(RecordedSolver):
 
 
 def _nothing_better(hint: Hint) -> bool:
-    """Search for no routes: a tree under a lower cap finds them or shows that there are none."""
+    """Search for no routes: where the gap is narrow a tree under a lower cap finds them or shows there are none."""
     return False
 
 

@@ -20,6 +20,7 @@ from exact import wind_instance
 
 import formulations.routing.branch_and_price as solving
 from formulations.limits import Limits
+from formulations.routing import search_beside
 from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.columns import generation, tightening
 from formulations.routing.columns.pricing import Efforts, efforts
@@ -41,6 +42,11 @@ def nobody(*_: object) -> None:
     """Say that no UAV sets the relaxation alone."""
 
 
+def no_steps(*_: object) -> int:
+    """Search in no parts; return the steps made."""
+    return 0
+
+
 Change = tuple[ModuleType, str, int | float | Callable[..., object]]
 LINES: dict[str, tuple[Change, ...]] = {
     "as it is": (),
@@ -49,6 +55,8 @@ LINES: dict[str, tuple[Change, ...]] = {
     "half-way": ((generation, "adapted", half_way),),
     # of fewer cuts a round less is asked before it is the last
     "no rough rounds": ((tightening, "_ROUGH_ROUNDS", 0), (tightening, "_DEAR", 0.08)),
+    "no trials": ((tightening, "_HASTY", -1.0),),
+    "no parts": ((search_beside, "improve_in_parts", no_steps),),
 }
 
 

@@ -92,7 +92,7 @@ class Tree:
             self.work.log.close(node.number, node.proof)
 
     def grow(self, recorder: Recorder, tolerance: float, nodes: float) -> StoppedBy:
-        """Improve the recorder's routes and bound until they meet, or time is up, or `nodes` are done.
+        """Improve the recorder's routes and bound until they meet, time is up, `nodes` are done or one is dear.
 
         A proof without routes is one that there are none.
 

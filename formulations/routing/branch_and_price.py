@@ -230,14 +230,14 @@ class BranchAndPrice(RecordedSolver):
         return Tree(legs, _columns(recorder), work, bound, most, kinds)
 
     def approach(self, recorder: Recorder, patience: Patience, tree: Tree, legs: Legs) -> Tree:
-        """Return the tree to grow: another, after trials of caps, where pricing is dear at the root and gains little.
+        """Return the tree to grow: another, after trials of caps, where pricing is dear at the root and the gap wide.
 
         Under lower caps tours are listed sooner, and a cap a little above the best routes finds them.
         """
         tree.work.hasty = True
         ended = tree.grow(recorder, TOLERANCE, np.inf)
         tree.work.hasty = False
-        if ended is not StoppedBy.ITERATIONS:
+        if ended is not StoppedBy.ITERATIONS or tree.bound(np.inf) >= (1 - _APART) * recorder.objective:
             return tree
         patience.share(1)
         columns = self.destroy(recorder, patience, tree, legs, _APART)

@@ -50,7 +50,7 @@ from formulations.routing.columns.fixing import fix_legs
 from formulations.routing.columns.label_search import Clock, Labels, no_limit
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
-from formulations.routing.columns.node import Hint, Workspace
+from formulations.routing.columns.node import Workspace, nothing_better
 from formulations.routing.columns.pool import Pool, list_tours
 from formulations.routing.columns.pricing import Column, DualBound, Duals, Effort, Pricer, efforts, walking
 from formulations.routing.columns.proof_log import ProofLog
@@ -253,7 +253,8 @@ class BranchAndPrice(RecordedSolver):
         above the best routes finds them. The next cap is half-way between the highest proved and the lowest not proved
         in its share of the time, as long as they differ by more than `precision`, a share. Each begins with the columns
         of the one before (not with its cuts, which make pricing dear before legs are fixed), the first with those of
-        the `whole` tree, all with its `legs`; those of the last are returned.
+        the `whole` tree, all with its `legs`; those of the last are returned. Where the gap is narrow no routes are
+        searched for beside, but for the last: trees under lower caps find them or show that there are none.
         """
         work, high, end, columns = whole.work, min(recorder.objective, whole.most), patience.until, whole.columns
         search = work.better
@@ -262,18 +263,13 @@ class BranchAndPrice(RecordedSolver):
             last = cap - recorder.bound <= precision * high  # what stops this one stops the whole tree as well
             patience.share(1 if last else 1 / 2, end)
             wide = high - recorder.bound > _WIDE * high
-            work.better = search if last or wide else _nothing_better
+            work.better = search if last or wide else nothing_better
             tree = Tree(legs, columns, work, recorder.bound, cap, whole.kinds)
             tree.grow(recorder, TOLERANCE, np.inf)
             columns = tree.columns
             high = min(high if recorder.bound >= cap * (1 - TOLERANCE) else cap, recorder.objective)
         work.better = search
         return columns
-
-
-def _nothing_better(hint: Hint) -> bool:
-    """Search for no routes: where the gap is narrow a tree under a lower cap finds them or shows there are none."""
-    return False
 
 
 def _short(instance: Instance) -> bool:

@@ -140,6 +140,7 @@ def search(recorder: Recorder, steps: int, seed: int, run: int, time: float, *, 
     routes = memetic.solve(instance, limits=limits, seed=seed + run, start=start).routes
     if routes is None:
         return steps
+    recorder.incumbent(routes)
     found.incumbent(routes)
     made = improve_in_parts(found, seed + run)
     recorder.incumbent(found.routes or routes)

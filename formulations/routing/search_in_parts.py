@@ -25,8 +25,8 @@ def improve_in_parts(recorder: Recorder, seed: int) -> int:
     size, each = max(2, round(_SHARE * instance.n_depots)), _STEPS * instance.n_tasks**2
     if recorder.routes is None or size >= instance.n_depots:
         return steps
-    while in_vain < _IN_VAIN and recorder.remaining > 0:
-        limits = Limits(time=recorder.remaining, iterations=each)
+    while in_vain < _IN_VAIN and (left := recorder.remaining) > 0:
+        limits = Limits(time=left, iterations=each)
         uavs = _around_the_longest(instance, recorder.routes, size, rng)
         routes = search_of_part(instance, recorder.routes, uavs, limits, int(rng.integers(2**31)), goes_on=True)
         better = routes is not None and recorder.incumbent(routes)
@@ -52,6 +52,7 @@ def search_of_part(
 ) -> Routes | None:
     """Return `routes` with those of `uavs` searched for anew, over what the others leave; None where none are found.
 
+    routes : for each UAV its tasks, in depot order; uavs : numbers of some of them.
     goes_on : whether the search begins at their routes, which must then be of all those tasks; else from scratch.
     """
     kept = {i for k, route in enumerate(routes) if k not in uavs for i in route}

@@ -55,6 +55,11 @@ class Hint:
     used: Sequence[tuple[Column, float]] = ()
 
 
+def nothing_better(hint: Hint) -> bool:
+    """Search for no routes beside the tree; return that there are none better."""
+    return False
+
+
 @dataclass
 class Workspace:
     """What all nodes share: clock, team with room for labels, limits, efforts and the counters of the statistics.
@@ -75,7 +80,7 @@ class Workspace:
     cutting: Efforts
     far: Floats
     recall: Recall
-    better: Callable[[Hint], bool] = lambda _: False
+    better: Callable[[Hint], bool] = nothing_better
     counts: Counter[str] = field(default_factory=Counter)
     walks: Effort | None = None
     log: ProofLog = field(default_factory=ProofLog)

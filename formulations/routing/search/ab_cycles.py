@@ -22,7 +22,7 @@ class AbCycles(NamedTuple):
     """Cycles of two rings of N nodes, and room to find them.
 
     nodes (2N,): of all cycles, one after the other; the leg from a cycle's first node to its second is of A, the next
-    of B, and so on; begins (N+1,): where each begins, and where the last ends; pick (N,): numbers of cycles not tried.
+    of B, and so on; begins (N+1,): where each begins, and where the last ends.
     left_a, left_b (N, 2), count_a, count_b (N,): neighbours by legs not walked yet; those of B have depot n for any
     depot, and its depots any depots' legs; walk (2N,): nodes of the walk under way, of depots those of A at which legs
     are exchanged; gone_a, gone_b (N,): where on the walk a node was left by a leg of A, of B, or −1, n for any depot.
@@ -30,7 +30,6 @@ class AbCycles(NamedTuple):
 
     nodes: Ints
     begins: Ints
-    pick: Ints
     left_a: Ints
     left_b: Ints
     count_a: Ints
@@ -42,10 +41,10 @@ class AbCycles(NamedTuple):
 
 def ab_room(nodes: int) -> AbCycles:
     """Return room for the cycles of two rings of so many nodes."""
-    once, pairs, never = np.zeros(nodes, np.int64), np.zeros((nodes, 2), np.int64), np.full(nodes, -1)
+    count, pairs, never = np.zeros(nodes, np.int64), np.zeros((nodes, 2), np.int64), np.full(nodes, -1)
     twice, begins = np.zeros(2 * nodes + 2, np.int64), np.zeros(nodes + 1, np.int64)
-    left = pairs, pairs.copy(), once.copy(), once.copy()
-    return AbCycles(twice, begins, once, *left, twice.copy(), never, never.copy())
+    left = pairs, pairs.copy(), count, count.copy()
+    return AbCycles(twice, begins, *left, twice.copy(), never, never.copy())
 
 
 @njit(cache=True, nogil=True)
@@ -222,6 +221,4 @@ def find_cycles(a: GiantTour, b: GiantTour, cycles: AbCycles, rng: Rng) -> int:
                 v, by_a = w, not by_a
                 if length == 0:
                     break
-    for i in range(found):
-        cycles.pick[i] = i
     return found

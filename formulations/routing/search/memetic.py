@@ -128,8 +128,9 @@ class Memetic(RecordedSolver):
         chain = parameters.chain
         if instance.by_metric is None and parameters.handover.ever(search_costs(instance), instance.n_tasks):
             ChainedSearch(population.data, population.best, chain, population.rng).advance(0.0, 1)
-            assembly = EdgeAssembly(population.data, chain, parameters.assembly, population.rng)
-            for done in (*(0.0,) * parameters.assembly.fewest, 0.5, 0.9):
+            how = parameters.assembly._replace(kicks=0.0, fewest=2)
+            assembly = EdgeAssembly(population.data, chain, how, population.rng)
+            for done in (0.0, how.made, how.made, 1.0, 1.0, 1.0):  # a ring, two pairs crossed, s falls twice, kicks
                 assembly.advance(done, 1)
 
     def search(self, recorder: Recorder, seed: int) -> Result:

@@ -13,7 +13,7 @@ import numpy as np
 
 from formulations.routing.search.annealing import AnnealingParameters
 from formulations.routing.search.budget import BudgetParameters
-from formulations.routing.search.chained_search import ChainParameters
+from formulations.routing.search.chain_moves import ChainParameters
 from formulations.routing.search.decomposition import DecompositionParameters
 from formulations.routing.search.edge_assembly import AssemblyParameters
 from formulations.routing.search.handover import HandoverParameters

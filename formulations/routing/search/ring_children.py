@@ -49,11 +49,12 @@ def child_room(most: int) -> RingChild:
 
 @njit(cache=True, nogil=True)
 def leg_behind(tour: GiantTour, v: int, w: int) -> int:
-    """Return the position behind which the ring flies between neighbours v and w."""
+    """Return the position behind which the ring flies between v and w, −1 where they are no neighbours."""
     i = tour.position[v]
     if tour.order[i + 1] == w:
         return i
-    return i - 1 if i > 0 else tour.order.size - 2
+    before = i - 1 if i > 0 else tour.order.size - 2
+    return before if tour.order[before] == w else -1
 
 
 @njit(cache=True, nogil=True)

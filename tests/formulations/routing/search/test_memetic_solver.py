@@ -123,6 +123,15 @@ for symmetric in (False, True):
     result = solver.solve(instance, limits=Limits(time=3600, iterations=400_000))
     assert result.statistics["stages"] > 20, result.statistics
     assert compiled() == before > 10, (before, compiled())
+
+place = np.random.default_rng(7).uniform(0.0, 100.0, (302, 2))
+place[301] = place[300]
+instance = Instance("long-tours", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 300, 2)
+solver.prepare(instance)
+before = compiled()
+result = solver.solve(instance, limits=Limits(time=3600, iterations=20_000))
+assert result.statistics["stages"] == 1, result.statistics  # edge assembly from then on
+assert compiled() == before, (before, compiled())
 """
 
 

@@ -1,6 +1,7 @@
 """The chained search across tours: moves against naive twins, and the result against the optimum."""
 
 import itertools
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
+from formulations.routing.search import chain_moves, ring_energy
 from formulations.routing.search import chained_search as chained
-from formulations.routing.search import ring_energy
 from formulations.routing.search import tour_blocks as blocks
 from formulations.routing.search.costs import search_costs
 from formulations.routing.search.giant_tour import tours_of
@@ -25,7 +26,7 @@ from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, check_routes, makespan
 
 N, M = 17, 3
-HOW = chained.ChainParameters()
+HOW = chain_moves.ChainParameters()
 FULL = SearchParameters()
 PRESSURE = ring_energy.Pressure(100.0, 40.0)
 seeds = st.integers(0, 10**6)
@@ -72,6 +73,12 @@ def energy(costs, order, pressure=PRESSURE):
     over = (tours_of(costs, order, M).cost - pressure.mean) / pressure.scale
     steep = np.maximum(over - 30.0, 0.0)
     return float((pressure.scale * np.exp(over - steep) * (1.0 + steep)).sum())
+
+
+def legs_of(order):
+    """How often each two nodes are neighbours on a ring; depots are one node, for they are at one place."""
+    merged = np.minimum(order, N)
+    return Counter(tuple(sorted(leg)) for leg in itertools.pairwise(merged.tolist()))
 
 
 def priced(ring, pressure=PRESSURE):
@@ -146,6 +153,33 @@ def test_a_move_costs_what_it_says_and_is_taken_back(seed, kind, two, scale):
     assert_booked(costs, other)
 
 
+@given(seed=seeds, walk=st.integers(0, 12))
+@settings(max_examples=100, deadline=None)
+def test_a_kick_exchanges_a_few_legs(seed, walk):
+    instance, routes = one_site(seed)
+    data = problem_data(search_costs(instance), N, FULL.neighbourhood)
+    search = chained.ChainedSearch(data, from_routes(data.costs, routes), HOW, seeded(seed))
+    chain, rng = search._chain, seeded(seed, 1)
+    chained.price_all(chain, PRESSURE)
+    for _ in range(10):
+        before = legs_of(ring_of(chain.blocks))
+        chained._kick(chain, HOW._replace(walk=walk), PRESSURE, rng)
+        assert_booked(data.costs, chain.blocks)
+        after = legs_of(ring_of(chain.blocks))
+        assert (before - after).total() == (after - before).total() <= 6  # two moves; four on one tour
+        assert chain.energies == pytest.approx(priced(chain.blocks))
+
+
+@pytest.mark.parametrize("walk", [0, 8])
+def test_a_kick_finds_no_four_legs_of_three_nodes(walk):
+    instance, routes = one_site(0, 1, 2)
+    data = problem_data(search_costs(instance), 1, FULL.neighbourhood)
+    search = chained.ChainedSearch(data, from_routes(data.costs, routes), HOW._replace(walk=walk), seeded(0))
+    for i in range(20):
+        search.advance(i / 20, 5)
+    assert to_routes(search.best()) in {((0,), ()), ((), (0,))}
+
+
 @given(seed=seeds)
 @settings(max_examples=40, deadline=None)
 def test_the_best_move_of_a_node_is_worth_what_it_says(seed):
@@ -158,7 +192,7 @@ def test_the_best_move_of_a_node_is_worth_what_it_says(seed):
         before, total = energy(data.costs, ring_of(ring)), blocks.total_of(ring)
         chained.price_all(chain, PRESSURE)
         assert chain.energies.sum() == pytest.approx(before)
-        worth = chained.best_move(chain, v, 1e-9, HOW, PRESSURE)
+        worth = chain_moves.best_move(chain, v, 1e-9, HOW, PRESSURE)
         if worth <= 1e-9:
             continue
         p, q, r, kind = (int(x) for x in chain.move)

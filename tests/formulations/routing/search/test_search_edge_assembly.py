@@ -12,7 +12,7 @@ from formulations.limits import Limits
 from formulations.routing.search import ab_cycles, edge_assembly, ring_children, ring_energy
 from formulations.routing.search import giant_tour as giant
 from formulations.routing.search.candidate_legs import candidate_legs
-from formulations.routing.search.chained_search import ChainParameters
+from formulations.routing.search.chain_moves import ChainParameters
 from formulations.routing.search.costs import search_costs
 from formulations.routing.search.handover import HandoverParameters
 from formulations.routing.search.memetic import Memetic
@@ -60,19 +60,10 @@ def legs(order):
     return sorted(tuple(sorted((merged(v), merged(w)))) for v, w in pairwise(order))
 
 
-def counted_legs(rings):
-    counted = np.zeros((N + M, N + M), np.int16)
-    for one in rings:
-        np.add.at(counted, (one.order[:-1], one.order[1:]), 1)
-        np.add.at(counted, (one.order[1:], one.order[:-1]), 1)
-    return counted
-
-
-def mating(costs, counted):
+def mating(costs):
     """What crossing works with where every leg is a candidate."""
     near = candidate_legs(costs.out, N, N, 1, N)
-    rooms = ring_children.child_room(99), ring_children.child_room(99)
-    return edge_assembly.Mating(costs, near, ab_cycles.ab_room(N + M), *rooms, counted)
+    return edge_assembly.Mating(costs, near, ab_cycles.ab_room(N + M), ring_children.child_room(99))
 
 
 @settings(max_examples=30)
@@ -113,7 +104,7 @@ def test_a_child_is_one_ring_and_costs_what_it_says(seed):
     instance = site(seed)
     costs, a = ring(instance, seed + 1)
     _, b = ring(instance, seed + 2)
-    work = mating(costs, counted_legs([]))
+    work = mating(costs)
     pressure = ring_energy.Pressure(a.sums[-1] / M, 200.0)
     for c in range(ab_cycles.find_cycles(a, b, work.cycles, seeded(seed, 0))):
         if not edge_assembly._assemble(work, a, c):
@@ -130,15 +121,39 @@ def test_a_child_is_one_ring_and_costs_what_it_says(seed):
 
 @settings(max_examples=20)
 @given(seed=seeds)
-def test_a_ring_crossed_is_never_worse_and_its_legs_are_counted(seed):
+def test_a_ring_crossed_is_never_worse_and_takes_all_that_is_better(seed):
     instance = site(seed)
     rings = [ring(instance, seed + i)[1] for i in range(2)]
-    costs = search_costs(instance)
-    work = mating(costs, counted_legs(rings))
-    before = float(rings[0].sums[-1])
-    better = edge_assembly.cross(work, rings[0], rings[1], 2, 30, 1e7, seeded(seed, 1))
-    assert float(rings[0].sums[-1]) < before if better else float(rings[0].sums[-1]) == before
-    assert np.array_equal(work.legs, counted_legs(rings))
+    costs, rng = search_costs(instance), seeded(seed, 1)
+    work, before = mating(costs), float(rings[0].sums[-1])
+    better = edge_assembly.cross(work, rings[0], rings[1], 1e7, rng)
+    after = float(rings[0].sums[-1])
+    assert after < before if better else after == before
+    assert sorted(rings[0].order[:-1]) == list(range(N + M))
+    assert giant.tours_of(costs, rings[0].order, M).cost.sum() == pytest.approx(after)
+    for _ in range(20):  # cycles are drawn: it ends where none that is drawn is better
+        if not edge_assembly.cross(work, rings[0], rings[1], 1e7, rng):
+            break
+    else:
+        pytest.fail("crossed with the same ring again and again it is better every time")
+
+
+def test_no_child_takes_out_legs_that_are_gone():
+    instance = site(3)
+    costs, a = ring(instance, 4)
+    _, b = ring(instance, 5)
+    _, other = ring(instance, 6)
+    work = mating(costs)
+    found = ab_cycles.find_cycles(a, b, work.cycles, seeded(3, 0))
+    for c in range(found):
+        nodes = work.cycles.nodes[work.cycles.begins[c] : work.cycles.begins[c + 1]]
+        there = all(v in neighbours(other, u) for u, v in zip(nodes[::2], nodes[1::2], strict=True))
+        assert there or not edge_assembly._assemble(work, other, c)
+
+
+def neighbours(one, v):
+    """The nodes before and after one of a ring."""
+    return one.order[one.position[v] + 1], one.order[one.position[v] - 1 if one.position[v] > 0 else -2]
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -154,10 +169,29 @@ def test_what_it_says_is_what_its_tours_cost():
     instance = site(5, 60, 3)
     data = problem_data(search_costs(instance), 60, FULL.neighbourhood)
     search = edge_assembly.EdgeAssembly(data, HOW, FULL.assembly._replace(size=12), seeded(1, 0))
-    longest = [search.longest]
+    longest, seen = [search.longest], set()
     for i in range(200):
         assert search.advance(i / 200, 100) == (search.longest < longest[-1])
+        seen.add((search._crossed is not None, search._chained is not None))
         longest.append(search.longest)
         assert float(search.best().cost.max()) == pytest.approx(search.longest, rel=1e-9)
     check_routes(instance, to_routes(search.best()))
     assert longest[-1] < 0.98 * longest[0]
+    assert seen == {(False, False), (True, False), (True, True)}
+
+
+def test_rings_are_kicked_a_window_at_a_time():
+    """No step takes much longer than it is asked to: a limit may end while a ring is being made."""
+    instance = site(5, 60, 3)
+    data = problem_data(search_costs(instance), 60, FULL.neighbourhood)
+    search = edge_assembly.EdgeAssembly(data, HOW, FULL.assembly._replace(kicks=2.0), seeded(1, 0))
+    kicks, made = [search._kicks], [len(search._rings)]
+    while len(search._rings) < 3:
+        search.advance(0.0, 50)
+        kicks.append(search._kicks)
+        made.append(len(search._rings))
+    assert kicks == [120, 70, 20, 0, 120, 70, 20, 0, 120]
+    assert made == [1, 1, 1, 1, 2, 2, 2, 2, 3]
+    search.advance(FULL.assembly.made, 50)  # no time for more kicks
+    assert search._kicks == 0
+    assert len(search._rings) == 3

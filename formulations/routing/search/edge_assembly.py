@@ -251,11 +251,8 @@ class EdgeAssembly:
 
     def _chain(self) -> ChainedSearch:
         """Return a chained search from the ring whose energy is least."""
-        ring, m, how = (
-            min([*self._rings, self._best], key=self._energy(self._how.chosen)),
-            self._data.size[1],
-            self._how,
-        )
+        how, m = self._how, self._data.size[1]
+        ring = min([*self._rings, self._best], key=self._energy(how.chosen))
         chain = self._chain_parameters._replace(first=how.reheated, last=how.last)
         return ChainedSearch(self._data, tours_of(self._costs, ring.order, m), chain, self._rng, self._near)
 

@@ -17,7 +17,7 @@ from formulations.routing.columns.branching import choose
 from formulations.routing.columns.cuts import Cut, separate
 from formulations.routing.columns.exempting import sole_bottleneck
 from formulations.routing.columns.fixing import fix_as_worth
-from formulations.routing.columns.generation import Ended, generate
+from formulations.routing.columns.generation import Ended, Relaxation, generate
 from formulations.routing.columns.master import Master
 from formulations.routing.columns.node import Hint, Node, Workspace
 from formulations.routing.columns.pool import PoolPricer, list_tours
@@ -101,31 +101,12 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
 
     while True:
         gap = cap - level
-        pricers = _pricers(node, master, cap, work)
-        relaxation = generate(
-            master, pricers, cap, work.time_left, node.centre, _reserve(node), near,
-            lambda at, in_vain: work.meanwhile(max(node.level, at.value), in_vain),
-        )  # fmt: skip
+        relaxation = _relax(node, master, near, cap, work)
         best, raised = relaxation.best, relaxation.best.value - level
         stalled = stalled + 1 if raised < _STALLED * gap else 0
-        node.raise_bound(best)
         level = best.value
-        node.columns = list(master.columns)
-        work.counts["rounds"] += relaxation.rounds
-        if relaxation.ended is Ended.PRUNED:
-            return Pruned()
-        if relaxation.ended is Ended.OVERTAKEN:
-            return Overtaken()
-        if relaxation.ended is Ended.INTERRUPTED or work.time_left() <= 0:
-            return Interrupted()
-        if relaxation.ended is Ended.STUCK and len(master.cuts) > len(node.cuts):  # too many cuts to price with
-            return _branch(node, cap, work)
-        node.cuts, node.centre = tuple(master.cuts), best
-        routes = _whole_tours(master, relaxation.weight) if relaxation.ended is Ended.SOLVED else None
-        if routes is not None:
-            return Improved(routes)
-        if work.better(hint(master, best, relaxation.weight, node.level)):
-            return Overtaken()
+        if (ended := _ended(node, master, relaxation, cap, work)) is not None:
+            return ended
         if not dived and (routes := _dive(master, work)) is not None:
             return Improved(routes)
         dived, listed = True, node.pool.listed
@@ -171,6 +152,37 @@ def _begin(node: Node, cap: float, work: Workspace) -> Duals | None:
     work.counts["rounds"] += walked.rounds
     node.raise_bound(walked.best)
     return walked.best.duals
+
+
+def _relax(node: Node, master: Master, near: Duals | None, cap: float, work: Workspace) -> Relaxation:
+    """Generate columns until the master is solved or what ends it comes first; the node keeps them, and its bound."""
+    pricers = _pricers(node, master, cap, work)
+    relaxation = generate(
+        master, pricers, cap, work.time_left, node.centre, _reserve(node), near,
+        lambda at, in_vain: work.meanwhile(max(node.level, at.value), in_vain),
+    )  # fmt: skip
+    node.raise_bound(relaxation.best)
+    node.columns = list(master.columns)
+    work.counts["rounds"] += relaxation.rounds
+    return relaxation
+
+
+def _ended(node: Node, master: Master, relaxation: Relaxation, cap: float, work: Workspace) -> Outcome | None:
+    """Return what a relaxation that has just been solved, or not, comes to by itself, None where the work goes on."""
+    best, ended = relaxation.best, relaxation.ended
+    if ended is Ended.PRUNED:
+        return Pruned()
+    if ended is Ended.OVERTAKEN:
+        return Overtaken()
+    if ended is Ended.INTERRUPTED or work.time_left() <= 0:
+        return Interrupted()
+    if ended is Ended.STUCK and len(master.cuts) > len(node.cuts):  # too many cuts to price with
+        return _branch(node, cap, work)
+    node.cuts, node.centre = tuple(master.cuts), best
+    routes = _whole_tours(master, relaxation.weight) if ended is Ended.SOLVED else None
+    if routes is not None:
+        return Improved(routes)
+    return Overtaken() if work.better(hint(master, best, relaxation.weight, node.level)) else None
 
 
 def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:

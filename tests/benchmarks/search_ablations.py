@@ -58,6 +58,7 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "no edge assembly: chained search alone": replace(FULL, assembly=FULL.assembly._replace(size=1)),
     "rings without kicks": replace(FULL, assembly=FULL.assembly._replace(kicks=0.0)),
     "kicks of short segments": replace(FULL, assembly=FULL.assembly._replace(walk=0)),
+    "no bridges": replace(FULL, assembly=FULL.assembly._replace(bridged=0)),
     "no chained search in the end": replace(FULL, handover=replace(FULL.handover, many=10**9)),
     "no potentials: near is what costs least": replace(
         FULL, neighbourhood=FULL.neighbourhood._replace(potentials=PotentialParameters(most=0))

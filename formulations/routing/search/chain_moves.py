@@ -25,6 +25,7 @@ class ChainParameters(NamedTuple):
     nearest, layers, most: of candidate legs; the first new leg of a move may be any, the second the `second` shortest.
     span: tasks of a segment of a kick along the tours, at most: short ones leave little to repair.
     walk: legs from the first node of a kick to each of the others; 0: kicks are along the tours.
+    bridged: tasks that a bridge closes to a ring, at most; 0: there are no bridges.
     first, last: temperatures in mean legs; they fall geometrically. Which tour goes where is settled while it is hot:
     pcb1173_3, 8 s, gaps of single runs: 0.10, 0.58, 1.07 % from 2.5 on; 1.3, 1.8 % from 0.8 on.
     scale: s of the energy, in temperatures.
@@ -37,6 +38,7 @@ class ChainParameters(NamedTuple):
     second: int = 8
     span: int = 5
     walk: int = 0
+    bridged: int = 0
     first: float = 2.5
     last: float = 0.03
     scale: float = 4.0
@@ -46,9 +48,10 @@ class ChainParameters(NamedTuple):
 class Chain(NamedTuple):
     """What a chained search works with.
 
-    energies (m,): of the tours, as moves leave them [s]; move (4,): p, q, r and kind of the best move; kept: the tours
-    before the kick; queue (N,), queued (N,), queue_at (2,): nodes to look at, whether among them, and the queue's
-    first place and length (don't-look bits).
+    energies (m,): of the tours, as moves leave them [s]; move (4,): p, q, r and kind of the best move; bridge (5,): of
+    the best bridge the first positions of the legs that close a ring around that which opens it, then of the one it is
+    put in at, and whether that turns it; kept: the tours before the kick; queue (N,), queued (N,), queue_at (2,): nodes
+    to look at, whether among them, and the queue's first place and length (don't-look bits).
     """
 
     costs: AlikeCosts
@@ -56,6 +59,7 @@ class Chain(NamedTuple):
     blocks: TourBlocks
     energies: Floats
     move: Ints
+    bridge: Ints
     kept: Kept
     queue: Nodes
     queued: Bools

@@ -19,6 +19,7 @@ import math
 
 import numpy as np
 
+from formulations.routing.search.bridges import best_bridge
 from formulations.routing.search.candidate_legs import CandidateLegs, candidate_legs
 from formulations.routing.search.chain_moves import Chain, ChainParameters, best_move
 from formulations.routing.search.costs import AlikeCosts
@@ -29,6 +30,8 @@ from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.ring_energy import Pressure, tour_energy
 from formulations.routing.search.tour_blocks import (
     SWAPPED,
+    TURNED_B,
+    TURNED_C,
     add_up,
     keep,
     kept_of,
@@ -75,6 +78,19 @@ def _make(chain: Chain, pressure: Pressure) -> None:
     _price(chain, p >> blocks.bits, pressure)
     _price(chain, q >> blocks.bits, pressure)
     _price(chain, r >> blocks.bits, pressure)
+
+
+@njit(cache=True, nogil=True)
+def _build(chain: Chain, pressure: Pressure) -> None:
+    """Make the bridge in `chain.bridge`: open its ring where it is, then move it."""
+    move, (low, within, high, at, turned) = chain.move, chain.bridge
+    move[0], move[1], move[2], move[3] = low, within, high, SWAPPED
+    _make(chain, pressure)
+    if at > high:
+        move[0], move[1], move[2], move[3] = low, high, at, SWAPPED + turned * TURNED_B
+    else:
+        move[0], move[1], move[2], move[3] = at, low, high, SWAPPED + turned * TURNED_C
+    _make(chain, pressure)
 
 
 @njit(cache=True, nogil=True)
@@ -143,15 +159,20 @@ def _kick(chain: Chain, parameters: ChainParameters, pressure: Pressure, rng: Rn
 
 @njit(cache=True, nogil=True)
 def _descend(chain: Chain, least: float, parameters: ChainParameters, pressure: Pressure) -> None:
-    """Make the best moves of queued nodes until there are none."""
+    """Make the best moves of queued nodes, and bridges where there is no other, until there are none."""
     at, queue = chain.queue_at, chain.queue
     while at[1] > 0:
         v = queue[at[0]]
         at[0] = (at[0] + 1) % queue.size
         at[1] -= 1
         chain.queued[v] = False
-        while best_move(chain, v, least, parameters, pressure) > least:
-            _make(chain, pressure)
+        while True:
+            if best_move(chain, v, least, parameters, pressure) > least:
+                _make(chain, pressure)
+            elif parameters.bridged > 0 and best_bridge(chain, v, least, parameters, pressure) > least:
+                _build(chain, pressure)
+            else:
+                break
 
 
 @njit(cache=True, nogil=True)
@@ -218,7 +239,8 @@ class ChainedSearch:
         nodes, m = tours.after.size, tours.cost.size
         room = np.zeros(nodes, np.int32), np.zeros(nodes, np.bool_), np.zeros(2, np.int64)
         near, blocks = near or chain_legs(costs, data.size[0], parameters), tour_blocks(costs, tours)
-        self._chain = Chain(costs, near, blocks, np.empty(m), np.zeros(4, np.int64), kept_of(blocks), *room)
+        move, bridge = np.zeros(4, np.int64), np.zeros(5, np.int64)
+        self._chain = Chain(costs, near, blocks, np.empty(m), move, bridge, kept_of(blocks), *room)
         self._parameters = parameters._replace(second=min(parameters.second, near.nodes.shape[1]))
         self._rng = rng
         self._best = self.ring()

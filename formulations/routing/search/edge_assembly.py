@@ -58,7 +58,7 @@ class AssemblyParameters(NamedTuple):
     left for it the same for each s; barren: orders in a row without a better ring after which s falls too; kept: share
     of the rings, those of least energy, that go on each time; most: legs that a child exchanges at most; chosen: s by
     which the ring is chosen that chained search goes on from; reheated, last: its temperatures then, in mean legs;
-    walk: legs of the walks to where kicks are, of rings and then.
+    walk, bridged: legs of the walks to where kicks are, and tasks of a bridge at most, of rings and then.
     """
 
     size: int = 300
@@ -76,6 +76,7 @@ class AssemblyParameters(NamedTuple):
     reheated: float = 0.8
     last: float = 0.1
     walk: int = 8
+    bridged: int = 1000
 
 
 class Mating(NamedTuple):
@@ -143,7 +144,7 @@ class EdgeAssembly:
         costs, total = data.costs, sum(data.size)
         assert isinstance(costs, AlikeCosts)
         self._data, self._costs, self._how, self._rng = data, costs, how, rng
-        self._chain_parameters = parameters._replace(walk=how.walk)
+        self._chain_parameters = parameters._replace(walk=how.walk, bridged=how.bridged)
         self._near = chain_legs(costs, data.size[0], parameters)
         self._firsts = np.argsort([below(rng, 1 << 30) for _ in range(data.size[0])], kind="stable")
         self._rings: list[GiantTour] = []

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
-from formulations.routing.search import chain_moves, ring_energy
+from formulations.routing.search import bridges, chain_moves, ring_energy
 from formulations.routing.search import chained_search as chained
 from formulations.routing.search import tour_blocks as blocks
 from formulations.routing.search.costs import search_costs
@@ -204,6 +204,59 @@ def test_the_best_move_of_a_node_is_worth_what_it_says(seed):
         assert after < before
         same += 1
     assert same > 0
+
+
+def bridges_of(cost, order):
+    """All bridges of a ring: what their legs save [s], whether on one tour, and the ring then.
+
+    Only those of which the exchange that closes a ring saves something, and still does with one leg put in after it.
+    """
+    depots = np.cumsum(order >= N)
+    for low, high in itertools.combinations(range(N + M), 2):
+        part, rest = order[low + 1 : high + 1], np.append(np.delete(order[:-1], np.s_[low + 1 : high + 1]), order[0])
+        taken_out = cost[order[[low, high]], order[[low + 1, high + 1]]]
+        closing, joining = cost[order[high], order[low + 1]], cost[order[low], order[high + 1]]
+        saved = taken_out.sum() - closing - joining
+        whole = order[low] >= N and order[high + 1] >= N  # a leg from depot to depot begins no move
+        if part.size < 3 or depots[low] < depots[high] or saved <= 1e-9 or (whole and taken_out.max() <= closing):
+            continue
+        for i, at in itertools.product(range(1, part.size), range(rest.size - 1)):
+            for opened in (np.roll(part, -i), np.roll(part, -i)[::-1]):
+                put_in = cost[rest[at], opened[0]], cost[opened[-1], rest[at + 1]]
+                so_far = saved + cost[part[i - 1], part[i]]
+                if at != low and so_far > min(put_in):  # at `low` it is a move of three legs
+                    inside = np.sum(rest[: at + 1] >= N) == depots[low]
+                    yield so_far + cost[rest[at], rest[at + 1]] - sum(put_in), inside, np.insert(rest, at + 1, opened)
+
+
+@given(seed=seeds, scale=st.sampled_from([400.0, 40.0, 8.0]))
+@settings(max_examples=5, deadline=None)
+def test_the_best_bridge_is_worth_what_it_says_and_no_less_than_any(seed, scale):
+    instance, routes = one_site(seed)
+    data, pressure = problem_data(search_costs(instance), N, FULL.neighbourhood), ring_energy.Pressure(100.0, scale)
+    how = HOW._replace(nearest=N, layers=0, most=N, bridged=N)
+    search = chained.ChainedSearch(data, from_routes(data.costs, routes), how, seeded(seed))
+    chain, ring = search._chain, search._chain.blocks
+    for _ in range(3):
+        chained.price_all(chain, pressure)
+        order, total = ring_of(ring), blocks.total_of(ring)
+        before = energy(data.costs, order, pressure)
+        worths = [bridges.best_bridge(chain, v, 1e-9, how, pressure) for v in range(N + M)]
+        naive = [
+            saves if inside else before - energy(data.costs, then, pressure)
+            for saves, inside, then in bridges_of(instance.cost, order)
+        ]
+        assert max(worths) == pytest.approx(max([1e-9, *naive]), rel=1e-6)
+        if max(worths) <= 1e-9:
+            return
+        bridges.best_bridge(chain, int(np.argmax(worths)), 1e-9, how, pressure)
+        inside = chain.bridge[0] >> ring.bits == chain.bridge[3] >> ring.bits
+        chained._build(chain, pressure)
+        assert_booked(data.costs, ring)
+        assert chain.energies == pytest.approx(priced(ring, pressure))
+        after = energy(data.costs, ring_of(ring), pressure)
+        assert max(worths) == pytest.approx(total - blocks.total_of(ring) if inside else before - after, rel=1e-6)
+        assert after < before
 
 
 def test_a_search_never_gets_worse_and_keeps_all_tasks():

@@ -22,7 +22,7 @@ from instances.kernels import njit
 class AnnealingParameters(NamedTuple):
     """What the steps of an annealing are.
 
-    Figures: mean gaps in % with several depots and with one (README of routing); with all of them 0.07 and 0.00.
+    Figures: mean gaps in % with several depots and with one (measured.md); with all of them 0.07 and 0.00.
 
     removals: tasks removed by one ruin, at most; halving them costs less than two seeds can tell.
     strings: share of ruins by strings, the others are adjacent removals; without these 0.20 and 0.00.

@@ -54,7 +54,7 @@ class CappedSchedule:
 class Packing:
     """Which stages are capped annealings, and how they go.
 
-    att532.euc2d_10, pr439_10 and a280_10, 30 s, three seeds: `tests/benchmarks/search.py every` (README of routing).
+    att532.euc2d_10, pr439_10 and a280_10, 30 s, three seeds: `tests/benchmarks/search.py every` (measured.md).
     With 5 UAVs they are no gain: att532_5 and lin318_5, one run each, end 0.1 % longer.
 
     uavs: of the fleet, at least; room: the incumbent's longest tour, at most, in the longest trip to one task and back.

@@ -28,7 +28,7 @@ from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS, Strat
 class PopulationParameters:
     """Stages that renew members; one long annealing instead of a population gives 0.28 and 0.14.
 
-    Figures: mean gaps in % with several depots and with one (README of routing); with all of them 0.07 and 0.00.
+    Figures: mean gaps in % with several depots and with one (measured.md); with all of them 0.07 and 0.00.
 
     decompositions: share of the later stages that search a subproblem, where the strategy has such.
     perturbations: share of the remaining ones that perturb a member, where that is as often new as children of

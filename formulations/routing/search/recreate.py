@@ -24,7 +24,7 @@ from instances.kernels import njit
 GUIDES = (p_norm(1), p_norm(2), p_norm(5), p_norm(12), p_norm(30), excess(1.0))
 """Guides in their order, over lengths in those of the longest tour left; one is drawn for each recreation.
 
-Mean gaps in % with several depots and with one (10 s, README of routing): 0.07 and 0.00 by all; 0.29 and 0.76 by the
+Mean gaps in % with several depots and with one (10 s, measured.md): 0.07 and 0.00 by all; 0.29 and 0.76 by the
 first two; 0.50 and 1.50 by the first, the total, alone.
 """
 _CONSTRUCTION_GUIDE = p_norm(2)

@@ -47,7 +47,7 @@ class LongFounder:
 
     Which tasks such tours share is settled while an annealing is hot, and crossing quick founders settles it no more.
     md22 (250 tasks, 3 UAVs), 30 s: 0.31 % from each of three seeds, without 0.66 and twice 0.78 %. With more UAVs
-    they are no gain (README of routing).
+    they are no gain (measured.md).
 
     share: of the time; uavs: of the fleet at most; tasks: of a tour, in the mean at least; depth: steps are
     depth · n² / m; longest: length as a fraction of the limit at most; first: temperature in mean legs; softness: one

@@ -10,17 +10,9 @@ from __future__ import annotations
 
 from formulations.routing.search.chain_moves import Chain, ChainParameters
 from formulations.routing.search.costs import leg
-from formulations.routing.search.ring_energy import Pressure, tour_energy
+from formulations.routing.search.ring_energy import Pressure, gain_between
 from formulations.routing.search.tour_blocks import leg_at
 from instances.kernels import njit
-
-
-@njit(cache=True, nogil=True)
-def _worth_across(chain: Chain, a: int, b: int, less: float, saved: float, pressure: Pressure) -> float:
-    """Return what it takes off the energy that tour a costs `less` [s] and all together `saved` [s] less."""
-    blocks = chain.blocks
-    one, two = blocks.sums[blocks.ends[a]] - less, blocks.sums[blocks.ends[b]] + less - saved
-    return float(chain.energies[a] + chain.energies[b] - tour_energy(one, pressure) - tour_energy(two, pressure))
 
 
 @njit(cache=True, nogil=True)
@@ -48,7 +40,7 @@ def _open(chain: Chain, low: int, high: int, saved: float, top: float, pressure:
                         continue
                     worth = so_far + sums[e + 1] - sums[e] - leg(costs, 0, w, order[e + 1 - before])
                     if e >> blocks.bits != a:
-                        worth = _worth_across(chain, a, e >> blocks.bits, less, worth, pressure)
+                        worth = gain_between(blocks, chain.energies, a, e >> blocks.bits, less, worth, pressure)
                     if worth > top:
                         top, bridge = worth, chain.bridge
                         bridge[0], bridge[1], bridge[2], bridge[3] = low, i, high, e

@@ -111,3 +111,17 @@ def gain_across(
         low = min(one, two, so_far)
         left -= tour_energy(low, pressure) + tour_energy(one + two + so_far - top - low, pressure)
     return left if left > max(least, _ROUNDING * before) else least
+
+
+@njit(cache=True, nogil=True)
+def gain_between(
+    blocks: TourBlocks, energies: Floats, a: int, b: int, less: float, saved: float, pressure: Pressure
+) -> float:
+    """Return what it takes off the energy [s] that tour a costs `less` [s], and both tours together `saved` [s] less.
+
+    0 where rounding could be all of it.
+    """
+    before = energies[a] + energies[b]
+    one, two = blocks.sums[blocks.ends[a]] - less, blocks.sums[blocks.ends[b]] + less - saved
+    gain = before - tour_energy(one, pressure) - tour_energy(two, pressure)
+    return gain if gain > _ROUNDING * before else 0.0

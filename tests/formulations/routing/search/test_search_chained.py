@@ -259,6 +259,16 @@ def test_the_best_bridge_is_worth_what_it_says_and_no_less_than_any(seed, scale)
         assert after < before
 
 
+@given(seed=seeds)
+@settings(max_examples=100, deadline=None)
+def test_tours_that_change_places_gain_nothing_however_steep_the_energy(seed):
+    ring = blocks_of(seed)[1]
+    a, b = np.argsort(ring.sums[ring.ends])[[-1, 0]]
+    less = ring.sums[ring.ends[a]] - ring.sums[ring.ends[b]]
+    pressure = ring_energy.Pressure(0.0, ring.sums[ring.ends].max() / 25.0)
+    assert ring_energy.gain_between(ring, priced(ring, pressure), a, b, less, 0.0, pressure) == 0.0
+
+
 def test_a_search_never_gets_worse_and_keeps_all_tasks():
     instance, routes = one_site(11, 60, 3)
     data = problem_data(search_costs(instance), 60, FULL.neighbourhood)

@@ -168,7 +168,7 @@ def _relax(node: Node, master: Master, near: Duals | None, cap: float, work: Wor
 
 
 def _ended(node: Node, master: Master, relaxation: Relaxation, cap: float, work: Workspace) -> Outcome | None:
-    """Return what a relaxation that has just been solved, or not, comes to by itself, None where the work goes on."""
+    """Return what a relaxation comes to by itself, None where the work goes on; the node keeps its cuts and duals."""
     best, ended = relaxation.best, relaxation.ended
     if ended is Ended.PRUNED:
         return Pruned()

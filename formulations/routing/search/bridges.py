@@ -3,7 +3,7 @@
 Two legs of a tour are exchanged for two that close what is between them to a ring by itself, and save something; that
 ring is opened at a third leg and put in where a fourth was, on any tour, either way round. Neither exchange is a move
 by itself, and sequential moves (chain_moves.py) do not come to both (Lin & Kernighan 1973; Helsgaun, EJOR 126, 2000).
-Of what tours of rl5915_3 were longer than better ones half was in 20 such exchanges of two legs (by script).
+What tours of rl5915_3 were longer than better ones was half in 20 exchanges of two legs that no move made (by script).
 """
 
 from __future__ import annotations

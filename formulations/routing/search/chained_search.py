@@ -3,8 +3,8 @@
 Ruin and recreate and searches of single tours leave long tours 0.5 to 1 % above the best known, nearly all of it in
 which task is on which tour. Here one search sees both. A kick is a double bridge of four legs of the giant tour, near
 each other along it or along candidate legs; a descent repairs it around the nodes it touched, each node taking the best
-of its own moves (chain_moves.py). What a kick and its repair come to is accepted by annealing, or undone (large-step
-Markov chain, Martin, Otto & Felten 1991; chained Lin-Kernighan and its walks, Applegate, Cook & Rohe 2003).
+of its own moves (chain_moves.py, bridges.py). What a kick and its repair come to is accepted by annealing, or undone
+(large-step Markov chain, Martin, Otto & Felten 1991; chained Lin-Kernighan and its walks, Applegate, Cook & Rohe 2003).
 
 Of kicks along the tour 97 in 100 are undone by their own repair: they are for annealings from high temperatures. Cold,
 a kick at the ends of walks is worth far more, though it takes two to five times as long: rl5915_3 from the nearest

@@ -341,8 +341,7 @@ def peers(args: argparse.Namespace) -> None:
 
 def ablation(args: argparse.Namespace) -> None:
     """What each ingredient is worth."""
-    sources = ("multi_he43", "single_he77", "single_mtsplib", "single_helsgaun_exact")
-    cases = public(args.benchmarks, *sources, only=args.only or ("md10", "md25", "md40", "lin318_5", "rat99_5"))
+    cases = public(args.benchmarks, *SETS, only=args.only or ("md10", "md25", "md40", "lin318_5", "rat99_5"))
     seconds = args.seconds or 10.0
     print(f"\n== ablation: {seconds:g} CPU s, {args.seeds} seeds, mean gap [%] on {len(cases)} instances ==")
     searches = {label: by_solver("memetic", **options) for label, options in OPTIONS.items()}

@@ -35,6 +35,11 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
         FULL, one_site=replace(FULL.one_site, packing=replace(PACKING, founders=0.0, others=0.0))
     ),
     "no trimmed tours": replace(FULL, one_site=replace(FULL.one_site, packing=replace(PACKING, trimming=NO_TRIMMING))),
+    "no parted tasks": replace(
+        FULL,
+        several_depots=replace(FULL.several_depots, parting=None),
+        one_site=replace(FULL.one_site, parting=None),
+    ),
     "members as near as they come": replace(
         FULL, several_depots=replace(FULL.several_depots, apart=0.0), one_site=replace(FULL.one_site, apart=0.0)
     ),

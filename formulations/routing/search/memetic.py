@@ -22,15 +22,18 @@ import numpy as np
 
 from formulations.limits import Limits
 from formulations.routing.recorder import RecordedSolver, Recorder
+from formulations.routing.search.annealing import anneal
 from formulations.routing.search.budget import Budget, Teller
 from formulations.routing.search.chained_search import ChainedSearch
 from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.decomposition import merge
 from formulations.routing.search.edge_assembly import EdgeAssembly
 from formulations.routing.search.endurance import Endurance
+from formulations.routing.search.energy import Objective, p_norm
 from formulations.routing.search.lineage import Family
 from formulations.routing.search.packing import Packing
 from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.parting import PartingParameters
 from formulations.routing.search.perturbation import perturb
 from formulations.routing.search.population import Population, next_stages, share_best
 from formulations.routing.search.problem_data import problem_data
@@ -125,6 +128,8 @@ class Memetic(RecordedSolver):
         merge(population.data.costs, part.nodes, part.best, population.best)
         Packing().leaves_little(0.0, population.data)
         population.trimmed(duplicate(population.best), np.zeros(3, np.bool_), TrimmingParameters())
+        if instance.by_metric is None:
+            _prepare_parting(population)
         chain = parameters.chain
         if instance.by_metric is None and parameters.handover.ever(search_costs(instance), instance.n_tasks):
             ChainedSearch(population.data, population.best, chain, population.rng).advance(0.0, 1)
@@ -212,3 +217,14 @@ class Memetic(RecordedSolver):
         )
         population = replace(shares, kicks=float(self.kicks), depth=self.depth)
         return replace(self.parameters, annealing=annealing, population=population)
+
+
+def _prepare_parting(population: Population) -> None:
+    """Compile the kernels of costs by which UAVs differ, with which tasks are parted (parting.py)."""
+    newcomer = population.parted(duplicate(population.best), PartingParameters())
+    assert newcomer is not None
+    assert newcomer.subproblem is not None
+    objective, annealing = Objective(p_norm(2), 0.5), population.annealing
+    best, fittest = duplicate(newcomer.tours), duplicate(newcomer.tours)
+    data, tours = newcomer.subproblem.data, newcomer.tours
+    anneal(data, tours, best, fittest, population.rng, 1, 1.0, objective, population.measure, annealing)

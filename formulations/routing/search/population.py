@@ -4,7 +4,7 @@ A stage anneals one newcomer. The first stages make founders from scratch; later
 (perturbation.py) or cross two (crossover.py), whichever brought what is new more often (lineage.py), or, at
 one site, search some tours of one alone (decomposition.py) or reheat it (strategy.py), and where many UAVs fly anneal
 under a cap or search the tours beside a trimmed one (packing.py); where few UAVs fly long tours from several depots
-most of the time goes to long founders.
+most of the time goes to long founders. Where nothing is new two tasks of a longest tour are parted (parting.py).
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
@@ -31,6 +31,7 @@ from formulations.routing.search.lineage import Family, Lineage, Successes
 from formulations.routing.search.local_search import intensify
 from formulations.routing.search.packing import CappedSchedule
 from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.parting import PartingParameters, part_two
 from formulations.routing.search.perturbation import perturb
 from formulations.routing.search.problem_data import ProblemData, grain_of
 from formulations.routing.search.randomness import Rng, below, uniform
@@ -146,7 +147,7 @@ class Population(Lineage):
             self._chained = self._chain()
             self._begin, self.end = now, 1.0
             return
-        drawn = self._long_founder(now, others) or self._packed(others) or self._drawn(others)
+        drawn = self._long_founder(now, others) or self._packed(others) or self._parted(others) or self._drawn(others)
         self._newcomer, self._schedule = drawn
         self._steps = self.annealing._replace(strings=self._schedule.strings * self.annealing.strings)
         self._fittest = duplicate(self._newcomer.tours)
@@ -197,6 +198,24 @@ class Population(Lineage):
         final = self.strategy.fine if uniform(self.rng) < self.strategy.fine_share else self.parameters.schedule.final
         schedule = Schedule(how.first, self.parameters.schedule.draw_softness(self.rng), final)
         return Newcomer(duplicate(part.tours), how.first, length, part, aside=aside), schedule
+
+    def _parted(self, others: int) -> tuple[Newcomer, Schedule] | None:
+        """Return a newcomer with two tasks of its longest tour parted and its schedule, if that is drawn."""
+        how, parameters = self.strategy.parting, self.parameters.schedule
+        if how is None or self._founding(others) or uniform(self.rng) >= how.share * min(1.0, self._staleness):
+            return None
+        newcomer = self.parted(duplicate(self.best) if uniform(self.rng) < how.best else self._member(), how)
+        if newcomer is None:
+            return None
+        return newcomer, self.strategy.draw_schedule(newcomer.first, self._staleness, parameters, self.rng)
+
+    def parted(self, whole: Tours, how: PartingParameters) -> Newcomer | None:
+        """Return `whole` with two tasks of its longest tour parted, None where that has not two."""
+        part = part_two(self.data, whole, how, self.rng)
+        if part is None:
+            return None
+        length = self.parameters.population.child * self.family.founder
+        return Newcomer(duplicate(part.best), self.parameters.schedule.child, length, part)
 
     def _drawn(self, others: int) -> tuple[Newcomer, Schedule]:
         """Return the next newcomer and its schedule; `others` are under way in other threads."""

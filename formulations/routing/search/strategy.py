@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 
 from formulations.routing.search.energy import Measure, excess, p_norm
 from formulations.routing.search.packing import Packing
+from formulations.routing.search.parting import PartingParameters
 from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData
 from formulations.routing.search.randomness import Rng, uniform
 from formulations.routing.search.recreate import RecreateParameters
@@ -109,7 +110,7 @@ class Strategy:
     size: members at most.
     depth: of a founder's annealing, in that of the option.
     focused: whether later stages may search a few tours alone.
-    long, short, packing: where there are any.
+    long, short, packing, parting: where there are any.
     regions: share of the crossings of many tours that inherit a region (crossover.py).
     settling: as many after which annealings are fine as often as they may be.
     fine: the final phase of fine annealings; fine_share: their share, at most; fine_first: their first temperature in
@@ -137,12 +138,14 @@ class Strategy:
     reheating: Reheating | None
     compact: float
     packing: Packing | None
+    parting: PartingParameters | None
 
     def on(self, data: ProblemData) -> Strategy:
-        """Return this one as an instance has it: with short tours and with packing, or without."""
+        """Return this one as an instance has it: with short tours, packing and parting, or without."""
         short = self.short if self.short is None or self.short.suits(data) else None
         packing = self.packing if self.packing is None or self.packing.suits(data) else None
-        return replace(self, short=short, packing=packing)
+        parting = self.parting if self.parting is None or self.parting.suits(data) else None
+        return replace(self, short=short, packing=packing, parting=parting)
 
     def distinct(self) -> float:
         """Return the share of the tasks that must have other neighbours, with short tours or without."""
@@ -180,6 +183,7 @@ SEVERAL_DEPOTS = Strategy(
     reheating=None,
     compact=0.0,
     packing=None,
+    parting=PartingParameters(),
 )
 ONE_SITE = Strategy(
     measure=excess(0.0),
@@ -199,4 +203,5 @@ ONE_SITE = Strategy(
     reheating=Reheating(),
     compact=0.5,
     packing=Packing(),
+    parting=PartingParameters(),
 )

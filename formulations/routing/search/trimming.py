@@ -47,7 +47,7 @@ class TrimmingParameters(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def _elsewhere(
+def elsewhere(
     costs: Costs, near: GranularNeighbourhood, tours: Tours, v: int, aside: Bools, rng: Rng
 ) -> tuple[int, float]:
     """Return (node to put task v behind, change of that tour's cost [s]), beside a near task on a tour not set aside.
@@ -92,7 +92,7 @@ def trim(
         given, to, least = -1, -1, np.inf
         for _ in range(parameters.draws):
             v = task_on(tours, first, rng)
-            u, change = _elsewhere(costs, near, tours, v, aside, rng)
+            u, change = elsewhere(costs, near, tours, v, aside, rng)
             if change < least:
                 given, to, least = v, u, change
         tours.cost[first] += removal_change(costs, tours, given)

@@ -68,7 +68,7 @@ def test_cuts_are_needed_and_uavs_that_are_alike_told_apart() -> None:
     assert solved(instance, starts=0).statistics["cuts"] > 0
 
 
-@pytest.mark.parametrize("threads", [2, 3])
+@pytest.mark.parametrize("threads", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_helpers_change_no_optimum_and_are_gone_at_the_end(threads: int) -> None:
     for seed in range(3):
         solved(random_instance(11, 3, seed), Limits(time=300.0, threads=threads), starts=0)

@@ -19,7 +19,7 @@ def scattered(n: int, m: int, seed: int) -> Instance:
     return Instance("scattered", np.hypot(leg[..., 0], leg[..., 1]) + 0.3 * leg[..., 0], n, m)
 
 
-@pytest.mark.parametrize(("n", "m", "seed"), [(24, 3, 0), (24, 4, 1), (30, 3, 2)])
+@pytest.mark.parametrize(("n", "m", "seed"), [(24, 3, 0), (24, 4, 1), pytest.param(30, 3, 2, marks=pytest.mark.slow)])
 def test_a_proof_is_the_same_step_by_step_by_one_thread_and_by_two(n: int, m: int, seed: int) -> None:
     instance = scattered(n, m, seed)
     alone, together = (

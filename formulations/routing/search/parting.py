@@ -32,13 +32,14 @@ class PartingParameters(NamedTuple):
     30 s, two seeds, mean gaps on md4, md17, md22, md28, md34, md38, md43 and wmd8: 0.00 %, without 0.11 %; on ry48p_5,
     ftv130_5, a280_10 and four others with one depot −0.13 and 0.06 %, all with a share of 0.4 (measured.md).
 
-    share: of the stages after the founders, where nothing was new for long; best: share of those that part tasks of the
-    best routes, the others of a member's.
+    share: of the stages after the founders, where nothing was new for long; early: of that share, where all is new.
+    best: share of those stages that part tasks of the best routes, the others of a member's.
     draws: tasks of which the one farthest from the depot is taken, for either of the two.
     tasks: of the instance, at most: two or three matrices are made for each stage.
     """
 
     share: float = 0.7
+    early: float = 0.3
     best: float = 0.5
     draws: int = 2
     tasks: int = 1000

@@ -4,9 +4,9 @@ A stage anneals one newcomer. The first stages make founders from scratch; later
 (perturbation.py) or cross two (crossover.py), whichever brought what is new more often (lineage.py), or, at
 one site, search some tours of one alone (decomposition.py) or reheat it (strategy.py), and where many UAVs fly anneal
 under a cap or search the tours beside a trimmed one (packing.py); where few UAVs fly long tours from several depots
-most of the time goes to long founders. Where nothing is new two tasks of a longest tour are parted (parting.py).
+most of the time goes to long founders.
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
-The longer nothing is new, the more annealings are fine or compact (schedule.py).
+The longer nothing is new, the more annealings part tasks (parting.py), or are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
 Where tours from one site are long handover.py says when the population ends: few UAVs have one founder, and then edge
 assembly (edge_assembly.py), which a chained local search ends (chained_search.py); that alone follows where more fly.
@@ -202,7 +202,9 @@ class Population(Lineage):
     def _parted(self, others: int) -> tuple[Newcomer, Schedule] | None:
         """Return a newcomer with two tasks of its longest tour parted and its schedule, if that is drawn."""
         how, parameters = self.strategy.parting, self.parameters.schedule
-        if how is None or self._founding(others) or uniform(self.rng) >= how.share * min(1.0, self._staleness):
+        if how is None or self._founding(others):
+            return None
+        if uniform(self.rng) >= how.share * min(1.0, how.early + self._staleness):
             return None
         newcomer = self.parted(duplicate(self.best) if uniform(self.rng) < how.best else self._member(), how)
         if newcomer is None:

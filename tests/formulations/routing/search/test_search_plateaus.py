@@ -87,7 +87,8 @@ def test_annealings_are_compact_the_more_often_the_longer_nothing_was_new_but_fo
     barren, since_restart, least, most
 ):
     data = problem_data(both_ways(FLAT.cost), N, NeighbourhoodParameters())
-    parameters = replace(SearchParameters(), one_site=replace(SEVERAL_DEPOTS, compact=0.5))  # it has no reheatings
+    others = replace(SEVERAL_DEPOTS, compact=0.5, parting=None)  # it has no reheatings
+    parameters = replace(SearchParameters(), one_site=others)
     population = Population(data, Endurance(FLAT, data.costs), parameters, seeded(2), None)
     population.plan(1e-6)
     family = population.family

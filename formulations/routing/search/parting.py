@@ -35,19 +35,21 @@ class PartingParameters(NamedTuple):
     share: of the stages after the founders, where nothing was new for long; early: of that share, where all is new.
     best: share of those stages that part tasks of the best routes, the others of a member's.
     draws: tasks of which the one farthest from the depot is taken, for either of the two.
-    tasks: of the instance, at most: two or three matrices are made for each stage.
+    entries: of the matrices of costs that are made for such a stage, at most; without a fleet there are two or three.
     """
 
     share: float = 0.7
     early: float = 0.3
     best: float = 0.5
     draws: int = 2
-    tasks: int = 1000
+    entries: int = 3_000_000
 
     def suits(self, data: ProblemData) -> bool:
         """Return whether there are UAVs to part tasks among, and costs that can be made a fleet's."""
-        n, m = data.size
-        return m > 1 and n <= self.tasks and not isinstance(data.costs, PlaceCosts)
+        if data.size[1] < 2 or isinstance(data.costs, PlaceCosts):
+            return False
+        classes = len(data.costs.out) if isinstance(data.costs, FleetCosts) else 1
+        return (classes + 2) * sum(data.size) ** 2 <= self.entries
 
 
 def parted_costs(costs: AlikeCosts | FleetCosts, banned: Ints) -> FleetCosts:

@@ -113,11 +113,15 @@ def test_a_longest_tour_of_one_task_has_none_to_part():
     assert part_two(data, whole, HOW, seeded(1)) is None
 
 
-def test_one_uav_many_tasks_and_costs_without_a_matrix_part_none():
+def test_one_uav_many_tasks_or_classes_and_costs_without_a_matrix_part_none():
     two = problem_data(both_ways(instance_of((0, 0), 1).cost), N, NEAR)
     assert HOW.suits(two)
     assert not HOW.suits(problem_data(both_ways(instance_of((0,), 1).cost), N, NEAR))
-    assert not HOW._replace(tasks=N - 1).suits(two)
+    assert HOW._replace(entries=3 * (N + 2) ** 2).suits(two)
+    assert not HOW._replace(entries=3 * (N + 2) ** 2 - 1).suits(two)
+    fleet = problem_data(of_fleet(instance_of((0, 0), 1), (1.0, 1.7)), N, NEAR)
+    assert HOW._replace(entries=4 * (N + 2) ** 2).suits(fleet)
+    assert not HOW._replace(entries=4 * (N + 2) ** 2 - 1).suits(fleet)
     metric = {"metric": "euclidean"}
     places = np.random.default_rng(1).uniform(0, 9, (N + 2, 2))
     costs = search_costs(Instance.of_metric("places", metric, places, N, 2))

@@ -62,6 +62,7 @@ PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`
 TUNED_ON = (
     *(f"md{number}" for number in (4, 5, 8, 10, 14, 16, 17, 19, 20, 22, 25, 26, 28, 31, 34, 37, 40)),
     *("lin318_5", "att532_5", "berlin52_5", "rat99_5", "rat99_7", "eil76_5", "eil76_7", "att532.euc2d_10", "pr439_10"),
+    *("a280_10", "ftv130_5", "ry48p_5"),
     *(f"{name}_{m}" for name in ("d1655", "pcb1173", "pcb3038", "pr2392", "rl5915", "u2152") for m in (10, 20)),
 )
 SHORT = {  # proved optima [s] of 100 tasks and 10 UAVs, by seed: those that short searches mostly miss

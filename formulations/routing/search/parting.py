@@ -84,8 +84,8 @@ def _far_task(costs: Costs, tours: Tours, k: int, other: int, draws: int, rng: R
 def part_two(data: ProblemData, whole: Tours, parameters: PartingParameters, rng: Rng) -> Subproblem | None:
     """Return the search of `whole` with two tasks of its longest tour parted, None where that has one task or none.
 
-    Its `tours` are as they were, which takes longer than any tour by its costs; its `best` are those with one of the
-    two tasks moved to the tour nearby that takes it at the least cost.
+    Its `tours` are as they were, which takes longer than any tour by its costs, so that whatever is found takes their
+    place; its `best` are those with one of the two tasks moved to the tour nearby that takes it at the least cost.
     """
     costs, k = data.costs, int(whole.cost.argmax())
     assert not isinstance(costs, PlaceCosts)

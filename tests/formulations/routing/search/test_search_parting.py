@@ -157,17 +157,11 @@ def test_where_nothing_is_new_stages_part_tasks_and_bring_back_routes_of_the_who
 
 @pytest.mark.parametrize(("barren", "since_restart", "least", "most"), [(0, 9, 10, 35), (99, 9, 60, 80), (99, 0, 0, 0)])
 def test_stages_part_tasks_the_more_often_the_longer_nothing_was_new_but_founders_never(
-    barren, since_restart, least, most
+    begun, barren, since_restart, least, most
 ):
     instance = instance_of((0, 1, 2), 3)
     data = problem_data(both_ways(instance.cost), N, NEAR)
     population = Population(data, Endurance(instance, data.costs), SearchParameters(), seeded(2), None)
-    population.plan(1e-6)
-    family = population.family
-    family.founders, family.members = 8, [population.best, population.best]
-    family.since_restart, family.barren = since_restart, barren
-    parted = 0
-    for _ in range(100):
-        population.begin(0.0)
-        parted += population._newcomer.subproblem is not None
+    stages = begun(population, barren, since_restart)
+    parted = sum(each._newcomer.subproblem is not None for each in stages)
     assert least <= parted <= most

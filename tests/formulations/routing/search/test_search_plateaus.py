@@ -84,20 +84,13 @@ def test_tours_turned_or_flown_by_another_uav_of_the_site_are_the_same(order, cu
     ("barren", "since_restart", "least", "most"), [(0, 9, 0, 0), (12, 9, 10, 40), (99, 9, 30, 70), (99, 0, 0, 0)]
 )
 def test_annealings_are_compact_the_more_often_the_longer_nothing_was_new_but_founders_never(
-    barren, since_restart, least, most
+    begun, barren, since_restart, least, most
 ):
     data = problem_data(both_ways(FLAT.cost), N, NeighbourhoodParameters())
     others = replace(SEVERAL_DEPOTS, compact=0.5, parting=None)  # it has no reheatings
     parameters = replace(SearchParameters(), one_site=others)
     population = Population(data, Endurance(FLAT, data.costs), parameters, seeded(2), None)
-    population.plan(1e-6)
-    family = population.family
-    family.founders, family.members = 8, [population.best, population.best]
-    family.since_restart, family.barren = since_restart, barren
-    count = 0
-    for _ in range(100):
-        population.begin(0.0)
-        count += population._schedule.compact
+    count = sum(each._schedule.compact for each in begun(population, barren, since_restart))
     assert least <= count <= most
 
 

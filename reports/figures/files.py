@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -22,8 +21,11 @@ def write_figures(figures: Iterable[Drawn], folder: Path | str, pictures: Sequen
     except OSError as error:
         raise InputError(f"{folder}: cannot be made ({error.strerror})") from None
     for drawn in figures:
-        name = re.sub(r"[^\w.-]", "-", drawn.key)
         for ending in pictures:
-            save_figure(drawn.figure, Path(folder) / f"{name}{ending}")
+            path = Path(folder) / f"{drawn.name}{ending}"
+            if ending == ".svg":
+                write_aside(path, drawn.svg)
+            else:
+                save_figure(drawn.figure, path)
         if drawn.chart is not None:
-            write_aside(Path(folder) / f"{name}.csv", csv_text(drawn.chart.frame()))
+            write_aside(Path(folder) / f"{drawn.name}.csv", csv_text(drawn.chart.frame()))

@@ -6,6 +6,7 @@ import html
 import io
 import re
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -21,7 +22,7 @@ from reports.figures.style import FAINT, INK, PAPER, RC
 class Drawn:
     """A figure with its words: `title`, and `caption`, which says what is seen and how to read it.
 
-    chart : what it was drawn from, None for a map or another drawing.
+    chart : what it was drawn from, None for a map or another drawing. It is drawn as SVG once, for page and file.
     """
 
     key: str
@@ -30,16 +31,30 @@ class Drawn:
     figure: Figure
     chart: Chart | None = None
 
+    @property
+    def name(self) -> str:
+        """The key as a file's name, without an ending."""
+        return re.sub(r"[^\w.-]", "-", self.key)
+
+    @cached_property
+    def svg(self) -> str:
+        """The text of an SVG file."""
+        return _svg(self.figure, self.name)
+
+
+def _svg(figure: Figure, salt: str) -> str:
+    """Return the text of an SVG file of `figure`; `salt` makes its ids. Two decimals are kept."""
+    buffer = io.StringIO()
+    with rc_context(RC | {"svg.hashsalt": salt}):
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return _printable(_ROUNDABLE.sub(_rounded, buffer.getvalue()))
+
 
 def inline_svg(drawn: Drawn) -> str:
-    """Return `drawn` as an ``<svg>`` element: ink follows the page, ids are the figure's own, two decimals are kept."""
-    buffer = io.StringIO()
-    with rc_context(RC | {"svg.hashsalt": drawn.key}):
-        drawn.figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
-    svg = buffer.getvalue()
-    svg = _printable(svg[svg.index("<svg") :])
+    """Return `drawn` as an ``<svg>`` element: ink follows the page, ids are the figure's own, no background."""
+    svg = drawn.svg[drawn.svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
-    svg = _ROUNDABLE.sub(_rounded, svg)
+    svg = _BACKGROUND.sub("fill: none", svg, count=1)
     prefix = re.sub(r"[^\w-]", "-", drawn.key)
     svg = re.sub(r'(id="|url\(#|xlink:href="#)', rf"\g<1>{prefix}-", svg)
     svg = svg.replace(INK, "currentColor").replace(PAPER, "var(--paper)").replace(FAINT, "var(--faint)")
@@ -50,6 +65,8 @@ def inline_svg(drawn: Drawn) -> str:
     return svg.replace("<svg", f'<svg role="img" aria-label="{label}" style="max-width:{width:.0f}px"', 1)
 
 
+_BACKGROUND = re.compile(rf'(?<=style=")fill: {PAPER}')
+"""Of the first path of a figure, which is its paper."""
 _ROUNDABLE = re.compile(r'\b(?:d|x|y|transform|points)="[^"]*"')
 
 
@@ -64,11 +81,13 @@ def save_figure(figure: Figure, path: Path | str) -> None:
     kind = target.suffix.lower()
     if kind not in (".svg", ".png", ".pdf"):
         raise InputError(f"{target}: a picture must end in .svg, .png or .pdf")
+    if kind == ".svg":
+        write_aside(target, _svg(figure, target.stem))
+        return
     buffer = io.BytesIO()
-    with rc_context(RC | {"svg.hashsalt": target.stem}):
-        figure.savefig(buffer, format=kind[1:], dpi=160, metadata={"Date": None} if kind == ".svg" else None)
-    data = buffer.getvalue()
-    write_aside(target, _printable(_ROUNDABLE.sub(_rounded, data.decode())) if kind == ".svg" else data)
+    with rc_context(RC):
+        figure.savefig(buffer, format=kind[1:], dpi=160)
+    write_aside(target, buffer.getvalue())
 
 
 def _printable(svg: str) -> str:

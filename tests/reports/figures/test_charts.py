@@ -26,6 +26,7 @@ from reports.figures.paths import draw_claim, draw_methods
 from reports.figures.placement import draw_placement_convergence
 from reports.figures.static import LINEAR_BELOW, LINEAR_SHARE, draw, transformed
 from reports.figures.style import COLOURS, FAINT, INK, PAPER, styles
+from reports.figures.svg import inline_svg
 from reports.metrics import with_gaps
 
 LOOKS = list(styles("abc").values())
@@ -205,6 +206,18 @@ def test_files_for_papers(drawn, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be made"):
         write_figures(few, tmp_path / "file")
+
+
+def test_a_page_and_its_file_show_one_drawing(drawn, tmp_path, monkeypatch):
+    ecdf = replace(next(d for d in drawn if d.key == "ecdf"), key="ecdf.of all")
+    inline = inline_svg(ecdf)
+    monkeypatch.setattr(type(ecdf.figure), "savefig", None)  # whoever draws it again fails
+    write_figures([ecdf], tmp_path, (".svg",))
+    text = (tmp_path / "ecdf.of-all.svg").read_text()
+    lines = [re.findall(r' d="([^"]*)"', svg) for svg in (text, inline)]
+    assert lines[0] == lines[1]
+    assert [svg.count(f"fill: {PAPER}") for svg in (text, inline)] == [1, 0]
+    assert "var(--paper)" not in inline
 
 
 def luminance(colour):

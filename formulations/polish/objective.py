@@ -99,7 +99,7 @@ class Objective:
         """Return what places at `shares` of the legs of `path` that lie outside `room` add to F, and add its slopes."""
         a, b = path[:-1], path[1:]
         places = (a[:, None] + shares[:, None] * (b - a)[:, None]).reshape(-1, 2)
-        outside = np.flatnonzero(~shapely.covers(room, shapely.points(places)))
+        outside = np.flatnonzero(~shapely.intersects_xy(room, *places.T))
         if not len(outside):
             return 0.0
         nearest = shapely.get_coordinates(shapely.shortest_line(shapely.points(places[outside]), room))[1::2]

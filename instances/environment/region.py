@@ -102,7 +102,7 @@ class Region:
     def contains(self, points: ArrayLike) -> Bools:
         """Return which of `points` (k, 2) [m] lie inside or on the border, shape (k,)."""
         p = np.asarray(points, dtype=float).reshape(-1, 2)
-        return np.asarray(shapely.covers(self.polygon, shapely.points(p)), dtype=bool)
+        return np.asarray(shapely.intersects_xy(self.polygon, *p.T), dtype=bool)  # a tenth of the time points take
 
     def signed_distance(self, points: ArrayLike) -> Floats:
         """Return the distance to the border [m], positive inside and negative outside, shape (k,)."""

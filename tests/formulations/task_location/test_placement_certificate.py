@@ -50,7 +50,9 @@ def test_no_design_passes_the_continuous_bound(n, seed, region, noise_sd):
     assert criterion.value(clustered) <= bound
 
 
-@pytest.mark.parametrize("region", [SQUARE, TRIANGLE], ids=["square", "triangle with hole"])
+@pytest.mark.parametrize(
+    "region", [SQUARE, pytest.param(TRIANGLE, marks=pytest.mark.slow)], ids=["square", "triangle with hole"]
+)
 def test_the_continuous_bound_is_close_to_what_nlp_finds(region):
     criterion = Criterion(KERNEL, region.cell_centres(10, 10), convention=Convention.INFORMATION_GAIN)
     placement = place(PlacementProblem(region, criterion, 12), make_method("nlp"), "nlp")

@@ -4,7 +4,7 @@ Where the longest tour flies to a few far tasks, these together are what is chea
 that, though tours that each fly to one of them can be packed shorter. Which tasks are flown together is what branch and
 bound decides pair by pair (Ryan & Foster, in: Computer Scheduling of Public Transport, 1981); here a pair of the
 longest tour is drawn and only the branch is searched in which they are apart. The routes found are routes of the
-whole, and may join the members however long they are.
+whole, and may join the members however long they are. Of tours of many tasks no pair decides much.
 
 What a UAV may not fly takes it longer than any tour: its costs are a class of their own (costs.py). One UAV may not fly
 to the one task; those like it at its site, which could fly the same tour in its place, may not fly to the other.
@@ -29,12 +29,14 @@ from instances.arrays import Ints
 class PartingParameters(NamedTuple):
     """How often tasks are parted, and which.
 
-    30 s, two seeds, mean gaps on md4, md17, md22, md28, md34, md38, md43 and wmd8: 0.00 %, without 0.11 %; on ry48p_5,
-    ftv130_5, a280_10 and four others with one depot −0.13 and 0.06 %, all with a share of 0.4 (measured.md).
+    30 s, mean gaps on md4 (six seeds), md31 and md34 (three): 0.05 %, without 0.19 %; on ry48p_5, ftv130_5, a280_10 and
+    four others with one depot, with a share of 0.4, −0.13 and 0.06 %; on seven sets of 83 to 100 tasks a UAV, where
+    none are parted, −0.04 and −0.12 % (measured.md).
 
     share: of the stages after the founders, where nothing was new for long; early: of that share, where all is new.
     best: share of those stages that part tasks of the best routes, the others of a member's.
     draws: tasks of which the one farthest from the depot is taken, for either of the two.
+    tasks: of a tour, in the mean at most.
     entries: of the matrices of costs that are made for such a stage, at most; without a fleet there are two or three.
     """
 
@@ -42,14 +44,16 @@ class PartingParameters(NamedTuple):
     early: float = 0.3
     best: float = 0.5
     draws: int = 2
+    tasks: int = 80
     entries: int = 3_000_000
 
     def suits(self, data: ProblemData) -> bool:
-        """Return whether there are UAVs to part tasks among, and costs that can be made a fleet's."""
-        if data.size[1] < 2 or isinstance(data.costs, PlaceCosts):
+        """Return whether there are UAVs to part tasks among, tours are short, and costs can be made a fleet's."""
+        n, m = data.size
+        if m < 2 or n > self.tasks * m or isinstance(data.costs, PlaceCosts):
             return False
         classes = len(data.costs.out) if isinstance(data.costs, FleetCosts) else 1
-        return (classes + 2) * sum(data.size) ** 2 <= self.entries
+        return (classes + 2) * (n + m) ** 2 <= self.entries
 
 
 def parted_costs(costs: AlikeCosts | FleetCosts, banned: Ints) -> FleetCosts:

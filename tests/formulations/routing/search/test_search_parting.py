@@ -113,9 +113,11 @@ def test_a_longest_tour_of_one_task_has_none_to_part():
     assert part_two(data, whole, HOW, seeded(1)) is None
 
 
-def test_one_uav_many_tasks_or_classes_and_costs_without_a_matrix_part_none():
+def test_one_uav_long_tours_many_tasks_or_classes_and_costs_without_a_matrix_part_none():
     two = problem_data(both_ways(instance_of((0, 0), 1).cost), N, NEAR)
     assert HOW.suits(two)
+    assert HOW._replace(tasks=N // 2).suits(two)
+    assert not HOW._replace(tasks=N // 2 - 1).suits(two)
     assert not HOW.suits(problem_data(both_ways(instance_of((0,), 1).cost), N, NEAR))
     assert HOW._replace(entries=3 * (N + 2) ** 2).suits(two)
     assert not HOW._replace(entries=3 * (N + 2) ** 2 - 1).suits(two)

@@ -44,7 +44,7 @@ def walled(wind: ChangingWind = FRONT, **more: object) -> Scenario:
 @pytest.fixture(scope="module")
 def planned() -> tuple[Scenario, Instance, Paths]:
     scenario = walled()
-    return scenario, *instance_of(scenario, options={"samples": 200})
+    return scenario, *instance_of(scenario, options={"samples": 120})
 
 
 def test_a_polyline_of_one_segment_is_a_track_and_bends_add_up() -> None:

@@ -52,15 +52,15 @@ def test_same_seed_same_file_in_another_process(tmp_path, elsewhere, name):
 
 @pytest.mark.parametrize("name", FAMILIES.built_in)
 def test_sizes_places_and_provenance(name):
-    instance = generate(name, 12, 4, seed=1, **COARSE.get(name, {}))
-    scenario = make_scenario(name, 12, 4, seed=1, **COARSE.get(name, {}))
-    assert (instance.n_tasks, instance.n_depots) == (12, 4)
+    instance = generate(name, 7, 3, seed=1, **COARSE.get(name, {}))
+    scenario = make_scenario(name, 7, 3, seed=1, **COARSE.get(name, {}))
+    assert (instance.n_tasks, instance.n_depots) == (7, 3)
     assert instance.coordinates.tolist() == scenario.points.tolist()
     assert scenario.region.contains(instance.coordinates).all()
     assert instance.provenance["family"] == name
     assert instance.provenance["seed"] == 1
-    assert (instance.cost[~np.eye(16, dtype=bool)] > 0).all()
-    assert check_routes(instance, [range(12), [], [], []]) == []
+    assert (instance.cost[~np.eye(10, dtype=bool)] > 0).all()
+    assert check_routes(instance, [range(7), [], []]) == []
 
 
 @pytest.mark.parametrize("name", WINDY)

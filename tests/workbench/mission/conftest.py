@@ -22,10 +22,18 @@ def mission_file(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def made(mission_file: Path, tmp_path_factory) -> Path:
-    out = tmp_path_factory.mktemp("made") / "out"
-    run_mission(read_mission(mission_file), out)
-    return out
+def made(mission_file: Path, tmp_path_factory, worker_id: str) -> Path:
+    """The products of the mission, to be read only: of the first worker that has made them."""
+    base = tmp_path_factory.getbasetemp()
+    of_all = (base if worker_id == "master" else base.parent) / "made"
+    if not of_all.exists():
+        out = tmp_path_factory.mktemp("making") / "out"
+        run_mission(read_mission(mission_file), out)
+        try:
+            out.rename(of_all)
+        except OSError:  # another worker was as quick
+            return out
+    return of_all
 
 
 @pytest.fixture

@@ -84,7 +84,7 @@ def test_every_stage_leaves_its_products(made: Path) -> None:
     assert not list(made.glob(".*"))
 
 
-@pytest.mark.parametrize("drift", ["", "tau = 100.0"])
+@pytest.mark.parametrize("drift", ["", pytest.param("tau = 100.0", marks=pytest.mark.slow)])
 def test_polished_tours_promise_more_and_are_no_longer_than_the_longest(
     copied: Path, mission_file: Path, drift: str
 ) -> None:

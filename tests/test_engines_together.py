@@ -69,6 +69,11 @@ def test_each_ordered_pair_solves_in_one_process(pair: tuple[str, str]) -> None:
     _run("\n".join(ENGINES[name] for name in pair))
 
 
+@pytest.mark.parametrize("pair", [("cvxpy", "ortools"), ("ortools", "cvxpy"), ("ortools", "highspy")], ids="-".join)
+def test_the_pairs_known_to_clash_solve_in_one_process(pair: tuple[str, str]) -> None:
+    _run("\n".join(ENGINES[name] for name in pair))
+
+
 def _run(code: str) -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

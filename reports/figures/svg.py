@@ -54,7 +54,7 @@ def inline_svg(drawn: Drawn) -> str:
     """Return `drawn` as an ``<svg>`` element: ink follows the page, ids are the figure's own, no background."""
     svg = drawn.svg[drawn.svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
-    svg = _BACKGROUND.sub("fill: none", svg, count=1)
+    svg = _BACKGROUND.sub(r"\g<1>fill: none", svg, count=1)
     prefix = re.sub(r"[^\w-]", "-", drawn.key)
     svg = re.sub(r'(id="|url\(#|xlink:href="#)', rf"\g<1>{prefix}-", svg)
     svg = svg.replace(INK, "currentColor").replace(PAPER, "var(--paper)").replace(FAINT, "var(--faint)")
@@ -65,8 +65,8 @@ def inline_svg(drawn: Drawn) -> str:
     return svg.replace("<svg", f'<svg role="img" aria-label="{label}" style="max-width:{width:.0f}px"', 1)
 
 
-_BACKGROUND = re.compile(rf'(?<=style=")fill: {PAPER}')
-"""Of the first path of a figure, which is its paper."""
+_BACKGROUND = re.compile(r'(<g id="patch_1">.*?style=")fill: [^;"]*', re.S)
+"""The first patch of a figure, which is its paper, whatever its colour."""
 _ROUNDABLE = re.compile(r'\b(?:d|x|y|transform|points)="[^"]*"')
 
 

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 from bokeh.document import Document
 from bokeh.models.renderers import GlyphRenderer
+from matplotlib.figure import Figure
 from matplotlib.scale import SymmetricalLogTransform
 
 from instances import InputError
@@ -26,7 +27,7 @@ from reports.figures.paths import draw_claim, draw_methods
 from reports.figures.placement import draw_placement_convergence
 from reports.figures.static import LINEAR_BELOW, LINEAR_SHARE, draw, transformed
 from reports.figures.style import COLOURS, FAINT, INK, PAPER, styles
-from reports.figures.svg import inline_svg
+from reports.figures.svg import Drawn, inline_svg
 from reports.metrics import with_gaps
 
 LOOKS = list(styles("abc").values())
@@ -218,6 +219,10 @@ def test_a_page_and_its_file_show_one_drawing(drawn, tmp_path, monkeypatch):
     assert lines[0] == lines[1]
     assert [svg.count(f"fill: {PAPER}") for svg in (text, inline)] == [1, 0]
     assert "var(--paper)" not in inline
+
+
+def test_a_page_shows_through_a_figure_of_any_paper():
+    assert "fill: #123456" not in inline_svg(Drawn("blue", "Blue", "Drawn elsewhere.", Figure(facecolor="#123456")))
 
 
 def luminance(colour):

@@ -78,7 +78,8 @@ class Search:
         """Count the steps that are due for what was done in the tree since the last time."""
         n, lists = self.recorder.instance.n_tasks, self.counts["lists in vain"]
         work = _STEPS_A_ROUND * n * self.counts["rounds"] + _STEPS_A_LABEL * self.counts["labels in vain"]
-        wide = min((1 - hint.level / self.recorder.objective) / _NARROW, _MOST)
+        level = max(hint.level, self.recorder.bound)  # trees under lower caps know of more than their relaxations
+        wide = min((1 - level / self.recorder.objective) / _NARROW, _MOST)
         self._due += (work - self._work) * max(1.0, wide / 2**self._barren)
         if near:
             also = _ROUNDS_A_RELAXATION + _ROUNDS_A_LIST * (lists - self._lists)

@@ -66,6 +66,12 @@ def test_the_wider_the_gap_the_sooner_it_is_searched_up_to_a_limit(recorder, ste
     assert narrow > wide > wider > widest == beyond
 
 
+def test_a_gap_is_no_wider_than_what_is_proved_leaves_it_whatever_a_relaxation_says(recorder, steps):
+    narrow, wide = (searches(recorder, steps, gap, 200)[0] for gap in (1e-4, 0.3))
+    recorder.raise_bound((1 - 1e-4) * recorder.objective)
+    assert searches(recorder, steps, 0.3, 200)[0] == narrow > wide
+
+
 def test_after_searches_in_vain_a_wide_gap_is_searched_no_oftener_than_a_narrow_one(recorder, steps):
     wide, narrow = (np.diff(searches(recorder, steps, gap, 800)) for gap in (0.3, 1e-4))
     assert wide[0] < wide[-1]

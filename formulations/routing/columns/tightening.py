@@ -136,6 +136,8 @@ def tighten(node: Node, cap: float, work: Workspace) -> Outcome:
 def _begin(node: Node, cap: float, work: Workspace) -> Duals | None:
     """Drop the tours beyond `cap`; raise the bound above it where a task is lost with them, else by walks if asked.
 
+    A node taken up again goes on with the columns that routes under this cap may still use.
+
     Return duals that those of long tours are near: of the relaxation above, else of one over walks; else None.
     """
     node.legs, node.pool = node.legs.under(cap), node.pool.under(cap)
@@ -144,6 +146,7 @@ def _begin(node: Node, cap: float, work: Workspace) -> Duals | None:
         node.raise_bound(DualBound.of_lost_task(int(lost[0]), node.legs.n_uavs, node.legs.n_tasks, cap))
         return None
     if node.centre is not None:
+        node.lighten(cap)
         return node.centre.duals if node.legs.n_tasks > _LONG * node.legs.n_uavs else None
     if work.walks is None:
         return None

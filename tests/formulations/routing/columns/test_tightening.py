@@ -182,6 +182,27 @@ def test_a_node_out_of_time_is_interrupted_and_one_overtaken_is_left():
     assert tighten(fresh(instance), cap, work) == Overtaken()
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_node_taken_up_again_goes_on_with_the_columns_that_routes_under_its_cap_may_use(seed, monkeypatch):
+    instance = random_instance(seed, m=3)
+    found, node, work, begun = SubsetDp().solve(instance, limits=Limits(time=600.0)), fresh(instance), workspace(), []
+    best = found.objective
+    work.better = lambda *_: True
+    assert tighten(node, 1.1 * best, work) == Overtaken()
+    before = node.columns
+
+    def noted(master, *rest, **how):
+        begun.append(list(master.columns))
+        return generate(master, *rest, **how)
+
+    monkeypatch.setattr(tightening, "generate", noted)
+    tighten(node, 1.01 * best, work)
+    cheap = [c for c in before if c.cost <= 1.01 * best]
+    assert len(begun[0]) < len(cheap)
+    optimal = {(k, frozenset(route)) for k, route in enumerate(found.routes)}
+    assert [c for c in cheap if (c.uav, frozenset(c.tasks)) in optimal and c not in begun[0]] == []
+
+
 def test_a_node_with_nothing_to_branch_on_and_no_room_is_stuck():
     instance = random_instance(0, m=1)
     node = fresh(instance)

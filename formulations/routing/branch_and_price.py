@@ -86,7 +86,7 @@ more).
 _FOR_ARCS = 0.2  # share of the time, at most, for the capped total
 _PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end
 _WIDE = 0.02  # gap above which trials of caps get the last third of the time, and are searched beside
-_APART = 0.0025  # gap left at the root, of short tours, above which trials of caps come before its children
+_APART = 0.005  # gap at the root, of short tours, above which trials of caps come before its children, and to which
 
 
 @dataclass(frozen=True)
@@ -192,10 +192,11 @@ class BranchAndPrice(RecordedSolver):
         ended = tree.grow(recorder, TOLERANCE, nodes)
         work.time_left = patience.left
         if ended is not StoppedBy.PROOF:
-            patience.share(1)
             if wide():
-                # the tree has far to go from a gap as wide as this
+                # the tree has far to go from a gap as wide as this; but of short tours it may be near its end
+                patience.share(1 / 2 if _short(instance) else 1)
                 self.destroy(recorder, patience, tree, legs)
+            patience.share(1)
             ended = tree.grow(recorder, TOLERANCE, nodes - work.counts["nodes"])
         recorder.raise_bound(tree.bound(min(recorder.objective * (1 - TOLERANCE), most)) * (1 - 1e-12))
         return ended.value, dict(work.counts)

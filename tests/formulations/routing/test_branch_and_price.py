@@ -167,6 +167,21 @@ def test_trials_of_caps_before_the_children_of_the_root_end_at_the_optimum(
     assert min(tree.most for tree in roots) < makespan(instance, (tuple(range(8)), ()))
 
 
+def test_where_short_tours_leave_a_wide_gap_trials_leave_the_tree_time_to_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    trials, trees = [], []
+
+    def out_of_time(self: Tree, *_: object) -> StoppedBy:
+        trees.append(self.work.time_left())
+        return StoppedBy.TIME
+
+    monkeypatch.setattr(Tree, "grow", out_of_time)
+    monkeypatch.setattr(BranchAndPrice, "destroy", lambda _, recorder, patience, *rest: trials.append(patience.left()))
+    instance = random_instance(8, 2, 0)
+    BranchAndPrice(starts=0).solve(instance, limits=Limits(time=60.0), start=(tuple(range(8)), ()))
+    assert trials == pytest.approx([30.0], abs=5.0)
+    assert trees[-1] == pytest.approx(60.0, abs=5.0)
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_fleets_whatever_the_start(
     fleets: Callable[..., Instance], held_karp: Callable[[Instance], tuple[float, Routes]], seed: int

@@ -186,11 +186,10 @@ class BranchAndPrice(RecordedSolver):
 
         nodes = np.inf if limits.iterations is None else limits.iterations
         patience.share(2 / 3)
+        work.time_left = lambda: left if (left := patience.left()) > 0 or wide() else recorder.remaining
         if limits.iterations is None and _short(instance):
             tree = self.approach(recorder, patience, tree, legs)
-        work.time_left = lambda: left if (left := patience.left()) > 0 or wide() else recorder.remaining
         ended = tree.grow(recorder, TOLERANCE, nodes)
-        work.time_left = patience.left
         if ended is not StoppedBy.PROOF:
             if wide():
                 # the tree has far to go from a gap as wide as this; but of short tours it may be near its end
@@ -258,7 +257,7 @@ class BranchAndPrice(RecordedSolver):
         searched for beside, but for the last: trees under lower caps find them or show that there are none.
         """
         work, high, end, columns = whole.work, min(recorder.objective, whole.most), patience.until, whole.columns
-        search = work.better
+        search, time_left, work.time_left = work.better, work.time_left, patience.left
         while high - recorder.bound > precision * high and recorder.remaining - end > _PRECISION * recorder.remaining:
             cap = (recorder.bound + high) / 2
             last = cap - recorder.bound <= precision * high  # what stops this one stops the whole tree as well
@@ -269,7 +268,7 @@ class BranchAndPrice(RecordedSolver):
             tree.grow(recorder, TOLERANCE, np.inf)
             columns = tree.columns
             high = min(high if recorder.bound >= cap * (1 - TOLERANCE) else cap, recorder.objective)
-        work.better = search
+        work.better, work.time_left = search, time_left
         return columns
 
 

@@ -182,6 +182,24 @@ def test_where_short_tours_leave_a_wide_gap_trials_leave_the_tree_time_to_end(mo
     assert trees[-1] == pytest.approx(60.0, abs=5.0)
 
 
+@pytest.mark.parametrize(("gap", "all_of_it"), [(0.01, True), (0.03, False)])
+def test_the_tree_has_all_of_the_time_from_its_root_on_where_the_gap_is_narrow(
+    monkeypatch: pytest.MonkeyPatch, gap: float, all_of_it: bool
+) -> None:
+    instance, start = random_instance(8, 2, 0), (tuple(range(8)), ())
+    bound, left = (1 - gap) * makespan(instance, start), []
+
+    def out_of_time(self: Tree, *_: object) -> StoppedBy:
+        left.append(self.work.time_left())
+        return StoppedBy.TIME
+
+    monkeypatch.setattr(Tree, "grow", out_of_time)
+    monkeypatch.setattr(Tree, "bound", lambda *_: bound)
+    monkeypatch.setattr(Patience, "left", lambda _: 0.0)
+    BranchAndPrice(starts=0).solve(instance, limits=Limits(time=60.0), start=start)
+    assert (left[0] > 0) == all_of_it
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_fleets_whatever_the_start(
     fleets: Callable[..., Instance], held_karp: Callable[[Instance], tuple[float, Routes]], seed: int

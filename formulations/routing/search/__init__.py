@@ -17,5 +17,6 @@ be flown; energy measures tours; ruin, recreate, moves (by concatenation) and lo
 a schedule is `ruin_recreate`; decomposition, perturbation, crossover, parting and, with trimming, packing make a
 population of a strategy, which is `memetic`; parameters has all that was tuned. Where tours from one site are long,
 handover says when edge_assembly (of rings from nearest_in_turn, each a giant_tour, by ab_cycles and ring_children) or
-chained_search (by chain_moves of candidate_legs on tour_blocks, judged by ring_energy, and by bridges) takes over.
+chained_search (by chain_moves of candidate_legs on tour_blocks, judged by ring_energy, and by bridges) takes over;
+part_search may follow.
 """

@@ -3,7 +3,8 @@
 For UAVs that are alike and fly long tours from one site, at costs that are symmetric. Few of them are edge assembly's
 from the beginning. Of more of them a chained search that begins hot finds better which UAV flies where, the hotter the
 more there are: what a leg counts for in the energy of m tours falls as 1/m. Not so where the farthest task decides:
-there the population goes on for longer, and the search that follows leaves its tours as they are but for details.
+there the population goes on for longer, and the search that follows leaves its tours as they are but for details; in
+the end the longest of them are searched with some near them (part_search.py).
 Where the limit allows for no population the search begins soon.
 """
 
@@ -35,7 +36,7 @@ class HandoverParameters:
     early, heat, last: when it begins hot, its first temperature for each UAV, and its last; room: so long is the
     longest tour then, at least, in the longest trip to one task and back; each: mean number of tasks on a tour then, at
     least.
-    after, reheated: when it begins elsewhere, and its first temperature there.
+    after, reheated, ended: when it begins elsewhere, its first temperature there, and when searches of parts follow.
     pair, most: steps that finding candidate legs takes for each pair of tasks, about, and the share of the time left
     that it may take: 5,914 tasks take half a second, in two threads one, and it is not interrupted.
     """
@@ -54,6 +55,7 @@ class HandoverParameters:
     each: int = 100
     after: float = 0.6
     reheated: float = 0.2
+    ended: float = 0.9
     pair: float = 2e-3
     most: float = 0.8
 

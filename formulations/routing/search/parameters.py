@@ -18,6 +18,7 @@ from formulations.routing.search.decomposition import DecompositionParameters
 from formulations.routing.search.edge_assembly import AssemblyParameters
 from formulations.routing.search.handover import HandoverParameters
 from formulations.routing.search.local_search import LocalSearchParameters
+from formulations.routing.search.part_search import PartParameters
 from formulations.routing.search.perturbation import PerturbationParameters
 from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData
 from formulations.routing.search.schedule import ScheduleParameters
@@ -72,6 +73,7 @@ class SearchParameters:
     handover: HandoverParameters = field(default_factory=HandoverParameters)
     chain: ChainParameters = field(default_factory=ChainParameters)
     assembly: AssemblyParameters = field(default_factory=AssemblyParameters)
+    parts: PartParameters = field(default_factory=PartParameters)
     budget: BudgetParameters = field(default_factory=BudgetParameters)
     several_depots: Strategy = SEVERAL_DEPOTS
     one_site: Strategy = ONE_SITE

@@ -9,7 +9,8 @@ At the end of a stage every tour of the newcomer gets a better order (local_sear
 The longer nothing is new, the more annealings part tasks (parting.py), or are fine or compact (schedule.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
 Where tours from one site are long handover.py says when the population ends: few UAVs have one founder, and then edge
-assembly (edge_assembly.py), which a chained local search ends (chained_search.py); that alone follows where more fly.
+assembly (edge_assembly.py), which a chained local search ends (chained_search.py); that alone follows where more fly,
+and after it, where a far task decides, searches of parts (part_search.py).
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from formulations.routing.search.lineage import Family, Lineage, Successes
 from formulations.routing.search.local_search import intensify
 from formulations.routing.search.packing import CappedSchedule
 from formulations.routing.search.parameters import SearchParameters
+from formulations.routing.search.part_search import PartSearch
 from formulations.routing.search.parting import PartingParameters, part_two
 from formulations.routing.search.perturbation import perturb
 from formulations.routing.search.problem_data import ProblemData, grain_of
@@ -81,7 +83,7 @@ class Population(Lineage):
         self.improved = True
         self._long = parameters.handover.assembles(data.costs, data.size[0])
         self._soon, self._chains = self._long, False
-        self._chained: ChainedSearch | EdgeAssembly | None = None
+        self._chained: ChainedSearch | EdgeAssembly | PartSearch | None = None
 
     def plan(self, step: float) -> None:
         """Say which part of the limit a step takes, and when chained search begins; the only founder is then short."""
@@ -143,9 +145,8 @@ class Population(Lineage):
 
     def begin(self, now: float, others: int = 0) -> None:
         """Begin the next stage; `others` are under way in other threads."""
-        if self._hands_over(now):
-            self._chained = self._chain()
-            self._begin, self.end = now, 1.0
+        if self._chained is not None or self._hands_over(now):
+            self._hand_over(now)
             return
         drawn = self._long_founder(now, others) or self._packed(others) or self._parted(others) or self._drawn(others)
         self._newcomer, self._schedule = drawn
@@ -239,16 +240,20 @@ class Population(Lineage):
         due = self._chains and now >= (how.early if how.is_hot(self.incumbent, self.data) else how.after)
         return self._soon or (due and how.fits(self.data, self._step_length, now))
 
-    def _chain(self) -> ChainedSearch | EdgeAssembly:
-        """Return an edge assembly where few UAVs fly, else a chained search from the best."""
-        how, chain = self.parameters.handover, self.parameters.chain
-        if self._long:
-            return EdgeAssembly(self.data, chain, self.parameters.assembly, self.rng)
-        if self._soon or how.is_hot(self.incumbent, self.data):
+    def _hand_over(self, now: float) -> None:
+        """Begin edge assembly where few UAVs fly, else a chained search from the best; searches of parts after it."""
+        parameters, self._begin, self.end = self.parameters, now, 1.0
+        how, chain = parameters.handover, parameters.chain
+        if self._chained is not None:
+            self._chained = PartSearch(self, parameters.parts)
+        elif self._long:
+            self._chained = EdgeAssembly(self.data, chain, parameters.assembly, self.rng)
+        elif self._soon or how.is_hot(self.incumbent, self.data):
             chain = chain._replace(first=max(chain.first, how.heat * self.data.size[1]), last=how.last)
+            self._chained = ChainedSearch(self.data, self.best, chain, self.rng)
         else:
-            chain = chain._replace(first=how.reheated)
-        return ChainedSearch(self.data, self.best, chain, self.rng)
+            self.end = max(now, how.ended)
+            self._chained = ChainedSearch(self.data, self.best, chain._replace(first=how.reheated), self.rng)
 
     def _grown(self) -> Tours:
         """Return the newcomer as its stage left it; a subproblem's tours are merged where they are fitter."""
@@ -311,6 +316,11 @@ class Population(Lineage):
         wanted = 2 + below(self.rng, min(how.most, self.data.size[1] - 1) - 1)
         uavs = around(self.data.near, whole, int(whole.cost.argmax()), wanted, how, self.rng)
         return subproblem(self.data, whole, uavs, self.parameters.neighbourhood)
+
+    def of_part(self, part: Subproblem) -> Population:
+        """Return a population of some tours, to which nothing is handed over."""
+        parameters = replace(self.parameters, handover=replace(self.parameters.handover, uavs=0, founder=np.inf))
+        return Population(part.data, self.endurance, parameters, self.rng, duplicate(part.tours))
 
     def perturbed(self) -> Tours:
         """Return a copy of a random member, one of its UAVs relocated."""

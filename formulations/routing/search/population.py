@@ -252,7 +252,9 @@ class Population(Lineage):
             chain = chain._replace(first=max(chain.first, how.heat * self.data.size[1]), last=how.last)
             self._chained = ChainedSearch(self.data, self.best, chain, self.rng)
         else:
-            self.end = max(now, how.ended)
+            # neighbours of a part take as long as candidate legs, at most
+            if parameters.parts.suit(self.data) and how.fits(self.data, self._step_length, how.ended):
+                self.end = max(now, how.ended)
             self._chained = ChainedSearch(self.data, self.best, chain._replace(first=how.reheated), self.rng)
 
     def _grown(self) -> Tours:

@@ -50,6 +50,22 @@ def test_they_follow_a_chained_search_that_did_not_begin_hot(far, ended):
         assert population.end == 1.0
 
 
+def test_where_there_is_no_time_to_prepare_them_the_chained_search_goes_on():
+    population = population_of(one_site(40, 8, 1000.0), replace(HOW, ended=0.99))  # 40² pairs, 1e-5 of the limit each
+    population.parameters = replace(population.parameters, handover=replace(HOW, ended=0.99, pair=0.6))
+    population.begin(0.65)
+    assert isinstance(population._chained, ChainedSearch)
+    assert population.end == 1.0
+
+
+@pytest.mark.parametrize(("tasks", "end"), [(29, 1.0), (30, 0.8)])  # six tours of 40 / 8 tasks
+def test_of_long_tours_there_are_no_parts(tasks, end):
+    population = population_of(one_site(40, 8, 1000.0), replace(HOW, ended=0.8))
+    population.parameters = replace(population.parameters, parts=PartParameters(tasks=tasks))
+    population.begin(0.65)
+    assert population.end == end
+
+
 def test_a_chained_search_that_begins_late_is_followed_at_once():
     population = population_of(one_site(40, 8, 1000.0), replace(HOW, ended=0.8))
     population.begin(0.95)
@@ -96,6 +112,19 @@ def test_a_part_is_of_the_best_tours_the_longest_among_them():
     assert (part.nodes >= 72).sum() == 3
     served = {int(tours.tour[v]) + 72 for v in part.nodes if v < 72}
     assert served == set(part.nodes[part.nodes >= 72].tolist())
+
+
+def test_a_crowd_far_out_is_searched_with_tours_from_anywhere():
+    rng = np.random.default_rng(0)
+    points = np.concatenate([rng.uniform(0, 1, (30, 2)) + 1000.0, rng.uniform(0, 100, (90, 2)), np.zeros((4, 2))])
+    instance = Instance("crowd", np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1)), 120, 4)
+    population = population_of(instance)
+    crowd, others = tuple(range(30)), range(30, 120)
+    routes = (crowd, *(tuple(others[k::3]) for k in range(3)))
+    population.best = from_routes(population.data.costs, routes)
+    search = PartSearch(population, PartParameters(tours=3, parts=1))
+    assert (search._part.of.nodes >= 120).sum() == 3
+    assert 120 in search._part.of.nodes
 
 
 def test_nothing_is_handed_over_within_a_part():

@@ -85,7 +85,7 @@ more).
 """
 _FOR_ARCS = 0.2  # share of the time, at most, for the capped total
 _PRECISION = 1e-3  # share of the longest tour, and of the time, at which trials of caps end
-_WIDE = 0.02  # gap above which trials of caps get the last third of the time, and are searched beside
+_WIDE = 0.02  # gap above which trials of caps get the last third of the time, or half of it, and are searched beside
 _APART = 0.005  # gap at the root, of short tours, above which trials of caps come before its children, and to which
 
 

@@ -19,8 +19,6 @@ from formulations.routing.search.tours import Tours, duplicate
 if TYPE_CHECKING:
     from formulations.routing.search.population import Population
 
-_PROBED = 4000  # steps after which the speed is known well enough to plan a population
-
 
 class PartParameters(NamedTuple):
     """How many tours a part has, and how many parts there are, one after the other.
@@ -53,7 +51,7 @@ class _Part:
     def advance(self, done: float, steps: int) -> None:
         """Anneal by `steps` steps at `done` of all parts."""
         population, now = self.population, (done - self.begin) / (self.end - self.begin)
-        if not self.planned and self.steps >= _PROBED and now > 0.0:
+        if not self.planned and self.steps >= population.parameters.budget.probed and now > 0.0:
             population.plan(now / self.steps)
             self.planned = True
         if now >= population.end:

@@ -9,7 +9,6 @@ import pytest
 from formulations.limits import Limits
 from formulations.routing import branch_and_price
 from formulations.routing.branch_and_price import BranchAndPrice, Patience
-from formulations.routing.columns.branching import choose
 from formulations.routing.columns.generation import generate
 from formulations.routing.columns.labelling import make_store
 from formulations.routing.columns.legs import Legs
@@ -315,56 +314,6 @@ def test_same_seed_same_answer() -> None:
     first, second = (BranchAndPrice().solve(instance, limits=LIMITS, seed=3) for _ in range(2))
     assert first.routes == second.routes
     assert first.bound == second.bound
-
-
-def test_a_cheaper_tour_over_known_tasks_replaces_the_known_one() -> None:
-    master = Master(2, np.arange(1), 100.0)
-    assert master.add([Column(0, (0, 1), 10.0)]) == 1
-    assert master.add([Column(0, (1, 0), 8.0)]) == 1
-    assert master.add([Column(0, (0, 1), 9.0)]) == 0
-    assert master.solve()[0] == pytest.approx(8.0)
-
-
-def shared_tasks() -> tuple[Master, float]:
-    """Task 0 (far) costs the same on either UAV; task 1 (near) nearly closes the gap wherever it goes."""
-    master = Master(2, np.arange(2), 1000.0)
-    costs = {(0, 0): 50.0, (1, 0): 50.0, (0, 1): 20.0, (1, 1): 20.0}
-    master.add([Column(k, (i,), cost) for (k, i), cost in costs.items()])
-    master.add([Column(k, (0, 1), 60.0) for k in range(2)])
-    return master, master.solve()[0]
-
-
-def test_a_trial_leaves_the_master_as_it_was() -> None:
-    master, value = shared_tasks()
-    trials = [master.without(np.array([c.uav == k for c in master.columns]), 100) for k in range(2)]
-    assert trials == pytest.approx([60.0, 60.0])
-    assert master.solve()[0] == pytest.approx(value)
-
-
-@pytest.mark.parametrize("gap", [1.0, 1e6])
-def test_a_branch_is_on_a_task_that_several_may_take(gap: float) -> None:
-    master, _ = shared_tasks()
-    far, only_far = np.array([90.0, 30.0]), np.array([[True, False], [True, True]])
-    branch = choose(master, only_far, far, gap, lambda: np.inf)
-    assert branch is not None
-    assert branch[1] == 0
-    assert choose(master, np.eye(2, dtype=bool), far, gap, lambda: np.inf) is None
-
-
-@pytest.mark.parametrize("seed", range(40))
-def test_no_branch_on_a_task_that_is_decided(seed: int) -> None:
-    """Whatever its price: any costs make some prices negative, tours without the task being dearer than with it."""
-    rng = np.random.default_rng(seed)
-    allowed = rng.random((3, 6)) < 0.6
-    allowed[rng.integers(3, size=6), np.arange(6)] = True
-    master = Master(6, np.arange(3), 1000.0)
-    for k in np.repeat(np.arange(3), 8):
-        tasks = np.flatnonzero(allowed[k] & (rng.random(6) < 0.6))
-        if tasks.size:
-            master.add([Column(int(k), tuple(tasks.tolist()), float(rng.uniform(1, 100)))])
-    branch = choose(master, allowed, rng.uniform(1, 100, 6), 50.0, lambda: np.inf)
-    undecided = allowed & (allowed.sum(axis=0) > 1)
-    assert branch is None if not undecided.any() else branch is not None and undecided[branch]
 
 
 def test_searches_after_the_first_go_on_from_the_best_routes_known(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""The restricted master: the box of its duals."""
+"""The restricted master: its columns, and the box of its duals."""
 
 from __future__ import annotations
 
@@ -42,3 +42,11 @@ def test_a_programme_that_time_is_too_short_for_is_not_solved_and_later_is():
     value = [optimum.value for left in (60.0, np.inf) if (optimum := master.solve(lambda left=left: left)) is not None]
     assert value == [pytest.approx(value[0])] * 2
     assert value[0] > 0
+
+
+def test_a_cheaper_tour_over_known_tasks_replaces_the_known_one() -> None:
+    master = Master(2, np.arange(1), 100.0)
+    assert master.add([Column(0, (0, 1), 10.0)]) == 1
+    assert master.add([Column(0, (1, 0), 8.0)]) == 1
+    assert master.add([Column(0, (0, 1), 9.0)]) == 0
+    assert master.solve()[0] == pytest.approx(8.0)

@@ -64,7 +64,7 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "rings without kicks": replace(FULL, assembly=FULL.assembly._replace(kicks=0.0)),
     "kicks of short segments": replace(FULL, assembly=FULL.assembly._replace(walk=0)),
     "no bridges": replace(FULL, assembly=FULL.assembly._replace(bridged=0)),
-    "no searches of parts": replace(FULL, handover=replace(FULL.handover, ended=1.0)),
+    "no searches of parts": replace(FULL, parts=FULL.parts._replace(tasks=0)),
     "no chained search in the end": replace(FULL, handover=replace(FULL.handover, many=10**9)),
     "no potentials: near is what costs least": replace(
         FULL, neighbourhood=FULL.neighbourhood._replace(potentials=PotentialParameters(most=0))

@@ -2,9 +2,10 @@
 
 For UAVs that are alike and fly long tours from one site, at costs that are symmetric. Few of them are edge assembly's
 from the beginning. Of more of them a chained search that begins hot finds better which UAV flies where, the hotter the
-more there are: what a leg counts for in the energy of m tours falls as 1/m. Not so where the farthest task decides:
-there the population goes on for longer, and the search that follows leaves its tours as they are but for details; in
-the end the longest of them are searched with some near them (part_search.py).
+more there are: what a leg counts for in the energy of m tours falls as 1/m, and beside the way across as 1/√n. Not so
+where the farthest task decides or tours are short: there the population goes on for longer, the search that follows
+leaves its tours as they are but for details, and takes turns with searches of the longest of them and some near it
+(part_search.py).
 Where the limit allows for no population the search begins soon.
 """
 
@@ -23,20 +24,25 @@ class HandoverParameters:
     """When, and how hot; times are shares of the limit, temperatures in mean legs.
 
     30 s, two seeds, mean gaps in %, by script, with the last temperature of a hot search as it is and 0.03: d1655_10
-    −0.60 and −0.70, pcb1173_10 −0.24 and −0.12, pr2392_10 0.17 and −0.03, u2152_10 −0.86 and −0.03. Where the farthest
-    task decides: d1655_20 0.33, pcb3038_20 0.02, pr2392_20 0.54, u2152_20 0.78; reheated to 1 instead 0.43, −0.29,
-    0.75, 1.02; after a third of the limit no better. Tours of 60 tasks end 0.3 % longer if it begins hot (1,200 tasks
-    in a square, 20 UAVs from its middle, two seeds), of 100 to 210 0.4 to 0.8 % shorter (five such instances).
+    −0.60 and −0.70, pcb1173_10 −0.24 and −0.12, pr2392_10 0.17 and −0.03, u2152_10 −0.86 and −0.03. Hotter by √n than
+    0.8 mean legs for each UAV: rl5915_10 0.27, as before 1.00 (16 and 11 runs, of −0.5 to 1.3 and −0.2 to 1.9);
+    of up to 3,037 tasks, where little changes, no difference but luck.
+    Where the farthest task decides, reheated to 1 instead: d1655_20 0.43, pcb3038_20 −0.29, pr2392_20 0.75, u2152_20
+    1.02 (without turns; as it is 0.33, 0.02, 0.54, 0.78). With turns, three or four seeds: 0.19, −1.13, 0.24, 0.69; of
+    one search of parts in the last tenth 0.23, −0.68 (none), 0.75, 0.57; of turns from 0.6 on 0.36, –, 0.50, 0.57; from
+    0.3 on 0.26, –, 0.18, 0.59. Tours of 60 tasks end 0.3 % longer if it begins hot (1,200 tasks in a square, 20 UAVs
+    from its middle, two seeds), of 100 to 210 0.4 to 0.8 % shorter (five such instances).
 
     uavs, fewest, for_each: edge assembly is for so many UAVs at most and tours of so many tasks at least in the mean,
     whatever m is and for each of the m UAVs; begin: when it takes over from the only founder.
     many, few, founder: tasks, mean number of them on a tour, and share of the limit that a founder takes, at least, for
     a chained search (of fewer it makes less: lin318_3, 10 s, two seeds, 0.75 %, without 0.24 %; att532_5 0.01 and
     0.01 %).
-    early, heat, last: when it begins hot, its first temperature for each UAV, and its last; room: so long is the
+    early, heat, last: when it begins hot, its first temperature for each UAV and √n, and its last; room: so long is the
     longest tour then, at least, in the longest trip to one task and back; each: mean number of tasks on a tour then, at
     least.
-    after, reheated, ended: when it begins elsewhere, its first temperature there, and when searches of parts follow.
+    after, reheated: when it begins elsewhere, and its first temperature there; turns: until when that search and, of
+    short tours, searches of parts go on in turn.
     pair, most: steps that finding candidate legs takes for each pair of tasks, about, and the share of the time left
     that it may take: 5,914 tasks take half a second, in two threads one, and it is not interrupted.
     """
@@ -49,19 +55,23 @@ class HandoverParameters:
     few: int = 50
     founder: float = 0.015
     early: float = 0.33
-    heat: float = 0.8
+    heat: float = 0.02
     last: float = 0.1
     room: float = 1.1
     each: int = 100
-    after: float = 0.6
+    after: float = 0.4
     reheated: float = 0.2
-    ended: float = 0.9
+    turns: tuple[float, ...] = (0.53, 0.6, 0.73, 0.8, 0.93, 1.0)
     pair: float = 2e-3
     most: float = 0.8
 
     def fits(self, data: ProblemData, step: float, now: float) -> bool:
         """Return whether there is time for candidate legs, where a step takes such a share of the limit."""
         return self.pair * data.size[0] ** 2 * step <= self.most * (1.0 - now)
+
+    def until(self, now: float, *, parts: bool) -> float:
+        """Return when the search that begins now, one of parts or a chained one, gives way to the other."""
+        return next((turn for turn in self.turns[parts::2] if turn > now), 1.0)
 
     def ever(self, costs: Costs, n_tasks: int) -> bool:
         """Return whether there may be a handover at all."""

@@ -10,7 +10,7 @@ The longer nothing is new, the more annealings part tasks (parting.py), or are f
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
 Where tours from one site are long handover.py says when the population ends: few UAVs have one founder, and then edge
 assembly (edge_assembly.py), which a chained local search ends (chained_search.py); that alone follows where more fly,
-and after it, where a far task decides, searches of parts (part_search.py).
+in turn with searches of parts where it does not begin hot (part_search.py).
 """
 
 from __future__ import annotations
@@ -241,20 +241,21 @@ class Population(Lineage):
         return self._soon or (due and how.fits(self.data, self._step_length, now))
 
     def _hand_over(self, now: float) -> None:
-        """Begin edge assembly where few UAVs fly, else a chained search from the best; searches of parts after it."""
+        """Begin edge assembly where few UAVs fly, else a chained search from the best, and parts and it in turn."""
         parameters, self._begin, self.end = self.parameters, now, 1.0
-        how, chain = parameters.handover, parameters.chain
-        if self._chained is not None:
+        how, chain, (n, m) = parameters.handover, parameters.chain, self.data.size
+        if isinstance(self._chained, ChainedSearch):
+            self.end = how.until(now, parts=True)
             self._chained = PartSearch(self, parameters.parts)
         elif self._long:
             self._chained = EdgeAssembly(self.data, chain, parameters.assembly, self.rng)
-        elif self._soon or how.is_hot(self.incumbent, self.data):
-            chain = chain._replace(first=max(chain.first, how.heat * self.data.size[1]), last=how.last)
+        elif self._chained is None and (self._soon or how.is_hot(self.incumbent, self.data)):
+            chain = chain._replace(first=max(chain.first, how.heat * m * n**0.5), last=how.last)
             self._chained = ChainedSearch(self.data, self.best, chain, self.rng)
         else:
             # neighbours of a part take as long as candidate legs, at most
-            if parameters.parts.suit(self.data) and how.fits(self.data, self._step_length, how.ended):
-                self.end = max(now, how.ended)
+            if parameters.parts.suit(self.data) and how.fits(self.data, self._step_length, how.turns[-2]):
+                self.end = how.until(now, parts=False)
             self._chained = ChainedSearch(self.data, self.best, chain._replace(first=how.reheated), self.rng)
 
     def _grown(self) -> Tours:

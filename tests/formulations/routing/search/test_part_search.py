@@ -19,6 +19,7 @@ from instances import Instance, check_routes, makespan
 
 FULL = SearchParameters()
 HOW = HandoverParameters(uavs=0, many=40, few=5, founder=0.0, early=0.3, each=5, after=0.6)
+TURNS = (0.7, 0.8, 0.9, 1.0)
 
 
 def one_site(n, m, far):
@@ -38,38 +39,57 @@ def population_of(instance, how=HOW, seed=1):
     return population
 
 
-@pytest.mark.parametrize(("far", "ended"), [(0.0, 1.0), (1000.0, 0.8)])
-def test_they_follow_a_chained_search_that_did_not_begin_hot(far, ended):
-    population = population_of(one_site(40, 8, far), replace(HOW, ended=0.8))
+@pytest.mark.parametrize(("far", "end"), [(0.0, 1.0), (1000.0, 0.7)])
+def test_they_take_turns_with_a_chained_search_that_did_not_begin_hot(far, end):
+    instance = one_site(40, 8, far)
+    population = population_of(instance, replace(HOW, turns=TURNS))
     population.begin(0.65)
     assert isinstance(population._chained, ChainedSearch)
-    assert population.end == ended
+    assert population.end == end
     if far:
-        population.begin(0.8)
-        assert isinstance(population._chained, PartSearch)
-        assert population.end == 1.0
+        for now, kind, until in ((0.7, PartSearch, 0.8), (0.8, ChainedSearch, 0.9), (0.9, PartSearch, 1.0)):
+            before = population.incumbent
+            population.begin(now)
+            assert isinstance(population._chained, kind)
+            assert population.end == until
+            assert population._chained.longest == pytest.approx(before)
+            for i in range(20):
+                population.advance(now + (until - now) * i / 20, 400)
+            assert population.incumbent <= before
+            assert makespan(instance, to_routes(population.best)) == pytest.approx(population.incumbent)
+
+
+def test_the_search_after_parts_is_not_hot_though_the_longest_tour_changed():
+    population = population_of(one_site(40, 8, 1000.0), replace(HOW, turns=TURNS))
+    for now in (0.65, 0.7):
+        population.begin(now)
+    population.parameters = replace(population.parameters, handover=replace(HOW, turns=TURNS, room=0.0))
+    population.begin(0.8)
+    assert population._chained._parameters.first == HOW.reheated
 
 
 def test_where_there_is_no_time_to_prepare_them_the_chained_search_goes_on():
-    population = population_of(one_site(40, 8, 1000.0), replace(HOW, ended=0.99))  # 40² pairs, 1e-5 of the limit each
-    population.parameters = replace(population.parameters, handover=replace(HOW, ended=0.99, pair=0.6))
+    how = replace(HOW, turns=(0.7, 0.8, 0.99, 1.0))  # 40² pairs, 1e-5 of the limit each
+    population = population_of(one_site(40, 8, 1000.0), how)
+    population.parameters = replace(population.parameters, handover=replace(how, pair=0.6))
     population.begin(0.65)
     assert isinstance(population._chained, ChainedSearch)
     assert population.end == 1.0
 
 
-@pytest.mark.parametrize(("tasks", "end"), [(29, 1.0), (30, 0.8)])  # six tours of 40 / 8 tasks
+@pytest.mark.parametrize(("tasks", "end"), [(29, 1.0), (30, 0.7)])  # six tours of 40 / 8 tasks
 def test_of_long_tours_there_are_no_parts(tasks, end):
-    population = population_of(one_site(40, 8, 1000.0), replace(HOW, ended=0.8))
+    population = population_of(one_site(40, 8, 1000.0), replace(HOW, turns=TURNS))
     population.parameters = replace(population.parameters, parts=PartParameters(tasks=tasks))
     population.begin(0.65)
     assert population.end == end
 
 
-def test_a_chained_search_that_begins_late_is_followed_at_once():
-    population = population_of(one_site(40, 8, 1000.0), replace(HOW, ended=0.8))
-    population.begin(0.95)
-    assert population.end == 0.95
+@pytest.mark.parametrize(("now", "end"), [(0.7, 0.9), (0.85, 0.9), (0.95, 1.0)])
+def test_a_chained_search_that_begins_late_has_the_next_turn_there_is(now, end):
+    population = population_of(one_site(40, 8, 1000.0), replace(HOW, turns=TURNS))
+    population.begin(now)
+    assert population.end == end
 
 
 @pytest.mark.parametrize("m", [2, 8, 12])

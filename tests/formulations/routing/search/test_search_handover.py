@@ -42,7 +42,7 @@ def population_of(instance, how):
 @pytest.mark.parametrize(
     ("far", "changed", "now", "first"),
     [
-        (0.0, {}, 0.4, 8.0),
+        (0.0, {}, 0.4, 2.0 * 4 * 40**0.5),
         (0.0, {"heat": 0.0}, 0.4, FULL.chain.first),
         (0.0, {}, 0.2, None),
         (0.0, {"each": 11}, 0.7, 0.2),

@@ -27,11 +27,11 @@ class HandoverParameters:
     −0.60 and −0.70, pcb1173_10 −0.24 and −0.12, pr2392_10 0.17 and −0.03, u2152_10 −0.86 and −0.03. Hotter by √n than
     0.8 mean legs for each UAV: rl5915_10 0.27, as before 1.00 (16 and 11 runs, of −0.5 to 1.3 and −0.2 to 1.9);
     of up to 3,037 tasks, where little changes, no difference but luck.
-    Where the farthest task decides, reheated to 1 instead: d1655_20 0.43, pcb3038_20 −0.29, pr2392_20 0.75, u2152_20
-    1.02 (without turns; as it is 0.33, 0.02, 0.54, 0.78). With turns, three or four seeds: 0.19, −1.13, 0.24, 0.69; of
-    one search of parts in the last tenth 0.23, −0.68 (none), 0.75, 0.57; of turns from 0.6 on 0.36, –, 0.50, 0.57; from
-    0.3 on 0.26, –, 0.18, 0.59. Tours of 60 tasks end 0.3 % longer if it begins hot (1,200 tasks in a square, 20 UAVs
-    from its middle, two seeds), of 100 to 210 0.4 to 0.8 % shorter (five such instances).
+    Where the farthest task decides, d1655_20, pcb3038_20, pr2392_20, u2152_20: without turns 0.33, 0.02, 0.54, 0.78,
+    and reheated to 1 0.43, −0.29, 0.75, 1.02; with turns, three runs to seven, 0.19, −1.13, 0.24, 0.63; with one search
+    of parts in the last tenth 0.23, −0.68 (none), 0.75, 0.57; with turns from 0.6 on 0.36, –, 0.50, 0.57, from 0.3 on
+    0.26, –, 0.18, 0.59. Tours of 60 tasks end 0.3 % longer if it begins hot (1,200 tasks in a square, 20 UAVs from its
+    middle, two seeds), of 100 to 210 0.4 to 0.8 % shorter (five such instances).
 
     uavs, fewest, for_each: edge assembly is for so many UAVs at most and tours of so many tasks at least in the mean,
     whatever m is and for each of the m UAVs; begin: when it takes over from the only founder.
@@ -41,8 +41,8 @@ class HandoverParameters:
     early, heat, last: when it begins hot, its first temperature for each UAV and √n, and its last; room: so long is the
     longest tour then, at least, in the longest trip to one task and back; each: mean number of tasks on a tour then, at
     least.
-    after, reheated: when it begins elsewhere, and its first temperature there; turns: until when that search and, of
-    short tours, searches of parts go on in turn.
+    after, reheated: when it begins elsewhere, and its first temperature there; turns: until when that search, then
+    searches of parts, then it again and so on go on; where there are no parts, it does to the end.
     pair, most: steps that finding candidate legs takes for each pair of tasks, about, and the share of the time left
     that it may take: 5,914 tasks take half a second, in two threads one, and it is not interrupted.
     """

@@ -3,7 +3,8 @@
 numba makes of each function machine code that Python can call, and copies the code of all that a function calls into
 it, to be optimised and turned into machine code once more. Here
 
-* a kernel has two sides (`Kernel`): what Python calls, and what kernels call, which is not wrapped for Python;
+* a kernel has two sides (`Kernel`): what Python calls, and what kernels call, which is not wrapped for Python; the
+  first is a call of the second (`call_of`) where that is there already;
 * a kernel that LLVM would not inline for its size is called where it lies instead of copied (`KernelLibrary`), and kept
   machine code knows what it calls (`Callee`);
 * a kernel is compiled once for all widths of integers and for constants (`widened`);
@@ -14,6 +15,7 @@ it, to be optimised and turned into machine code once more. Here
 
 from __future__ import annotations
 
+import inspect
 import itertools
 import sys
 from functools import cache
@@ -78,8 +80,7 @@ class KernelLibrary(JITCodeLibrary):
         callee = Callee.of(compiled, function)
         code = self._final_module.get_function(callee.symbol)
         instructions = (instruction for block in code.blocks for instruction in block.instructions)
-        found = getattr(sys.modules.get(callee.module), callee.name, None)
-        if getattr(found, "py_func", None) is function and next(itertools.islice(instructions, COPIED, None), None):
+        if kernel_of(function) and next(itertools.islice(instructions, COPIED, None), None):
             self._called = callee
             self._reload_init = {callee}
 
@@ -161,13 +162,31 @@ class KernelCompiler(CompilerBase):
         return [passes]
 
     def compile_extra(self, func: Any) -> Any:
-        """Compile `func` for the types of arguments this was made for."""
+        """Compile `func` for the types of arguments this was made for; for Python a call will do where it is there."""
         library = self.state.library = KernelLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        kernel = kernel_of(func)
+        if kernel and not self.state.flags.no_cpython_wrapper and kernel.inner.load(self.state.args):
+            func = call_of(kernel.inner)
         library.enable_object_caching()
         compiled = super().compile_extra(func)
         if self.state.flags.no_cpython_wrapper:
             library.call_if_large(compiled, func)
         return compiled
+
+
+def kernel_of(function: Any) -> Kernel | None:
+    """Return the kernel that a function is, where it is found under the function's name."""
+    found = getattr(sys.modules.get(function.__module__), function.__qualname__, None)
+    return found if isinstance(found, Kernel) and found.py_func is function else None
+
+
+def call_of(inner: Inner) -> Any:
+    """Return a function that takes what a kernel takes and calls the side of it that kernels call."""
+    function = inner.py_func
+    names = ", ".join(inspect.signature(function).parameters)
+    space = {"inner": inner, "__name__": function.__module__}
+    exec(f"def {function.__name__}({names}):\n    return inner({names})", space)
+    return space[function.__name__]
 
 
 @cache

@@ -10,6 +10,7 @@ a second checkout or installation of the same ones finds what is there. Every ke
 from __future__ import annotations
 
 import contextlib
+import gc
 import itertools
 import os
 import secrets
@@ -121,7 +122,30 @@ class _Told(event.Listener):
         compilation.ended()
 
 
+class _Uncollected(event.Listener):
+    """Lets Python look for garbage after a compilation only: within it looks often, and finds little.
+
+    One compilation goes on at a time: numba has a lock around them.
+    """
+
+    def __init__(self) -> None:
+        self._under_way = 0
+        self._collects = True
+
+    def on_start(self, compiled: Any) -> None:
+        if not self._under_way:
+            self._collects = gc.isenabled()
+            gc.disable()
+        self._under_way += 1
+
+    def on_end(self, compiled: Any) -> None:
+        self._under_way -= 1
+        if not self._under_way and self._collects:
+            gc.enable()
+
+
 event.register("numba:compile", _Told())
+event.register("numba:compile", _Uncollected())
 # numba tells functions of one name and type apart, such as those inside np.sort and np.argsort, by a number that begins
 # at 1 in every process, also in machine code that it keeps: two processes' numbers would meet, and one sort run for the
 # other (tests/instances/test_kernel_names.py).

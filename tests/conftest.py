@@ -13,6 +13,8 @@ from hypothesis import settings
 
 from workbench.threads import keep_to_one
 
+# numba looks whether this is a terminal with colours at each overload that does not fit, of which it tries many
+os.environ["NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING"] = "1"
 keep_to_one()  # as the command line does: with BLAS on two threads two workers on two cores wait for each other
 
 settings.register_profile("explore", deadline=None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,32 @@ def test_a_kernel_calls_kernels_as_python_does():
         assert told == [True, False]  # one compilation, whatever lies inside it
         assert twice(pair) == 21.0
         assert told == [True, False]
+
+
+def test_for_python_it_is_a_call_of_what_kernels_call(monkeypatch):
+    pair = Pair(np.arange(3.0), np.ones(3))
+    assert _twice(pair) == 21.0
+    inside = Kernel(_total.py_func, targetoptions={"nopython": True})  # not kept: it has to be compiled
+    inside.inner = _total.inner
+    monkeypatch.setitem(globals(), "_total", inside)
+    assert inside(pair) == 3.0 + 6.0
+    assert inside(pair, 3.0) == inside(pair, weight=3.0) == 3.0 + 9.0
+    assert inside(pair, 3) == 3.0 + 9.0  # of a whole number no kernel is called yet
+    usual, given, whole = ({step.op for step in found.fndesc.calltypes} for found in inside.overloads.values())
+    assert usual == given == {"call"}
+    assert whole > {"binop", "call"}
+
+
+def test_garbage_is_looked_for_again_after_a_compilation():
+    compiled = Kernel(_total.py_func, targetoptions={"nopython": True})
+    assert compiled(Pair(np.arange(3.0), np.ones(3))) == 9.0
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        assert compiled(Pair(np.arange(3.0), np.ones(3)), 3.0) == 12.0
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
 
 
 def test_what_a_called_kernel_raises_arrives():

@@ -14,7 +14,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from exact import TEN, fleet
-from search import Search, by_solver, gaps_of, has_pyvrp, on_cpu_time, pyvrp_tightening, table
+from gap_table import Search, gaps_of, table
+from search import by_solver, has_pyvrp, on_cpu_time, pyvrp_tightening
 
 from instances import Instance, makespan
 
@@ -79,7 +80,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--seconds", type=float, default=None, help="CPU seconds of a run, instead of the section's")
     args = parser.parse_args()
-    args.keep = None
+    args.keep = args.runs = None
     on_cpu_time()
     for name in args.sections or SECTIONS:
         SECTIONS[name](args)

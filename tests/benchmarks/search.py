@@ -1,7 +1,7 @@
 """Bars of the searches: measured figure beside bar.
 
     python tests/benchmarks/search.py [--quick] [--seeds 3] [--seconds S] [--instances a,b] [--alone] [--keep FOLDER]
-                                       [--lines TEXT] [--benchmarks DIR] [SECTION...]
+                                       [--runs FILE] [--lines TEXT] [--benchmarks DIR] [SECTION...]
 
 Sections: multi (multi-depot, 30 s, beside PyVRP with a tightening cap), every (all public sets, as multi), classics (16
 small single-depot, 10 s), single (single-depot to 600 tasks, 45 s), long (3 to 5 UAVs, 1000 to 5000 tasks, 60 s), wind
@@ -9,7 +9,8 @@ small single-depot, 10 s), single (single-depot to 600 tasks, 45 s), long (3 to 
 2000 and 5000, 60 s against --long seconds), size (20,000 tasks, 120 s against --long seconds), threads (two with half
 the steps each against one), limits (how far past a short limit, n = 5000), peers (memetic beside PyVRP, OR-Tools
 routing, ruin-recreate, ga and greedy), ablation (what each ingredient is worth). Gaps are to the best value known
-elsewhere, in per cent, recomputed. --keep FOLDER keeps the routes that beat it.
+elsewhere, in per cent, recomputed. --keep FOLDER keeps the routes that beat it. --runs FILE keeps the makespans of
+tables and runs nothing again that is there: `every`, 7.5 h, may be ended and begun again, with more seeds each time.
 
 One thread each but in `threads`. A limit is CPU seconds of this process: the recorder's clock is replaced by it, so
 that a shared machine does not change the figures (OR-Tools keeps to the wall clock). PyVRP is no dependency; its rows
@@ -22,12 +23,12 @@ from __future__ import annotations
 import argparse
 import resource
 import time
-from collections.abc import Callable
 from pathlib import Path
 from statistics import fmean
 from types import SimpleNamespace
 
 import numpy as np
+from gap_table import Search, gaps_of, table
 from public_sets import add_option, public
 from search_ablations import FULL, OPTIONS, PARAMETERS
 from search_scaling import size, threads
@@ -41,7 +42,6 @@ from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.solver import Solver
 from instances import Instance, Routes, check_routes, makespan, objective
-from instances.files import write_routes
 
 PROVED = {  # optima [s] of seeds 0, 1, 2, …, proved by `exact`
     (20, 2): (2295.084, 2048.518, 1979.242),
@@ -74,8 +74,6 @@ PEERS = ("md8", "md14", "md25", "md40")
 
 _NEVER = 1e9
 """Length of a leg, in PyVRP's units, that cannot be flown: past every cap."""
-
-Search = Callable[[Instance, float, int], Routes]
 
 
 def by_solver(name: str, **options: float) -> Search:
@@ -166,46 +164,6 @@ def has_pyvrp() -> bool:
 def wind_instance(n: int, m: int, seed: int) -> Instance:
     """Tasks and depots uniform in a 20 km square, 20 m/s, wind (4, −2) m/s plus a rotation."""
     return generate("square-wind", n, m, seed)
-
-
-def gaps_of(
-    search: Search, instance: Instance, best: float, seconds: float, seeds: int, keep: Path | None = None
-) -> list[float]:
-    """Return the gap [%] of each seed, recomputed from checked routes; write routes below `best` to `keep`."""
-    gaps = []
-    for seed in range(seeds):
-        routes = search(instance, seconds, seed)
-        faults = check_routes(instance, routes)
-        value = makespan(instance, routes)
-        gaps.append(float("inf") if faults else 100.0 * (value / best - 1.0))
-        if keep and gaps[-1] < -1e-6:
-            write_routes(routes, instance, keep / f"{instance.name}-{value:.6f}.sol")
-    return gaps
-
-
-def table(
-    title: str,
-    cases: list[tuple[Instance, float]],
-    searches: dict[str, Search],
-    args: argparse.Namespace,
-    seconds: float,
-) -> dict[str, list[list[float]]]:
-    """Print a line for each instance and the means; return the gaps by search and instance."""
-    seconds = args.seconds or seconds
-    print(f"\n== {title}: {seconds:g} CPU s, {args.seeds} seeds, gap to best known [%]: mean (best) ==")
-    print(f"{'instance':<14}{'n':>5}{'m':>4}  " + "".join(f"{name:>22}" for name in searches))
-    gaps: dict[str, list[list[float]]] = {name: [] for name in searches}
-    for instance, best in cases:
-        line = f"{instance.name:<14}{instance.n_tasks:>5}{instance.n_depots:>4}  "
-        for name, search in searches.items():
-            found = gaps_of(search, instance, best, seconds, args.seeds, args.keep)
-            gaps[name].append(found)
-            line += f"{fmean(found):>13.2f} ({min(found):6.2f})"
-        print(line, flush=True)
-    for name, of_search in gaps.items():
-        means = [fmean(g) for g in of_search]
-        print(f"{name}: mean {fmean(means):.2f} %, worst instance mean {max(means):.2f} %")
-    return gaps
 
 
 def multi(args: argparse.Namespace) -> None:
@@ -383,6 +341,7 @@ def main() -> None:
         "--lines", action="append", help="ablation: beside `all` only lines with this text; may be repeated"
     )
     parser.add_argument("--keep", type=Path, default=None, help="write routes better than the best known here")
+    parser.add_argument("--runs", type=Path, default=None, help="keep runs in this file, and take from it those there")
     add_option(parser)
     args = parser.parse_args()
     args.only = tuple(filter(None, args.instances.split(",")))

@@ -40,6 +40,13 @@ def incidence(tours: Sequence[Sequence[int]], n_tasks: int) -> Bools:
     return holds
 
 
+def pays(holds: Bools, cuts: Sequence[Cut]) -> Bools:
+    """Return which tour, of those of `incidence` (p, n), holds two tasks or more of which cut, shape (p, cuts)."""
+    members = np.array(cuts, np.int64).reshape(-1, 3).T
+    first, second, third = (holds[:, tasks] for tasks in members)
+    return np.asarray(first & second | first & third | second & third)
+
+
 def separate(tours: Sequence[Sequence[int]], weight: Floats, n_tasks: int, known: set[Cut], most: int) -> list[Cut]:
     """Return up to `most` new cuts that Σ weight·[two of S in the tour] ≤ 1 violates, the worst first."""
     used = np.flatnonzero(weight > 1e-6)

@@ -26,7 +26,7 @@ import highspy
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.columns.cuts import Cut
+from formulations.routing.columns.cuts import Cut, incidence, pays
 from formulations.routing.columns.label_search import Clock, no_limit
 from formulations.routing.columns.pricing import SHY, Column, Duals
 from instances.arrays import Bools, Floats, Ints
@@ -106,7 +106,8 @@ class Master:
                 new.append(column if column.uav == first else replace(column, uav=first))
                 self.columns.append(new[-1])
         if new:
-            rows, values = zip(*(self._entries(c) for c in new), strict=True)
+            paid = pays(incidence([column.tasks for column in new], self.n), self.cuts)
+            rows, values = zip(*map(self._entries, new, paid), strict=True)
             start = np.cumsum([0] + [part.size for part in rows[:-1]], dtype=np.int32)
             zeros, size = np.zeros(len(new)), int(sum(part.size for part in rows))
             self._lp.addCols(
@@ -115,22 +116,19 @@ class Master:
             )  # fmt: skip
         return len(new)
 
-    def _entries(self, column: Column) -> tuple[NDArray[np.int32], Floats]:
+    def _entries(self, column: Column, paid: Bools) -> tuple[NDArray[np.int32], Floats]:
         times, kind = Counter(column.tasks), int(self._kind[column.uav])
-        rows = [*sorted(times), self.n + kind, self.n + self.uavs.size + kind]
-        values = [float(times[i]) for i in sorted(times)] + [column.cost, 1.0]
-        for q, cut in enumerate(self.cuts):
-            if len(times.keys() & cut) >= 2:
-                rows.append(self._cuts_from + q)
-                values.append(1.0)
+        cuts = (self._cuts_from + np.flatnonzero(paid)).tolist()
+        rows = [*sorted(times), self.n + kind, self.n + self.uavs.size + kind, *cuts]
+        values = [*(float(times[i]) for i in sorted(times)), column.cost, 1.0, *(1.0 for _ in cuts)]
         return np.array(rows, dtype=np.int32), np.array(values)
 
     def cut_off(self, cuts: Sequence[Cut]) -> None:
         """Add subset-row cuts."""
-        sets = [set(c.tasks) for c in self.columns]
-        for cut in cuts:
-            index = [self._first + p for p, held in enumerate(sets) if len(held.intersection(cut)) >= 2]
-            self._lp.addRow(-highspy.kHighsInf, 1.0, len(index), np.array(index, dtype=np.int32), np.ones(len(index)))
+        paid = pays(incidence([column.tasks for column in self.columns], self.n), cuts)
+        for cut, by in zip(cuts, paid.T, strict=True):
+            index = (self._first + np.flatnonzero(by)).astype(np.int32)
+            self._lp.addRow(-highspy.kHighsInf, 1.0, index.size, index, np.ones(index.size))
             self.cuts.append(cut)
 
     def solve(self, time_left: Clock = no_limit) -> Optimum | None:

@@ -21,7 +21,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from formulations.routing.columns.completion import Bins, Memory
-from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task
+from formulations.routing.columns.cuts import Cut, TaskCuts, Watch, by_task, pays
 from formulations.routing.columns.label_search import Clock, Room, Subproblem, no_limit, path
 from formulations.routing.columns.labelling import least_of_all
 from formulations.routing.columns.legs import Legs
@@ -97,10 +97,8 @@ class Duals:
         """Return the reduced costs of columns [s]; what returns to a task earns its price again."""
         n = self.price.size
         visits = np.array([np.bincount(column.tasks, minlength=n) for column in columns], np.int64).reshape(-1, n)
-        sets = np.array(self.cuts, np.int64).reshape(-1, 3)
-        held_twice = (visits > 0)[:, sets].sum(axis=2) >= 2
         cost = np.array([self.sigma[c.uav] * c.cost for c in columns])
-        return np.asarray(cost - visits @ self.price + held_twice @ self.rho)
+        return np.asarray(cost - visits @ self.price + pays(visits > 0, self.cuts) @ self.rho)
 
     def margin(self, cap: float, m: int) -> float:
         """Return more than all rounding errors in a Lagrangian bound at these duals can add up to [s]."""

@@ -28,6 +28,7 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
         one_site=replace(FULL.one_site, fine_share=0.0, reheating=NO_REHEATING),
     ),
     "no reheating": replace(FULL, one_site=replace(FULL.one_site, reheating=NO_REHEATING)),
+    "no quenches": replace(FULL, one_site=replace(FULL.one_site, quench=None)),
     "no pull of the mean over plateaus": replace(FULL, schedule=replace(FULL.schedule, most_weight=0.0)),
     "no compact annealings": replace(FULL, one_site=replace(FULL.one_site, compact=0.0)),
     "many UAVs at one site as few": replace(FULL, one_site=replace(FULL.one_site, packing=None)),

@@ -6,7 +6,8 @@ one site, search some tours of one alone (decomposition.py) or reheat it (strate
 under a cap or search the tours beside a trimmed one (packing.py); where few UAVs fly long tours from several depots
 most of the time goes to long founders.
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
-The longer nothing is new, the more annealings part tasks (parting.py), or are fine or compact (schedule.py).
+The longer nothing is new, the more annealings part tasks (parting.py), or are fine or compact (schedule.py), and at one
+site the more solutions from scratch are quenched (strategy.py).
 Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
 Where tours from one site are long handover.py says when the population ends: few UAVs have one founder, and then edge
 assembly (edge_assembly.py), which a chained local search ends (chained_search.py); that alone follows where more fly,
@@ -148,8 +149,8 @@ class Population(Lineage):
         if self._chained is not None or self._hands_over(now):
             self._hand_over(now)
             return
-        drawn = self._long_founder(now, others) or self._packed(others) or self._parted(others) or self._drawn(others)
-        self._newcomer, self._schedule = drawn
+        drawn = self._long_founder(now, others) or self._packed(others) or self._quenched(others)
+        self._newcomer, self._schedule = drawn or self._parted(others) or self._drawn(others)
         self._steps = self.annealing._replace(strings=self._schedule.strings * self.annealing.strings)
         self._fittest = duplicate(self._newcomer.tours)
         self._begin, self.end = now, self._fitting(self._newcomer.length, now)
@@ -199,6 +200,16 @@ class Population(Lineage):
         final = self.strategy.fine if uniform(self.rng) < self.strategy.fine_share else self.parameters.schedule.final
         schedule = Schedule(how.first, self.parameters.schedule.draw_softness(self.rng), final)
         return Newcomer(duplicate(part.tours), how.first, length, part, aside=aside), schedule
+
+    def _quenched(self, others: int) -> tuple[Newcomer, Schedule] | None:
+        """Return a newcomer that is quenched and its schedule, if that is drawn."""
+        how, family, fine = self.strategy.quench, self.family, self.strategy.fine_first
+        if how is None or self._founding(others) or family.founder > how.founder:
+            return None
+        if uniform(self.rng) >= how.share * min(1.0, self._staleness):
+            return None
+        schedule = Schedule(fine, self.parameters.schedule.draw_softness(self.rng), self.strategy.fine)
+        return Newcomer(self._constructed(), fine, how.length * family.founder), schedule
 
     def _parted(self, others: int) -> tuple[Newcomer, Schedule] | None:
         """Return a newcomer with two tasks of its longest tour parted and its schedule, if that is drawn."""

@@ -198,6 +198,29 @@ def test_where_all_start_at_one_site_good_members_are_reheated_once_nothing_new_
     assert (reheated > 0) == reheats
 
 
+@pytest.mark.parametrize(
+    ("positions", "most", "quenches"), [([(0, 0)] * 3, 1.0, True), ([(0, 0)] * 3, 0.0, False), (SPREAD, 1.0, False)]
+)
+def test_where_all_start_at_one_site_some_are_quenched_from_scratch_once_nothing_new_comes(positions, most, quenches):
+    _, population = new_population(8, positions)
+    population.plan(STEP / 100)
+    if population.strategy.quench is not None:
+        population.strategy = replace(population.strategy, quench=replace(population.strategy.quench, founder=most))
+    now, quenched = 0.0, 0
+    while now < 1.0:
+        population.advance(now, 20)
+        now = population.end
+        next_stages([population], now)
+        newcomer, schedule = population._newcomer, population._schedule
+        if newcomer.length == pytest.approx(ONE_SITE.quench.length * population.family.founder):
+            quenched += 1
+            assert population._staleness > 0.0
+            assert newcomer.first == schedule.first == ONE_SITE.fine_first
+            assert schedule.final == ONE_SITE.fine
+            assert newcomer.tours.size.sum() == N
+    assert (quenched > 0) == quenches
+
+
 def test_what_brings_nothing_new_is_drawn_seldom_but_never_not_at_all():
     children, perturbed = Successes(), Successes()
     assert perturbed.share(children, 0.3) == pytest.approx(0.3)

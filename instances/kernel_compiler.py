@@ -183,7 +183,8 @@ def kernel_of(function: Any) -> Kernel | None:
 def call_of(inner: Inner) -> Any:
     """Return a function that takes what a kernel takes and calls the side of it that kernels call."""
     function = inner.py_func
-    names = ", ".join(inspect.signature(function).parameters)
+    given = inspect.signature(function).parameters.values()
+    names = ", ".join(f"{'*' * (one.kind is one.VAR_POSITIONAL)}{one.name}" for one in given)
     space = {"inner": inner, "__name__": function.__module__}
     exec(f"def {function.__name__}({names}):\n    return inner({names})", space)
     return space[function.__name__]

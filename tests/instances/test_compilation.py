@@ -35,6 +35,16 @@ def _twice(pair: Pair) -> float:
     return _total(pair) + _total(pair, weight=3.0)
 
 
+@njit()
+def _first(a: float, *others: float) -> float:
+    return a + others[0]
+
+
+@njit()
+def _first_of_two(a: float, b: float) -> float:
+    return _first(a, b)
+
+
 def test_a_kernel_calls_kernels_as_python_does():
     pair = Pair(np.arange(3.0), np.ones(3))
     twice = Kernel(_twice.py_func, targetoptions={"nopython": True})  # not kept: nor is it there from another day
@@ -58,6 +68,11 @@ def test_for_python_it_is_a_call_of_what_kernels_call(monkeypatch):
     usual, given, whole = ({step.op for step in found.fndesc.calltypes} for found in inside.overloads.values())
     assert usual == given == {"call"}
     assert whole > {"binop", "call"}
+
+
+def test_any_number_of_arguments_is_handed_on():
+    assert _first_of_two(7.0, 8.0) == 15.0
+    assert _first(7.0, 8.0) == 15.0
 
 
 def test_garbage_is_looked_for_again_after_a_compilation():

@@ -21,7 +21,10 @@ COLUMNS = (*KEY, "makespan", "code")
 
 
 class KeptRuns:
-    """Makespans in a CSV file that several processes may add to; without a path none is kept."""
+    """Makespans in a CSV file that several processes may add to; without a path none is kept.
+
+    Of a run that two of them made at once the first row counts.
+    """
 
     def __init__(self, path: Path | None) -> None:
         self.path = path

@@ -79,6 +79,17 @@ ITERATIONS = Whole(0, LARGEST_WHOLE)
 SECONDS = Positive(LONGEST, "s")
 POSITIVE = Positive()
 
+SIGNAL_SD = click.option(
+    "--signal-sd", type=POSITIVE, default=30.0, show_default=True, help="σ_f, in the unit of the signal."
+)
+LENGTH_SCALE = click.option("--length-scale", default="4000", show_default=True, metavar="L|LX,LY", help="[m]")
+NOISE_SD = click.option("--noise-sd", type=POSITIVE, default=1.0, show_default=True, help="σ_n of a reading at a task.")
+TESTS = click.option(
+    "--tests", default="20x20", show_default=True, help="Cell centres inside, or a CSV: x, y[, weight]."
+)
+METHOD_OPTION = click.option(
+    "--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable."
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")
 COLUMNS = click.option(
     "--columns",

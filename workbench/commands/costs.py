@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from workbench.completing import COST_METHOD
-from workbench.options import JSON
+from workbench.options import JSON, METHOD_OPTION
 from workbench.terminal import print_json, say
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     shell_complete=COST_METHOD,
     help="refined, closed-form, fmt-star or dijkstra.",
 )
-@click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
+@METHOD_OPTION
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Instance file (.json, .json.gz, .atsp).")
 @click.option("--plot", type=click.Path(path_type=Path), help="Draw wind, tasks and the paths from one start (.svg).")
 @click.option("--report", type=click.Path(path_type=Path), help="Compare all methods here; write a page (.html).")

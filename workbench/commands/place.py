@@ -10,7 +10,19 @@ import click
 
 from instances.errors import InputError
 from workbench.completing import PLACEMENT_METHOD
-from workbench.options import COLUMNS, COUNT, JSON, POSITIVE, SECONDS, SEED
+from workbench.options import (
+    COLUMNS,
+    COUNT,
+    JSON,
+    LENGTH_SCALE,
+    METHOD_OPTION,
+    NOISE_SD,
+    POSITIVE,
+    SECONDS,
+    SEED,
+    SIGNAL_SD,
+    TESTS,
+)
 from workbench.terminal import say, say_lines
 
 if TYPE_CHECKING:
@@ -31,11 +43,11 @@ if TYPE_CHECKING:
     shell_complete=PLACEMENT_METHOD,
     help="nlp, l-bfgs-b, slsqp, greedy-swap, greedy, ...",
 )
-@click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
-@click.option("--tests", default="20x20", show_default=True, help="Cell centres inside, or a CSV: x, y[, weight].")
-@click.option("--signal-sd", type=POSITIVE, default=30.0, show_default=True, help="σ_f, in the unit of the signal.")
-@click.option("--length-scale", default="4000", show_default=True, metavar="L|LX,LY", help="[m]")
-@click.option("--noise-sd", type=POSITIVE, default=1.0, show_default=True, help="σ_n of a reading at a task.")
+@METHOD_OPTION
+@TESTS
+@SIGNAL_SD
+@LENGTH_SCALE
+@NOISE_SD
 @click.option("--test-noise-sd", type=POSITIVE, help="σ_o of a reading at a test point, criterion b.  [default: σ_n]")
 @click.option(
     "--criterion",

@@ -11,7 +11,17 @@ import click
 
 from instances.errors import InputError, shown
 from workbench.completing import SELECTION_METHOD
-from workbench.options import ITERATIONS, JSON, POSITIVE, SECONDS, SEED
+from workbench.options import (
+    ITERATIONS,
+    JSON,
+    LENGTH_SCALE,
+    METHOD_OPTION,
+    NOISE_SD,
+    SECONDS,
+    SEED,
+    SIGNAL_SD,
+    TESTS,
+)
 from workbench.terminal import say, say_lines
 
 if TYPE_CHECKING:
@@ -45,13 +55,13 @@ Examples:
     shell_complete=SELECTION_METHOD,
     help="exact, subset-dp, branch-and-price, ruin-recreate.",
 )
-@click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="An option of the method; repeatable.")
+@METHOD_OPTION
 @click.option("--criterion", default="ig", show_default=True, help="ig information gain, b both noisy, a latent tests.")
-@click.option("--signal-sd", type=POSITIVE, default=30.0, show_default=True, help="σ_f, in the unit of the signal.")
-@click.option("--length-scale", default="4000", show_default=True, metavar="L|LX,LY", help="[m]")
-@click.option("--noise-sd", type=POSITIVE, default=1.0, show_default=True, help="σ_n of a reading at a task.")
+@SIGNAL_SD
+@LENGTH_SCALE
+@NOISE_SD
 @click.option("--region", type=click.Path(path_type=Path), help="Of the tests, a and b.  [default: a 20 km square]")
-@click.option("--tests", default="20x20", show_default=True, help="Cell centres inside, or a CSV: x, y[, weight].")
+@TESTS
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--time-limit", type=SECONDS, default=60.0, show_default=True, help="Seconds of wall clock.")
 @click.option("--iterations", type=ITERATIONS, help="Limit on the method's own iterations.")

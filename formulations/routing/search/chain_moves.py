@@ -154,6 +154,8 @@ def _third_legs(
     low, high = position[t2], position[t3] if closed else position[t4]
     if ends.s1:
         low, high = high, low
+    tour = ends.e1 >> blocks.bits
+    within = ends.e2 >> blocks.bits == tour
     for j in range(second):
         t5 = near[t4, j]
         if t5 < 0 or so_far - near_cost[t4, j] <= 0.0:
@@ -173,6 +175,8 @@ def _third_legs(
                 continue
             costs = put_in, near_cost[t4, j], leg(chain.costs, 0, t1, order[e3 + 1 - s5])
             gain = so_far - costs[1] + sums[e3 + 1] - sums[e3] - costs[2]
+            if gain <= top and within and e3 >> blocks.bits == tour:
+                continue
             p, q, r, kind, legs = _cuts(ends, e3, s5, costs)
             top = _consider(chain, p, q, r, kind, legs, gain, top, pressure)
     return top

@@ -12,11 +12,11 @@ Words of our own, and options whose names differ from the field's:
 * options of `memetic`: cuts, share of steps that are moves of long segments (moves.py); powers, number of guides;
   focuses, share of stages that are decompositions; reliefs, share of perturbations; kicks, number of double bridges.
 
-From the bottom up: costs, leg_potentials, problem_data and tours hold the data, and endurance scales costs to what can
-be flown; energy measures tours; ruin, recreate, moves (by concatenation) and local_search change them; annealing under
-a schedule is `ruin_recreate`; decomposition, perturbation, crossover, parting and, with trimming, packing make a
-population of a strategy, which is `memetic`; parameters has all that was tuned. Where tours from one site are long,
-handover says when edge_assembly (of rings from nearest_in_turn, each a giant_tour, by ab_cycles and ring_children) or
-chained_search (by chain_moves of candidate_legs on tour_blocks, judged by ring_energy, and by bridges) takes over;
-part_search may follow.
+From the bottom up: costs, numbering, leg_potentials, problem_data and tours hold the data, and endurance scales costs
+to what can be flown; energy measures tours; ruin, recreate, moves (by concatenation) and local_search change them;
+annealing under a schedule is `ruin_recreate`; decomposition, perturbation, crossover, parting and, with trimming,
+packing make a population of a strategy, which is `memetic`; parameters has all that was tuned. Where tours from one
+site are long, handover says when edge_assembly (of rings from nearest_in_turn, each a giant_tour, by ab_cycles and
+ring_children) or chained_search (by chain_moves of candidate_legs on tour_blocks, judged by ring_energy, and by
+bridges) takes over; part_search may follow.
 """

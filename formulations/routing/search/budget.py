@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from formulations.routing.recorder import Recorder
+from formulations.routing.search.numbering import Numbering
 from formulations.routing.search.tours import Tours, to_routes
 
 _LOOKS = 4
@@ -117,10 +118,10 @@ class Budget:
 
 
 class Teller:
-    """Gives better tours to a recorder, for no more than `share` of the time so far."""
+    """Gives better tours to a recorder, by the numbers of its instance, for no more than `share` of the time so far."""
 
-    def __init__(self, recorder: Recorder, share: float) -> None:
-        self._recorder, self._share, self._spent = recorder, share, 0.0
+    def __init__(self, recorder: Recorder, share: float, numbers: Numbering) -> None:
+        self._recorder, self._share, self._numbers, self._spent = recorder, share, numbers, 0.0
 
     @property
     def has_time(self) -> bool:
@@ -130,5 +131,5 @@ class Teller:
     def tell(self, tours: Tours) -> None:
         """Give tours to the recorder."""
         began = self._recorder.elapsed
-        self._recorder.incumbent(to_routes(tours))
+        self._recorder.incumbent(self._numbers.of_instance(to_routes(tours)))
         self._spent += self._recorder.elapsed - began

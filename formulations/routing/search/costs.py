@@ -26,8 +26,8 @@ from instances import Instance, Travel
 from instances.arrays import Floats, Ints
 from instances.kernels import njit
 
-_FEW = 8
-"""Rows that show most asymmetric matrices to be so, before all are compared."""
+_TILE = 256
+"""Rows and columns that the processor's cache holds both of, compared at once."""
 
 
 class AlikeCosts(NamedTuple):
@@ -140,7 +140,13 @@ def both_ways(cost: Floats) -> AlikeCosts:
 
 def _is_symmetric(cost: Floats) -> bool:
     """Return whether a matrix is its own transpose."""
-    return np.array_equal(cost[:_FEW], cost[:, :_FEW].T) and np.array_equal(cost, cost.T)
+    tiles = range(0, len(cost), _TILE)
+    return all(
+        np.array_equal(cost[a : a + _TILE, b : b + _TILE], cost[b : b + _TILE, a : a + _TILE].T)
+        for a in tiles
+        for b in tiles
+        if a <= b
+    )
 
 
 def fleet_costs(cost: Floats, classes: Ints, scale: Floats) -> FleetCosts:
@@ -203,9 +209,20 @@ def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer])
     if isinstance(costs, FleetCosts):
         used, classes = np.unique(costs.classes[uavs], return_inverse=True)
         return fleet_costs(costs.out[np.ix_(used, nodes, nodes)], classes, costs.scale[uavs])
-    cost = costs.out[np.ix_(nodes, nodes)]
+    cost = _between(costs.out, nodes)
     cost.setflags(write=False)  # like an instance's own: the kernels are compiled for that type
-    return both_ways(cost)
+    return AlikeCosts(cost, cost) if costs.out is costs.into else both_ways(cost)
+
+
+@njit(cache=True, nogil=True)
+def _between(cost: Floats, nodes: NDArray[np.integer]) -> Floats:
+    """Return cost[nodes][:, nodes]."""
+    out = np.empty((nodes.size, nodes.size))
+    for i in range(nodes.size):
+        row = cost[nodes[i]]
+        for j in range(nodes.size):
+            out[i, j] = row[nodes[j]]
+    return out
 
 
 def least(costs: AlikeCosts | FleetCosts) -> AlikeCosts:

@@ -25,12 +25,13 @@ from formulations.routing.recorder import RecordedSolver, Recorder
 from formulations.routing.search.annealing import anneal
 from formulations.routing.search.budget import Budget, Teller
 from formulations.routing.search.chained_search import ChainedSearch
-from formulations.routing.search.costs import search_costs, warm_up, warm_up_by_clock
+from formulations.routing.search.costs import Costs, search_costs, warm_up, warm_up_by_clock
 from formulations.routing.search.decomposition import merge
 from formulations.routing.search.edge_assembly import EdgeAssembly
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import Objective, p_norm
 from formulations.routing.search.lineage import Family
+from formulations.routing.search.numbering import numbering
 from formulations.routing.search.packing import Packing
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.parting import PartingParameters
@@ -116,7 +117,9 @@ class Memetic(RecordedSolver):
             return
         small = warm_up(instance, 6, 3)
         Memetic(depth=0.01).solve(small, limits=Limits(time=3600.0, iterations=200))
-        population = self._populations(small, 1, 0)[0]
+        costs = search_costs(small)
+        costs = numbering(costs, small.n_tasks, many=0).costs(costs, small.n_depots)
+        population = self._populations(small, costs, 1, 0)[0]
         uniform(population.rng)
         next_stages([population], 1.0)
         population.family.members = [population.best, population.best]
@@ -151,11 +154,15 @@ class Memetic(RecordedSolver):
 
             return memetic_by_clock(recorder, self, self._with_options(), seed)
         threads = recorder.limits.threads
-        populations = self._populations(recorder.instance, threads, seed, recorder.routes, recorder.objective)
+        instance, costs = recorder.instance, search_costs(recorder.instance)
+        numbers = numbering(costs, instance.n_tasks)
+        costs = numbers.costs(costs, instance.n_depots)
+        start = None if recorder.routes is None else numbers.of_search(recorder.routes)
+        populations = self._populations(instance, costs, threads, seed, start, recorder.objective)
         budget, level, telling = Budget(recorder, self.parameters.budget), self.parameters.budget.level, math.inf
-        if recorder.instance.by_metric is not None:
-            level, telling = max(level, recorder.instance.n_tasks // 10), self.parameters.budget.telling
-        teller = Teller(recorder, telling)
+        if instance.by_metric is not None:
+            level, telling = max(level, instance.n_tasks // 10), self.parameters.budget.telling
+        teller = Teller(recorder, telling, numbers)
         levels = self.parameters.budget.levels if threads > 1 else 1
         planned = False
         with ThreadPoolExecutor(threads) as pool:
@@ -192,10 +199,19 @@ class Memetic(RecordedSolver):
         return self.solve(instance, limits=limits, seed=seed).routes
 
     def _populations(
-        self, instance: Instance, threads: int, seed: int, start: Routes | None = None, objective: float = math.inf
+        self,
+        instance: Instance,
+        costs: Costs,
+        threads: int,
+        seed: int,
+        start: Routes | None = None,
+        objective: float = math.inf,
     ) -> list[Population]:
-        """Return a population for each thread, of one family; `objective` [s] is that of the start."""
-        parameters, costs = self._with_options(), search_costs(instance)
+        """Return a population for each thread, of one family; `objective` [s] is that of the start.
+
+        costs, start: by the numbers of the search (numbering.py).
+        """
+        parameters = self._with_options()
         if instance.by_metric is not None:
             parameters = replace(parameters, schedule=parameters.schedule.of_many(instance.n_depots))
         endurance = Endurance(instance, costs)

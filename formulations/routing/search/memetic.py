@@ -155,7 +155,7 @@ class Memetic(RecordedSolver):
             return memetic_by_clock(recorder, self, self._with_options(), seed)
         threads = recorder.limits.threads
         instance, costs = recorder.instance, search_costs(recorder.instance)
-        numbers = numbering(costs, instance.n_tasks)
+        numbers = numbering(costs, instance.n_tasks, self.parameters.renumbered)
         costs = numbers.costs(costs, instance.n_depots)
         start = None if recorder.routes is None else numbers.of_search(recorder.routes)
         populations = self._populations(instance, costs, threads, seed, start, recorder.objective)

@@ -17,9 +17,6 @@ from instances import Routes
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
 
-_MANY = 1000
-"""Tasks of which fewer are not numbered anew: their costs fit the cache, or nearly."""
-
 
 class Numbering(NamedTuple):
     """order (n,): which task of the instance each task of the search is."""
@@ -44,8 +41,11 @@ class Numbering(NamedTuple):
         return tuple(tuple(number[list(route)].tolist()) for route in routes)
 
 
-def numbering(costs: Costs, n_tasks: int, many: int = _MANY) -> Numbering:
-    """Return the numbering of a search: that of the instance where tasks are few, UAVs differ or there is no matrix."""
+def numbering(costs: Costs, n_tasks: int, many: int) -> Numbering:
+    """Return the numbering of a search.
+
+    That of the instance where tasks are fewer than `many`, UAVs differ or there is no matrix.
+    """
     if n_tasks < many or not isinstance(costs, AlikeCosts):
         return Numbering(np.arange(n_tasks))
     return Numbering(_in_turn(costs.out, np.zeros(n_tasks, np.bool_)))

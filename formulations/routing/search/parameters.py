@@ -61,8 +61,12 @@ class PopulationParameters:
 
 @dataclass(frozen=True)
 class SearchParameters:
-    """All of them; what differs between several depots and one site is a strategy."""
+    """All of them; what differs between several depots and one site is a strategy.
 
+    renumbered: tasks of which fewer keep the numbers of the instance: their costs fit the cache, or nearly.
+    """
+
+    renumbered: int = 1000
     neighbourhood: NeighbourhoodParameters = field(default_factory=NeighbourhoodParameters)
     annealing: AnnealingParameters = field(default_factory=AnnealingParameters)
     local_search: LocalSearchParameters = field(default_factory=LocalSearchParameters)

@@ -209,20 +209,19 @@ def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer])
     if isinstance(costs, FleetCosts):
         used, classes = np.unique(costs.classes[uavs], return_inverse=True)
         return fleet_costs(costs.out[np.ix_(used, nodes, nodes)], classes, costs.scale[uavs])
-    cost = _between(costs.out, nodes)
+    cost = np.empty((nodes.size, nodes.size))  # not in the kernel: numpy asks for large pages of memory
+    _copy_between(costs.out, nodes, cost)
     cost.setflags(write=False)  # like an instance's own: the kernels are compiled for that type
     return AlikeCosts(cost, cost) if costs.out is costs.into else both_ways(cost)
 
 
 @njit(cache=True, nogil=True)
-def _between(cost: Floats, nodes: NDArray[np.integer]) -> Floats:
-    """Return cost[nodes][:, nodes]."""
-    out = np.empty((nodes.size, nodes.size))
+def _copy_between(cost: Floats, nodes: NDArray[np.integer], out: Floats) -> None:
+    """Write cost[nodes][:, nodes] to `out`."""
     for i in range(nodes.size):
         row = cost[nodes[i]]
         for j in range(nodes.size):
             out[i, j] = row[nodes[j]]
-    return out
 
 
 def least(costs: AlikeCosts | FleetCosts) -> AlikeCosts:

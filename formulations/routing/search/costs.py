@@ -209,10 +209,16 @@ def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer])
     if isinstance(costs, FleetCosts):
         used, classes = np.unique(costs.classes[uavs], return_inverse=True)
         return fleet_costs(costs.out[np.ix_(used, nodes, nodes)], classes, costs.scale[uavs])
-    cost = np.empty((nodes.size, nodes.size))  # not in the kernel: numpy asks for large pages of memory
-    _copy_between(costs.out, nodes, cost)
-    cost.setflags(write=False)  # like an instance's own: the kernels are compiled for that type
+    cost = between(costs.out, nodes)
     return AlikeCosts(cost, cost) if costs.out is costs.into else both_ways(cost)
+
+
+def between(cost: Floats, nodes: NDArray[np.integer]) -> Floats:
+    """Return cost[nodes][:, nodes], read only like an instance's own: the kernels are compiled for that type."""
+    out = np.empty((nodes.size, nodes.size))  # not in the kernel: numpy asks for large pages of memory
+    _copy_between(cost, nodes, out)
+    out.setflags(write=False)
+    return out
 
 
 @njit(cache=True, nogil=True)

@@ -117,9 +117,7 @@ class Memetic(RecordedSolver):
             return
         small = warm_up(instance, 6, 3)
         Memetic(depth=0.01).solve(small, limits=Limits(time=3600.0, iterations=200))
-        costs = search_costs(small)
-        costs = numbering(costs, small.n_tasks, many=0).costs(costs, small.n_depots)
-        population = self._populations(small, costs, 1, 0)[0]
+        population = self._populations(small, numbering(small, 0, math.inf).costs(small), 1, 0)[0]
         uniform(population.rng)
         next_stages([population], 1.0)
         population.family.members = [population.best, population.best]
@@ -154,11 +152,10 @@ class Memetic(RecordedSolver):
 
             return memetic_by_clock(recorder, self, self._with_options(), seed)
         threads = recorder.limits.threads
-        instance, costs = recorder.instance, search_costs(recorder.instance)
-        numbers = numbering(costs, instance.n_tasks, self.parameters.renumbered)
-        costs = numbers.costs(costs, instance.n_depots)
+        instance = recorder.instance
+        numbers = numbering(instance, self.parameters.renumbered, recorder.limits.time)
         start = None if recorder.routes is None else numbers.of_search(recorder.routes)
-        populations = self._populations(instance, costs, threads, seed, start, recorder.objective)
+        populations = self._populations(instance, numbers.costs(instance), threads, seed, start, recorder.objective)
         budget, level, telling = Budget(recorder, self.parameters.budget), self.parameters.budget.level, math.inf
         if instance.by_metric is not None:
             level, telling = max(level, instance.n_tasks // 10), self.parameters.budget.telling

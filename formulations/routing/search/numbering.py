@@ -2,8 +2,8 @@
 
 What a search of thousands of tasks waits for is costs that the processor's cache does not hold; of near tasks it reads
 costs, places and neighbours together. Numbered as they come to be flown to from the first one, each time to the
-nearest, these lie together as well. 30 s, four seeds, mean gaps in %, with the numbers of the file, in which few near
-tasks follow each other, and with these: rl5915_3 0.40 and 0.21, rl5915_20 0.27 and −0.87.
+nearest, these lie together as well: kicks on rl5915_10, in whose file few near tasks follow each other, take 15 % less
+time. Gaps with and without: `tests/benchmarks/search.py ablation`, measured.md.
 """
 
 from __future__ import annotations
@@ -12,10 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import AlikeCosts, Costs, part_of
-from instances import Routes
+from formulations.routing.search.costs import Costs, between, both_ways, search_costs
+from instances import Instance, Routes
 from instances.arrays import Bools, Floats, Ints
 from instances.kernels import njit
+
+_A_SECOND = 5_000_000
+"""Costs that are copied for each second of the limit, at most: that takes 3 to 15 % of it where memory is scarce."""
 
 
 class Numbering(NamedTuple):
@@ -23,13 +26,12 @@ class Numbering(NamedTuple):
 
     order: Ints
 
-    def costs(self, costs: Costs, n_depots: int) -> Costs:
-        """Return an instance's costs by the numbers of the search."""
-        n = self.order.size
+    def costs(self, instance: Instance) -> Costs:
+        """Return the costs of the instance's UAVs by the numbers of the search."""
+        n, m = instance.n_tasks, instance.n_depots
         if np.array_equal(self.order, np.arange(n)):
-            return costs
-        uavs = np.arange(n_depots)
-        return part_of(costs, np.concatenate([self.order, n + uavs]), uavs)
+            return search_costs(instance)
+        return both_ways(between(instance.cost, np.concatenate([self.order, n + np.arange(m)])))
 
     def of_instance(self, routes: Routes) -> Routes:
         """Return routes of a search as the instance numbers their tasks."""
@@ -41,14 +43,16 @@ class Numbering(NamedTuple):
         return tuple(tuple(number[list(route)].tolist()) for route in routes)
 
 
-def numbering(costs: Costs, n_tasks: int, many: int) -> Numbering:
-    """Return the numbering of a search.
+def numbering(instance: Instance, many: int, limit: float) -> Numbering:
+    """Return the numbering of a search that may take `limit` [s].
 
-    That of the instance where tasks are fewer than `many`, UAVs differ or there is no matrix.
+    That of the instance where tasks are fewer than `many` or too many to be numbered soon, UAVs differ or there is no
+    matrix.
     """
-    if n_tasks < many or not isinstance(costs, AlikeCosts):
-        return Numbering(np.arange(n_tasks))
-    return Numbering(_in_turn(costs.out, np.zeros(n_tasks, np.bool_)))
+    entries = (instance.n_tasks + instance.n_depots) ** 2
+    if instance.n_tasks < many or entries > _A_SECOND * limit or instance.axes or instance.by_metric is not None:
+        return Numbering(np.arange(instance.n_tasks))
+    return Numbering(_in_turn(instance.cost, np.zeros(instance.n_tasks, np.bool_)))
 
 
 @njit(cache=True, nogil=True)

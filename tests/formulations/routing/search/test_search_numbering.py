@@ -6,7 +6,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from formulations.limits import Limits
-from formulations.routing.search.costs import both_ways, fleet_costs, part_of
+from formulations.routing.search.costs import both_ways, part_of
 from formulations.routing.search.memetic import Memetic
 from formulations.routing.search.numbering import numbering
 from instances import Instance, makespan
@@ -20,30 +20,32 @@ N, M = 12, 3
 def test_routes_cost_by_the_numbers_of_a_search_what_they_cost_by_those_of_the_instance(random_case, symmetric, seed):
     instance, routes = random_case(seed, N, M)
     cost = instance.cost + instance.cost.T if symmetric else instance.cost
-    costs = both_ways(cost)
-    numbers = numbering(costs, N, many=0)
-    by_search, there = numbers.costs(costs, M), numbers.of_search(routes)
+    instance = Instance("as it was", cost, N, M)
+    numbers = numbering(instance, 0, 1.0)
+    by_search, there = numbers.costs(instance), numbers.of_search(routes)
     assert sorted(numbers.order) == list(range(N))
     assert numbers.of_instance(there) == routes
     assert (by_search.out is by_search.into) == symmetric
     for matrix in (by_search.out, by_search.into.T):
         renumbered = Instance("renumbered", matrix, N, M)
-        assert makespan(renumbered, there) == pytest.approx(makespan(Instance("as it was", cost, N, M), routes))
+        assert makespan(renumbered, there) == pytest.approx(makespan(instance, routes))
 
 
 def test_each_task_is_followed_by_the_nearest_that_is_left():
     places = np.array([0.0, 7.0, 1.0, 6.0, 3.0, 100.0, 100.0])
-    costs = both_ways(np.abs(places[:, None] - places))
-    assert numbering(costs, 5, many=0).order.tolist() == [0, 2, 4, 3, 1]
+    instance = Instance("line", np.abs(places[:, None] - places), 5, 2)
+    assert numbering(instance, 0, 1.0).order.tolist() == [0, 2, 4, 3, 1]
 
 
-def test_few_tasks_and_those_of_a_fleet_keep_their_numbers():
+def test_few_tasks_those_of_a_fleet_and_those_of_a_hurried_search_keep_their_numbers():
     cost = np.abs(np.subtract.outer(*2 * [np.random.default_rng(0).uniform(size=N + M)]))
-    fleet = fleet_costs(np.array([cost, 2 * cost]), np.array([0, 1, 1]), np.ones(M))
-    for costs, few in ((both_ways(cost), N + 1), (fleet, 0)):
-        numbers = numbering(costs, N, many=few)
+    few = Instance("few", cost, N, M)
+    fleet = Instance("fleet", cost, N, M, endurance=np.full(M, 1.5 * cost.sum()))
+    assert numbering(few, N, 1.0).order.tolist() != list(range(N))
+    for instance, many, limit in ((few, N + 1, 1.0), (few, N, 1e-6), (fleet, 0, 1.0)):
+        numbers = numbering(instance, many, limit)
         assert numbers.order.tolist() == list(range(N))
-        assert numbers.costs(costs, M) is costs
+        assert np.array_equal(np.squeeze(numbers.costs(instance).out), cost)
 
 
 @settings(max_examples=20, deadline=None)

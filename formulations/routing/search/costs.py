@@ -214,7 +214,7 @@ def part_of(costs: Costs, nodes: NDArray[np.integer], uavs: NDArray[np.integer])
 
 
 def between(cost: Floats, nodes: NDArray[np.integer]) -> Floats:
-    """Return cost[nodes][:, nodes], read only like an instance's own: the kernels are compiled for that type."""
+    """Return cost[nodes][:, nodes] [s], read only like an instance's own: the kernels are compiled for that type."""
     out = np.empty((nodes.size, nodes.size))  # not in the kernel: numpy asks for large pages of memory
     _copy_between(cost, nodes, out)
     out.setflags(write=False)

@@ -153,7 +153,8 @@ class Memetic(RecordedSolver):
             return memetic_by_clock(recorder, self, self._with_options(), seed)
         threads = recorder.limits.threads
         instance = recorder.instance
-        numbers = numbering(instance, self.parameters.renumbered, recorder.limits.time)
+        limit = recorder.limits.time if recorder.limits.iterations is None else math.inf  # so that runs are repeatable
+        numbers = numbering(instance, self.parameters.renumbered, limit)
         start = None if recorder.routes is None else numbers.of_search(recorder.routes)
         populations = self._populations(instance, numbers.costs(instance), threads, seed, start, recorder.objective)
         budget, level, telling = Budget(recorder, self.parameters.budget), self.parameters.budget.level, math.inf

@@ -16,8 +16,11 @@ from instances.kernels import njit
 
 
 @njit(cache=True, nogil=True)
-def _visited(cost: Floats, near: Nodes, first: int) -> tuple[Nodes, Floats]:
-    """Return all tasks in turn, and what it costs to fly to each from the site [s]; `near` (n, k) lists the nearest."""
+def visited_in_turn(cost: Floats, near: Nodes, first: int) -> tuple[Nodes, Floats]:
+    """Return all tasks (n,) in turn from `first` on, and what it costs to fly to each from the site [s], (n,).
+
+    cost (n+m, n+m) [s]; near (n, k): the nearest tasks of each, nearest first; there may be none, k = 0.
+    """
     n = near.shape[0]
     order, sums, left, place = np.empty(n, np.int32), np.empty(n), np.arange(n), np.arange(n)
     v, w, so_far = n, first, 0.0
@@ -47,7 +50,7 @@ def nearest_in_turn(data: ProblemData, first: int) -> Tours:
     """
     costs, (n, m) = data.costs, data.size
     assert isinstance(costs, AlikeCosts)
-    order, sums = _visited(costs.out, data.near.tasks, first)
+    order, sums = visited_in_turn(costs.out, data.near.tasks, first)
     cuts = np.searchsorted(sums, sums[-1] * np.arange(1, m) / m)
     tours = empty_tours(n, m)
     for k, part in enumerate(np.split(order, cuts)):

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from formulations.routing.search.costs import Costs, between, both_ways, search_costs
+from formulations.routing.search.nearest_in_turn import visited_in_turn
+from formulations.routing.search.problem_data import Nodes
 from instances import Instance, Routes
-from instances.arrays import Bools, Floats, Ints
-from instances.kernels import njit
 
 _A_SECOND = 5_000_000
 """Costs that are copied for each second of the limit, at most: that takes 3 to 15 % of it where memory is scarce."""
@@ -24,7 +24,7 @@ _A_SECOND = 5_000_000
 class Numbering(NamedTuple):
     """order (n,): which task of the instance each task of the search is."""
 
-    order: Ints
+    order: Nodes
 
     def costs(self, instance: Instance) -> Costs:
         """Return the costs of the instance's UAVs by the numbers of the search."""
@@ -51,19 +51,6 @@ def numbering(instance: Instance, many: int, limit: float) -> Numbering:
     """
     entries = (instance.n_tasks + instance.n_depots) ** 2
     if instance.n_tasks < many or entries > _A_SECOND * limit or instance.axes or instance.by_metric is not None:
-        return Numbering(np.arange(instance.n_tasks))
-    return Numbering(_in_turn(instance.cost, np.zeros(instance.n_tasks, np.bool_)))
-
-
-@njit(cache=True, nogil=True)
-def _in_turn(cost: Floats, passed: Bools) -> Ints:
-    """Return all tasks from the first on, each followed by the nearest that is not `passed`."""
-    order = np.zeros(passed.size, np.int64)
-    for i in range(passed.size - 1):
-        row, w, least = cost[order[i]], -1, np.inf
-        passed[order[i]] = True
-        for v in range(passed.size):
-            if row[v] < least and not passed[v]:
-                w, least = v, row[v]
-        order[i + 1] = w
-    return order
+        return Numbering(np.arange(instance.n_tasks, dtype=np.int32))
+    order, _ = visited_in_turn(instance.cost, np.empty((instance.n_tasks, 0), np.int32), 0)
+    return Numbering(order)

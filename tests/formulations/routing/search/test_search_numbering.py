@@ -81,4 +81,4 @@ def test_a_search_of_many_tasks_begins_from_the_routes_given_and_tells_of_its_ow
     own = Memetic().solve(instance, limits=Limits(time=3600.0, iterations=2000), seed=3)
     assert own.routes is not None
     assert sorted(v for route in own.routes for v in route) == list(range(1000))
-    assert makespan(instance, own.routes) < 20 * np.ptp(places)  # told by the numbers of the search: about 150 times
+    assert makespan(instance, own.routes) < 20 * np.ptp(places)  # told by the numbers of the search: 181 times

@@ -22,7 +22,7 @@ def profile(
         t = i / (count - 1)
         fx = min(max((ax + t * (bx - ax) - x0) / dx, 0.0), columns - 1.0)
         fy = min(max((ay + t * (by - ay) - y0) / dy, 0.0), rows - 1.0)
-        c, r = min(int(fx), columns - 2), min(int(fy), rows - 2)
+        c, r = max(min(int(fx), columns - 2), 0), max(min(int(fy), rows - 2), 0)  # 0 of what is no number
         s, u = fx - c, fy - r
         south = (1 - s) * ground[r, c] + s * ground[r, c + 1]
         north = (1 - s) * ground[r + 1, c] + s * ground[r + 1, c + 1]

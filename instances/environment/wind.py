@@ -57,6 +57,12 @@ def points_of(points: ArrayLike) -> Floats:
     return np.asarray(points, dtype=np.float64).reshape(-1, 2)
 
 
+def ends_of(a: ArrayLike, b: ArrayLike) -> tuple[Floats, Floats]:
+    """Return the ends of segments as two arrays of shape (k, 2); a single point is an end of all of them."""
+    p, q = np.broadcast_arrays(points_of(a), points_of(b))
+    return np.ascontiguousarray(p), np.ascontiguousarray(q)
+
+
 @dataclass(frozen=True)
 class TableWind:
     """A wind described by its fields alone, which stand in the ``[wind]`` table under their names."""

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.environment.raster import check_grid, node_axes, node_bounds, write_netcdf
-from instances.environment.wind import points_of
+from instances.environment.wind import ends_of, points_of
 from instances.errors import InputError
 from instances.kernels import njit
 
@@ -26,11 +26,11 @@ GAUSS = 0.5 / math.sqrt(3.0)
 
 @njit(cache=True)
 def velocity_at(fx: float, fy: float, u: Floats, v: Floats) -> tuple[float, float]:
-    """Velocity at grid coordinates (column, row), constant outside."""
+    """Velocity at grid coordinates (column, row), constant outside; not a number where one of them is none."""
     rows, columns = u.shape
     fx = min(max(fx, 0.0), columns - 1.0)
     fy = min(max(fy, 0.0), rows - 1.0)
-    i, j = min(int(fx), columns - 2), min(int(fy), rows - 2)
+    i, j = max(min(int(fx), columns - 2), 0), max(min(int(fy), rows - 2), 0)
     s, t = fx - i, fy - j
     a, b, c, d = (1 - s) * (1 - t), s * (1 - t), (1 - s) * t, s * t
     return (
@@ -122,7 +122,7 @@ class Grid:
 
     def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
         """Return ∫ w·dσ [m²/s] along the segments `a` → `b`, exact for the bilinear field."""
-        return _line_integrals(points_of(a), points_of(b), *self.origin, *self.spacing, self.u, self.v)
+        return _line_integrals(*ends_of(a, b), *self.origin, *self.spacing, self.u, self.v)
 
     def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
         """Return the ``[wind]`` table and write the field as NetCDF ``wind.nc`` into `folder`."""

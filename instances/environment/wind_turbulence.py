@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
 from instances.declared.winds import MOST_MODES
-from instances.environment.wind import TableWind, number, points_of
+from instances.environment.wind import TableWind, ends_of, number, points_of
 from instances.errors import InputError
 from instances.extent import FINEST
 from instances.kernels import njit
@@ -72,4 +72,4 @@ class Turbulence(TableWind):
 
     def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
         """Return ∫ w·dσ [m²/s] along the segments `a` → `b`."""
-        return _line_integrals(points_of(a), points_of(b), *self._waves)
+        return _line_integrals(*ends_of(a, b), *self._waves)

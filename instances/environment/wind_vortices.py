@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from instances.arrays import Floats
-from instances.environment.wind import TableWind, number, pair, points_of
+from instances.environment.wind import TableWind, ends_of, number, pair, points_of
 from instances.errors import InputError
 
 
@@ -61,7 +61,7 @@ class Vortices(TableWind):
 
     def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
         """Return ∫ w·dσ [m²/s] along the segments `a` → `b`."""
-        p, q = points_of(a), points_of(b)
+        p, q = ends_of(a, b)
         d = q - p
         length = np.hypot(d[:, 0], d[:, 1])
         t = np.divide(d, length[:, None], out=np.zeros_like(d), where=length[:, None] > 0)

@@ -44,6 +44,18 @@ def test_line_integral_is_the_integral(wind: WindField) -> None:
     np.testing.assert_allclose(wind.line_integral(b, a), -wind.line_integral(a, b), rtol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "wind", [*FIELDS, sampled(FIELDS[3], (-1000.0, -1000.0, 1000.0, 1000.0), 5, 4)], ids=lambda w: type(w).__name__
+)
+def test_one_point_is_an_end_of_all_segments(wind: WindField) -> None:
+    points = np.random.default_rng(2).uniform(-1000, 1000, (20, 2))
+    one = np.tile(points[:1], (20, 1))
+    np.testing.assert_array_equal(wind.line_integral(points, points[:1]), wind.line_integral(points, one))
+    np.testing.assert_array_equal(wind.line_integral(points[:1], points), wind.line_integral(one, points))
+    with pytest.raises(ValueError, match="broadcast"):
+        wind.line_integral(points, points[:2])
+
+
 @pytest.mark.parametrize("wind", FIELDS, ids=lambda w: type(w).__name__)
 def test_toml_table_round_trip(wind: WindField) -> None:
     assert wind_from_toml(wind.to_toml()) == wind

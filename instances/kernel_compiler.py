@@ -8,7 +8,7 @@ it, to be optimised and turned into machine code once more. Here
 * a kernel that LLVM would not inline for its size is called where it lies instead of copied (`KernelLibrary`), and kept
   machine code knows what it calls (`Callee`);
 * a kernel is compiled once for all widths of integers and for constants (`widened`);
-* a kernel that makes no array counts no references to arrays (`CountNoReferences`): its caller holds them.
+* numba's passes are followed by those of `kernel_passes.py`.
 
 `instances.kernels.njit` makes kernels of this kind.
 """
@@ -23,24 +23,19 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
-from numba.core import ir, types
+from numba.core import types
 from numba.core.caching import FunctionCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import AnalysisPass, register_pass
 from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import IRLegalization
 
-__all__ = ["Kernel"]
+from instances.kernel_passes import CountFromTheFront, CountNoReferences
+
+__all__ = ["Kernel", "KernelCompiler"]
 
 COPIED = 400
 """Instructions of the largest kernels that are copied into their callers; larger ones LLVM would not inline there."""
-BORROWING = (
-    "build_tuple", "cast", "exhaust_iter", "getattr", "getiter", "iternext", "pair_first", "phi", "static_getitem"
-)  # fmt: skip
-"""Expressions whose arrays are those they are made of."""
-PLAIN = (ir.Branch, ir.Del, ir.Jump, ir.Return, ir.StaticRaise)
-"""Statements that make no array; of others `makes_arrays` decides."""
 
 
 class StaleError(Exception):
@@ -98,59 +93,6 @@ class KernelLibrary(JITCodeLibrary):
                 passes.run(function, builder)
 
 
-@register_pass(mutates_CFG=False, analysis_only=True)
-class CountNoReferences(AnalysisPass):
-    """Lower a kernel without reference counts where every array is its caller's: none is made and none returned."""
-
-    _name = "count_no_references"
-
-    def __init__(self) -> None:
-        AnalysisPass.__init__(self)
-
-    def run_pass(self, state: Any) -> bool:
-        """Decide it for the function that is being compiled."""
-        if not makes_arrays(state):
-            state.targetctx = state.targetctx.subtarget(enable_nrt=False)
-        return True
-
-
-def makes_arrays(state: Any) -> bool:
-    """Return whether a typed function may make, keep or return anything that is counted; if in doubt it may."""
-    models = state.targetctx.data_model_manager
-
-    def counted(a_type: types.Type) -> bool:
-        return bool(models[a_type].contains_nrt_meminfo())
-
-    def of_arrays(a_type: Any) -> bool:
-        if isinstance(a_type, types.BaseTuple):
-            members: Any = a_type
-            return all(map(of_arrays, members))
-        return isinstance(a_type, types.Array) or not counted(a_type)
-
-    def borrowed(value: Any, a_type: types.Type) -> bool:
-        if isinstance(value, ir.Yield):
-            return False
-        if not isinstance(value, ir.Expr) or not counted(a_type):
-            return True
-        if value.op == "call":
-            return isinstance(state.typemap[value.func.name], types.NamedTupleClass)
-        if value.op == "getitem":  # a view, where no array chooses what is taken
-            whole, index = state.calltypes[value].args
-            return isinstance(whole, types.Array) and not counted(index)
-        return value.op in BORROWING
-
-    def harmless(statement: Any) -> bool:
-        if isinstance(statement, ir.Assign):
-            return borrowed(statement.value, state.typemap[statement.target.name])
-        if isinstance(statement, ir.SetItem | ir.StaticSetItem):
-            return not any(map(counted, state.calltypes[statement].args[1:]))
-        return isinstance(statement, PLAIN)
-
-    if counted(state.return_type) or not all(map(of_arrays, state.args)):
-        return True
-    return not all(harmless(statement) for block in state.func_ir.blocks.values() for statement in block.body)
-
-
 class KernelCompiler(CompilerBase):
     """numba's compiler of functions, for kernels."""
 
@@ -158,6 +100,7 @@ class KernelCompiler(CompilerBase):
         """Return numba's passes and ours."""
         passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
         passes.add_pass_after(CountNoReferences, IRLegalization)
+        passes.add_pass_after(CountFromTheFront, IRLegalization)
         passes.finalize()
         return [passes]
 

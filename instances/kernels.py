@@ -4,7 +4,8 @@ numba looks at the file of a kernel when it decides whether kept machine code is
 constants that the file imports. So machine code lies in the user's cache folder, below the digest of the file and of
 every source it imports, directly or not (`instances.code.closure_digest`): an edit compiles again what can see it and
 nothing else. Folders that nobody used for a week are removed. Below that numba would go by where the sources lie; here
-a second checkout or installation of the same ones finds what is there. Every kernel takes `njit` from here.
+a second checkout or installation of the same ones finds what is there. Every kernel takes `njit` from here, and what
+is one function or another by the types of its arguments `overload`.
 """
 
 from __future__ import annotations
@@ -26,13 +27,14 @@ import numba
 from numba.core import event
 from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import UserProvidedCacheLocator
+from numba.extending import overload as numba_overload
 from platformdirs import user_cache_path
 
 from instances import compilation
 from instances.code import KERNEL_PACKAGES, ROOT, closure_digest, code_digest
-from instances.kernel_compiler import Kernel
+from instances.kernel_compiler import Kernel, KernelCompiler
 
-__all__ = ["njit"]
+__all__ = ["njit", "overload"]
 
 KEPT = 7 * 24 * 3600.0
 """Seconds after its last use that machine code of other sources is kept: several checkouts may be in use."""
@@ -43,7 +45,8 @@ PREFIX, MODULE_PREFIX = "kernels-", "kernels-of-"
 def njit(**options: Any) -> Callable[[Any], Any]:
     """Return a decorator that makes a function a kernel, kept once it is compiled; options are those of `numba.njit`.
 
-    None is wrapped for callers in C, of which there are none.
+    None is wrapped for callers in C, of which there are none. What a kernel of ours computes as an index of an array
+    must not be negative (kernel_passes.py).
     """
     chosen = {key: value for key, value in options.items() if key != "cache"}
 
@@ -53,6 +56,12 @@ def njit(**options: Any) -> Callable[[Any], Any]:
         return kernel
 
     return made
+
+
+def overload(function: Any) -> Any:
+    """Return a decorator of what chooses, by types, the function that kernels call as `function`, a kernel too."""
+    options: Any = {"pipeline_class": KernelCompiler}
+    return numba_overload(function, strict=False, jit_options=options)
 
 
 def cache_folder() -> Path:

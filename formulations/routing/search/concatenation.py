@@ -13,13 +13,12 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import overload
 
 from formulations.routing.search.costs import Costs, FleetCosts, leg, leg_into, uavs_differ
 from formulations.routing.search.problem_data import Nodes
 from formulations.routing.search.tours import Tours, join
 from instances.arrays import Floats, Ints
-from instances.kernels import njit
+from instances.kernels import njit, overload
 
 
 class AlikeSegments(NamedTuple):
@@ -66,7 +65,7 @@ def given_backward(segments: Segments) -> Floats:
     return segments.others_backward if isinstance(segments, FleetSegments) else segments.backward
 
 
-@overload(empty_segments, strict=False)
+@overload(empty_segments)
 def _empty_segments(costs: Any, n_tasks: Any) -> Callable[..., Any]:
     def alike(costs, n_tasks):  # type: ignore[no-untyped-def]
         size = n_tasks + 2
@@ -80,14 +79,14 @@ def _empty_segments(costs: Any, n_tasks: Any) -> Callable[..., Any]:
     return fleet if costs.instance_class is FleetCosts else alike
 
 
-@overload(given_forward, strict=False)
+@overload(given_forward)
 def _given_forward(segments: Any) -> Callable[..., Any]:
     if segments.instance_class is FleetSegments:
         return lambda segments: segments.others_forward
     return lambda segments: segments.forward
 
 
-@overload(given_backward, strict=False)
+@overload(given_backward)
 def _given_backward(segments: Any) -> Callable[..., Any]:
     if segments.instance_class is FleetSegments:
         return lambda segments: segments.others_backward

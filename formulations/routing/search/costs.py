@@ -18,13 +18,12 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import overload
 from numpy.typing import NDArray
 
 from formulations.routing.search.place_costs import PlaceCosts, place_costs, place_leg, read_only
 from instances import Instance, Travel
 from instances.arrays import Floats, Ints
-from instances.kernels import njit
+from instances.kernels import njit, overload
 
 _TILE = 256
 """Rows and columns that the processor's cache holds both of, compared at once."""
@@ -90,7 +89,7 @@ def _of_places(costs: Any) -> bool:
     return getattr(costs, "instance_class", None) is PlaceCosts
 
 
-@overload(leg, strict=False)
+@overload(leg)
 def _leg(costs: Any, k: Any, u: Any, w: Any) -> Callable[..., Any]:
     if _of_fleet(costs):
         return lambda costs, k, u, w: costs.out[costs.classes[k], u, w] * costs.scale[k]
@@ -99,7 +98,7 @@ def _leg(costs: Any, k: Any, u: Any, w: Any) -> Callable[..., Any]:
     return lambda costs, k, u, w: costs.out[u, w]
 
 
-@overload(leg_into, strict=False)
+@overload(leg_into)
 def _leg_into(costs: Any, k: Any, w: Any, u: Any) -> Callable[..., Any]:
     if _of_fleet(costs):
         return lambda costs, k, w, u: costs.into[costs.classes[k], w, u] * costs.scale[k]
@@ -108,13 +107,13 @@ def _leg_into(costs: Any, k: Any, w: Any, u: Any) -> Callable[..., Any]:
     return lambda costs, k, w, u: costs.into[w, u]
 
 
-@overload(uavs_differ, strict=False)
+@overload(uavs_differ)
 def _uavs_differ(costs: Any) -> Callable[..., Any]:
     differ = _of_fleet(costs)
     return lambda costs: differ
 
 
-@overload(n_nodes, strict=False)
+@overload(n_nodes)
 def _n_nodes(costs: Any) -> Callable[..., Any]:
     if _of_places(costs):
         return lambda costs: costs.x.size

@@ -71,6 +71,7 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
         FULL, neighbourhood=FULL.neighbourhood._replace(potentials=PotentialParameters(most=0))
     ),
     "tasks numbered as the instance numbers them": replace(FULL, renumbered=10**9),
+    "ends of many tours": replace(FULL, one_site=replace(FULL.one_site, depots=FULL.several_depots.depots)),
     "no wide recreation": replace(FULL, one_site=replace(FULL.one_site, width=FULL.several_depots.width)),
 }
 OPTIONS: dict[str, dict[str, float]] = {  # ingredients that are options of memetic

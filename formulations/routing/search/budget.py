@@ -22,7 +22,7 @@ class BudgetParameters:
     seconds: between two looks at the clock: a tenth of what a limit may be overrun by (0.2 s, tests/benchmarks).
     steps: between two looks where the iteration limit sets the schedule.
     level: steps at one temperature, at most: the shortest annealing of a population, of 10 000, has forty levels.
-    levels: between two meetings of threads, at most, where there are several.
+    levels: between two meetings of threads, at most; one thread as well does not look at all else more often.
     telling: share of the time that telling of better routes may take before the end where there is no matrix of costs:
     of 20,000 tasks each takes 8 ms.
     probe, probed: share of the limit, and where the clock sets it steps, after which the speed is known well enough to

@@ -74,8 +74,9 @@ class Lineage:
     def __init__(self, data: ProblemData, parameters: SearchParameters, rng: Rng, family: Family) -> None:
         self.strategy = parameters.strategy(data)
         self.data, self.parameters, self.rng = data, parameters.by(self.strategy), rng
-        annealing = self.parameters.annealing
-        self.annealing = annealing._replace(recreate=annealing.recreate._replace(width=self.strategy.width))
+        annealing, strategy = self.parameters.annealing, self.strategy
+        recreate = annealing.recreate._replace(width=strategy.width, depots=strategy.depots)
+        self.annealing = annealing._replace(recreate=recreate)
         self.family = family
         self._step_length = 0.0
         self._begin, self.end = 0.0, 1.0

@@ -161,7 +161,6 @@ class Memetic(RecordedSolver):
         if instance.by_metric is not None:
             level, telling = max(level, instance.n_tasks // 10), self.parameters.budget.telling
         teller = Teller(recorder, telling, numbers)
-        levels = self.parameters.budget.levels if threads > 1 else 1
         planned = False
         with ThreadPoolExecutor(threads) as pool:
             run: Callable[..., Iterator[Any]] = pool.map if threads > 1 else map
@@ -179,7 +178,7 @@ class Memetic(RecordedSolver):
                         population.plan(step)
                 next_stages(populations, now, run)
                 left = math.ceil((min(population.end for population in populations) - now) / step)
-                window = budget.next_window(min(levels * level, max(left, level)), level)
+                window = budget.next_window(min(self.parameters.budget.levels * level, max(left, level)), level)
                 taken = list(run(Population.run, populations, repeat(now), repeat(window), repeat(step)))
                 share_best(populations)
                 budget.took(fmean(taken))

@@ -22,7 +22,7 @@ class BudgetParameters:
     seconds: between two looks at the clock: a tenth of what a limit may be overrun by (0.2 s, tests/benchmarks).
     steps: between two looks where the iteration limit sets the schedule.
     level: steps at one temperature, at most: the shortest annealing of a population, of 10 000, has forty levels.
-    levels: between two meetings of threads, at most; one thread as well does not look at all else more often.
+    levels: after which threads meet, at the latest, and limits and the best tours are looked at.
     telling: share of the time that telling of better routes may take before the end where there is no matrix of costs:
     of 20,000 tasks each takes 8 ms.
     probe, probed: share of the limit, and where the clock sets it steps, after which the speed is known well enough to
@@ -103,12 +103,16 @@ class Budget:
     def next_window(self, most: int, level: int) -> Window:
         """Return what each thread may do now, about `most` steps, `level` of them at one temperature.
 
-        Threads are unequally fast: by the clock they meet in time, each after as many steps as it could take.
+        By the clock it is over when so many steps would take that long: some take a hundred times as long as others,
+        and threads are unequally fast. They meet in time, each after as many steps as it could take.
         """
         steps, limits = self.next_steps(most), self._recorder.limits
-        if limits.iterations is not None or limits.threads == 1:
+        if limits.iterations is not None:
             return Window(steps, level, math.inf)
-        return Window(2 * steps, min(level, max(1, steps // _LOOKS)), self._began + steps / self._rate)
+        until = self._began + steps / self._rate
+        if limits.threads == 1:
+            return Window(steps, level, until)
+        return Window(2 * steps, min(level, max(1, steps // _LOOKS)), until)
 
     def took(self, steps: float) -> None:
         """Say that `steps` steps were taken since `next_steps`, on average over threads."""

@@ -36,7 +36,7 @@ class RecreateParameters(NamedTuple):
     width: near tasks whose two sides are looked at. Where all UAVs start at one site annealings look at more
     (strategy.py).
     depots: nearest depots whose tours' ends are looked at; as many again are drawn among the others, so that a UAV far
-    away is found too.
+    away is found too. Annealings look at fewer where all are at one site.
     blink: probability of overlooking a place, at most one for each task; the published value.
     tie: weight of a tour's growth in the guide by excess: small, it only tells ties apart.
     """

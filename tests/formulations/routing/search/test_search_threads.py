@@ -111,7 +111,10 @@ def test_threads_take_equal_steps_where_these_are_counted_and_equal_time_by_the_
     window = by_steps.next_window(4000, 250)
     assert (window.steps, window.level, window.over) == (900, 250, False)
     alone = Budget(Recorder(plane(6), Limits(time=3600.0), ignore), BudgetParameters())
-    assert alone.next_window(250, 250).until == math.inf
+    alone.took(10**6)
+    began, window = time.perf_counter(), alone.next_window(4000, 250)
+    assert (window.steps, window.level) == (4000, 250)
+    assert began < window.until <= began + 0.1
     by_clock = Budget(Recorder(plane(6), Limits(time=3600.0, threads=2), ignore), BudgetParameters())
     by_clock.took(10**6)
     began = time.perf_counter()

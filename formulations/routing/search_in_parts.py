@@ -25,6 +25,8 @@ def improve_in_parts(recorder: Recorder, seed: int) -> int:
     size, each = max(2, round(_SHARE * instance.n_depots)), _STEPS * instance.n_tasks**2
     if recorder.routes is None or size >= instance.n_depots:
         return steps
+    if recorder.objective <= 0.0:  # nothing is shorter, and the longest tour may have no tasks
+        return steps
     while in_vain < _IN_VAIN and (left := recorder.remaining) > 0:
         limits = Limits(time=left, iterations=each)
         uavs = _around_the_longest(instance, recorder.routes, size, rng)

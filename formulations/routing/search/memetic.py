@@ -165,11 +165,13 @@ class Memetic(RecordedSolver):
         with ThreadPoolExecutor(threads) as pool:
             run: Callable[..., Iterator[Any]] = pool.map if threads > 1 else map
             while True:
-                if any(population.improved for population in populations) and (teller.has_time or budget.stopped_by):
+                # nothing is shorter than tours that cost nothing, and what is done to the longest needs tasks on it
+                stopped_by = budget.stopped_by or ("" if populations[0].incumbent > 0.0 else "finished")
+                if any(population.improved for population in populations) and (teller.has_time or stopped_by):
                     for population in populations:
                         population.improved = False
                     teller.tell(populations[0].best)
-                if budget.stopped_by:
+                if stopped_by:
                     break
                 now, step = budget.fraction, 1.0 / budget.total_steps
                 if not planned and budget.has_probed:
@@ -182,7 +184,7 @@ class Memetic(RecordedSolver):
                 taken = list(run(Population.run, populations, repeat(now), repeat(window), repeat(step)))
                 share_best(populations)
                 budget.took(fmean(taken))
-        return recorder.result(budget.stopped_by, iterations=budget.iterations, stages=populations[0].family.stages)
+        return recorder.result(stopped_by, iterations=budget.iterations, stages=populations[0].family.stages)
 
     def _planned_at_take_off(self, recorder: Recorder, seed: int) -> Result:
         """Return the routes found for the costs of take-off; by the clock they may be past endurance."""

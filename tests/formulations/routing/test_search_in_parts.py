@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from formulations.limits import Limits
+from formulations.routing.branch_and_price import BranchAndPrice
 from formulations.routing.recorder import Recorder
 from formulations.routing.search_in_parts import improve_in_parts, search_of_part
-from formulations.routing.solver import ignore
+from formulations.routing.solver import Status, ignore
 from formulations.routing.subset_dp import SubsetDp
 from instances import Instance, Travel, check_routes, makespan
 
@@ -45,6 +46,14 @@ def test_where_a_part_would_be_all_there_is_nothing_to_do(m):
     recorder, steps = improved(plane(m, 0), all_to_the_first(m))
     assert steps == 0
     assert recorder.routes == all_to_the_first(m)
+
+
+def test_routes_that_cost_nothing_are_left_as_they_are():
+    instance = Instance("nothing", np.zeros((N + 4, N + 4)), N, 4)
+    routes = ((), tuple(range(N)), (), ())
+    recorder, steps = improved(instance, routes)
+    assert (steps, recorder.routes) == (0, routes)
+    assert BranchAndPrice(starts=1).solve(instance, limits=Limits(time=60.0)).status is Status.OPTIMAL
 
 
 def test_nothing_is_done_without_routes_or_time():

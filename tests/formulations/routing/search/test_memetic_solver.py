@@ -139,3 +139,11 @@ def test_nothing_is_compiled_after_prepare():
     """No limit pays for compilation; in a process of its own, where no other test has compiled anything."""
     done = subprocess.run([sys.executable, "-c", COMPILED], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(("n", "m", "threads"), [(8, 5, 1), (8, 5, 2), (1, 4, 1)])
+def test_where_all_tours_cost_nothing_it_is_finished_at_once(n, m, threads):
+    instance = Instance("nothing", np.zeros((n + m, n + m)), n, m)
+    found = make_solver("memetic").solve(instance, limits=Limits(time=3600.0, threads=threads))
+    assert (found.objective, found.stopped_by) == (0.0, "finished")
+    assert not check_routes(instance, found.routes)

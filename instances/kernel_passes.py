@@ -3,8 +3,8 @@
 * A kernel that makes no array counts no references to arrays (`CountNoReferences`): its caller holds them.
 * A computed index is counted from the front (`CountFromTheFront`): numba asks of each whether it is negative, and adds
   the length to one that is. Nodes, places and tours are never so numbered, and where a kernel reads a dozen arrays for
-  each place that it looks at, a fifth of its time went into the question (measured.md). Constants such as −1 count
-  from the end as ever, and so do all indices of kernels that are not ours: they may well have such.
+  each place that it looks at, a fifth of its time went into the question (formulations/routing/measured.md). Constants
+  such as −1 count from the end as ever, and so do all indices of kernels that are not ours: they may well have such.
 """
 
 from __future__ import annotations
@@ -104,14 +104,14 @@ def _count_from_the_front(state: Any, access: Any) -> None:
     whole, index, *others = signature.args
     if isinstance(whole, types.Array):
         del state.calltypes[access]  # which is not overwritten
-        index = from_the_front(index, state.typemap[access.index.name])
+        index = _from_the_front(index, state.typemap[access.index.name])
         state.calltypes[access] = signature.replace(args=(whole, index, *others))
 
 
-def from_the_front(index: Any, given: Any) -> Any:
+def _from_the_front(index: Any, given: Any) -> Any:
     """Return the type of an index that numba takes as it is; `index` is numba's for what is `given`, a tuple or not."""
     if isinstance(index, types.BaseTuple):
         members: Any = index
-        return types.Tuple([from_the_front(*pair) for pair in zip(members, given, strict=True)])
+        return types.Tuple([_from_the_front(*pair) for pair in zip(members, given, strict=True)])
     constant = isinstance(given, types.IntegerLiteral)
     return types.uintp if index in types.signed_domain and not constant else index

@@ -29,7 +29,7 @@ class WindField(Protocol):
         ...
 
     def line_integral(self, a: ArrayLike, b: ArrayLike) -> Floats:
-        """Return ∫ w·dσ [m²/s] along the straight segments `a` → `b`, each (k, 2) [m], shape (k,)."""
+        """Return ∫ w·dσ [m²/s] along the straight segments `a` → `b`, (k, 2) [m] or one point for all, shape (k,)."""
         ...
 
     def to_toml(self, folder: Path | None = None) -> dict[str, Any]:
@@ -58,7 +58,10 @@ def points_of(points: ArrayLike) -> Floats:
 
 
 def ends_of(a: ArrayLike, b: ArrayLike) -> tuple[Floats, Floats]:
-    """Return the ends of segments as two arrays of shape (k, 2); a single point is an end of all of them."""
+    """Return the ends of segments as two arrays of shape (k, 2); a single point is an end of all of them.
+
+    Raises ValueError where the numbers of points differ otherwise.
+    """
     p, q = np.broadcast_arrays(points_of(a), points_of(b))
     return np.ascontiguousarray(p), np.ascontiguousarray(q)
 

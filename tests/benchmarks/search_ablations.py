@@ -14,6 +14,7 @@ PACKING = FULL.one_site.packing
 assert SHORT is not None
 assert PACKING is not None
 NO_TRIMMING = PACKING.trimming._replace(share=0.0)
+ONE_ERA = PACKING.eras._replace(stale=float("inf"))
 NO_CAP, NO_REHEATING = replace(FULL.schedule.final, below=0.0), Reheating(share=0.0)
 PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters of memetic
     "no cap in the end (p-norm throughout)": replace(
@@ -25,9 +26,15 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "no fine annealings": replace(
         FULL,
         several_depots=replace(FULL.several_depots, fine_share=0.0),
-        one_site=replace(FULL.one_site, fine_share=0.0, reheating=NO_REHEATING),
+        one_site=replace(FULL.one_site, fine_share=0.0, reheating=NO_REHEATING, packing=replace(PACKING, reheated=0.0)),
     ),
-    "no reheating": replace(FULL, one_site=replace(FULL.one_site, reheating=NO_REHEATING)),
+    "no reheating": replace(
+        FULL,
+        one_site=replace(FULL.one_site, reheating=NO_REHEATING, packing=replace(PACKING, reheated=0.0)),
+    ),
+    "reheatings of many UAVs at one site as of few": replace(
+        FULL, one_site=replace(FULL.one_site, packing=replace(PACKING, reheated=0.0))
+    ),
     "no quenches": replace(FULL, one_site=replace(FULL.one_site, quench=None)),
     "no pull of the mean over plateaus": replace(FULL, schedule=replace(FULL.schedule, most_weight=0.0)),
     "no compact annealings": replace(FULL, one_site=replace(FULL.one_site, compact=0.0)),
@@ -35,6 +42,10 @@ PARAMETERS: dict[str, SearchParameters] = {  # ingredients that are parameters o
     "no capped annealings": replace(
         FULL, one_site=replace(FULL.one_site, packing=replace(PACKING, founders=0.0, others=0.0))
     ),
+    "as many capped founders whether or not they succeed": replace(
+        FULL, one_site=replace(FULL.one_site, packing=replace(PACKING, recent=0.0))
+    ),
+    "one era": replace(FULL, one_site=replace(FULL.one_site, packing=replace(PACKING, eras=ONE_ERA))),
     "no trimmed tours": replace(FULL, one_site=replace(FULL.one_site, packing=replace(PACKING, trimming=NO_TRIMMING))),
     "no parted tasks": replace(
         FULL,

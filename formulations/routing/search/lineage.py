@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from formulations.routing.search.energy import Measure, MeasureKind, excess, fitness
+from formulations.routing.search.eras import Eras
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.problem_data import ProblemData
 from formulations.routing.search.randomness import Rng, below
@@ -46,7 +47,7 @@ class Family:
     members: the solutions kept; founder: the length of a founder's stage, as a fraction of the limit; founders: how
     many there are; stages: newcomers taken in, of them since_restart since the last restart and barren since the last
     that was new; in_long: what all long founders (strategy.py) took, as a fraction of the limit; children, perturbed:
-    how often such newcomers were new.
+    how often such newcomers were new; packed: how often capped founders were (packing.py); eras: see eras.py.
     """
 
     threads: int = 1
@@ -59,11 +60,17 @@ class Family:
     in_long: float = 0.0
     children: Successes = field(default_factory=Successes)
     perturbed: Successes = field(default_factory=Successes)
+    packed: Successes = field(default_factory=Successes)
+    eras: Eras = field(default_factory=Eras)
 
     @property
     def longest(self) -> float:
         """The longest stage of a founder, as a fraction of the limit: three fit into what all threads have."""
         return min(self.threads, 2) / 3.0
+
+    def begin_anew(self) -> None:
+        """Forget all members, and whether capped founders were new."""
+        self.members, self.since_restart, self.barren, self.packed = [], 0, 0, Successes()
 
 
 class Lineage:
@@ -118,7 +125,7 @@ class Lineage:
 
     def _take_in(self, newcomer: Tours) -> bool:
         """End a stage: take its newcomer in, return whether it is new; restart where nothing new came for long."""
-        family, new = self.family, self._select(newcomer)
+        family, new = self.family, self.select(newcomer)
         family.stages += 1
         family.since_restart += 1
         family.barren = 0 if new else family.barren + 1
@@ -137,7 +144,7 @@ class Lineage:
         """How long nothing was new, for the strategy."""
         return self.family.barren / (self.strategy.settling * self.family.founders)
 
-    def _select(self, newcomer: Tours) -> bool:
+    def select(self, newcomer: Tours) -> bool:
         """Add a copy of `newcomer` where it is better than a member; return whether it is new and in.
 
         Near members are all replaced by a newcomer better than the best of them, and keep every other out: members

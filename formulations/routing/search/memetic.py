@@ -36,10 +36,11 @@ from formulations.routing.search.packing import Packing
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.parting import PartingParameters
 from formulations.routing.search.perturbation import perturb
-from formulations.routing.search.population import Population, next_stages, share_best
+from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded, uniform
 from formulations.routing.search.recreate import GUIDES
+from formulations.routing.search.stages import next_stages, share_best
 from formulations.routing.search.states import searching as states
 from formulations.routing.search.tours import duplicate, from_routes
 from formulations.routing.search.trimming import TrimmingParameters

@@ -8,7 +8,7 @@ most of the time goes to long founders.
 At the end of a stage every tour of the newcomer gets a better order (local_search.py), and it is taken in (lineage.py).
 The longer nothing is new, the more annealings part tasks (parting.py), or are fine or compact (schedule.py), and at one
 site the more solutions from scratch are quenched (strategy.py).
-Each thread has its own newcomer, and all threads have the same members (lineage.py) and the same best tours.
+Each thread has its own newcomer, and all have the same members (lineage.py) and best tours (stages.py).
 Where tours from one site are long handover.py says when the population ends: few UAVs have one founder, and then edge
 assembly (edge_assembly.py), which a chained local search ends (chained_search.py); that alone follows where more fly,
 in turn with searches of parts where it does not begin hot (part_search.py).
@@ -16,7 +16,6 @@ in turn with searches of parts where it does not begin hot (part_search.py).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,7 +30,7 @@ from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.lineage import Family, Lineage, Successes
 from formulations.routing.search.local_search import intensify
-from formulations.routing.search.packing import CappedSchedule
+from formulations.routing.search.packing import CappedSchedule, Packing
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.part_search import PartSearch
 from formulations.routing.search.parting import PartingParameters, part_two
@@ -40,7 +39,7 @@ from formulations.routing.search.problem_data import ProblemData, grain_of
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.recreate import construct
 from formulations.routing.search.schedule import Schedule
-from formulations.routing.search.tours import Tours, copy_tours, duplicate, empty_tours, reprice
+from formulations.routing.search.tours import Tours, duplicate, empty_tours
 from formulations.routing.search.trimming import TrimmingParameters, trim
 from instances.arrays import Bools
 
@@ -49,8 +48,8 @@ from instances.arrays import Bools
 class Newcomer:
     """What a stage anneals: tours, of a subproblem or the whole, from a first temperature on, and the stage's length.
 
-    first: in mean legs; length: as a fraction of the limit; successes: where it is to be noted whether it was new;
-    aside (m,): which tours were trimmed and are not searched.
+    first: in mean legs; length: as a fraction of the limit; successes: where it is to be noted whether it was new, with
+    a weight of `recent`; aside (m,): which tours were trimmed and are not searched.
     """
 
     tours: Tours
@@ -58,11 +57,15 @@ class Newcomer:
     length: float
     subproblem: Subproblem | None = None
     successes: Successes | None = None
+    recent: float = 0.0
     aside: Bools | None = None
 
 
 class Population(Lineage):
-    """The newcomer that one thread anneals, and the best tours so far; times are fractions of the limit."""
+    """The newcomer that one thread anneals, and the best tours so far; times are fractions of the limit.
+
+    chains: whether a chained search will take over.
+    """
 
     def __init__(
         self,
@@ -77,21 +80,21 @@ class Population(Lineage):
         self.endurance, self._steps = endurance, self.annealing
         self.grain = 0.0 if endurance.limited else grain_of(data.costs)
         schedule = parameters.schedule
-        self._newcomer = Newcomer(start if start is not None else self._constructed(), schedule.founder, 1.0)
+        self._newcomer = Newcomer(start if start is not None else self.constructed(), schedule.founder, 1.0)
         self._schedule: Schedule | CappedSchedule = Schedule(schedule.founder, schedule.softness[0], schedule.final)
         self._fittest = duplicate(self._newcomer.tours)
         self.best = duplicate(self._newcomer.tours)
         self.improved = True
         self._long = parameters.handover.assembles(data.costs, data.size[0])
-        self._soon, self._chains = self._long, False
+        self._soon, self.chains = self._long, False
         self._chained: ChainedSearch | EdgeAssembly | PartSearch | None = None
 
     def plan(self, step: float) -> None:
         """Say which part of the limit a step takes, and when chained search begins; the only founder is then short."""
         super().plan(step)
         how, family = self.parameters.handover, self.family
-        self._chains = family.founder >= how.founder and how.chains(self.data.costs, self.data.size[0])
-        alone = self._chains and family.founder > family.longest and how.suits_hot(self.data)
+        self.chains = family.founder >= how.founder and how.chains(self.data.costs, self.data.size[0])
+        alone = self.chains and family.founder > family.longest and how.suits_hot(self.data)
         self._soon = (self._long or alone) and how.fits(self.data, step, how.begin)
         if self._soon:
             self.end = self._begin + how.begin
@@ -142,7 +145,7 @@ class Population(Lineage):
             return
         new = self._take_in(self._fittest)
         if self._newcomer.successes is not None:
-            self._newcomer.successes.note(new, self.parameters.population.recent)
+            self._newcomer.successes.note(new, self._newcomer.recent)
 
     def begin(self, now: float, others: int = 0) -> None:
         """Begin the next stage; `others` are under way in other threads."""
@@ -166,14 +169,20 @@ class Population(Lineage):
         family.in_long += length
         softness = how.softness[below(self.rng, len(how.softness))]
         schedule = Schedule(how.first, softness, self.parameters.schedule.final)
-        return Newcomer(self._constructed(), how.first, length), schedule
+        return Newcomer(self.constructed(), how.first, length), schedule
+
+    @property
+    def packing(self) -> Packing | None:
+        """What the strategy does where many UAVs are packed, while there is reason and time to."""
+        how = self.strategy.packing
+        if how is None or how.depth * self.family.founder > how.longest:
+            return None
+        return how if how.leaves_little(self.incumbent, self.data) else None
 
     def _packed(self, others: int) -> tuple[Newcomer, Schedule | CappedSchedule] | None:
         """Return a newcomer that is trimmed or capped and its schedule, where the strategy has such (packing.py)."""
-        how, before = self.strategy.packing, self._newcomer
-        if how is None or self._founding(others) or how.depth * self.family.founder > how.longest:
-            return None
-        if not how.leaves_little(self.incumbent, self.data):
+        how, before, family = self.packing, self._newcomer, self.family
+        if how is None or self._founding(others):
             return None
         trimming = how.trimming
         if before.aside is not None and before.aside.sum() < trimming.most:
@@ -183,8 +192,11 @@ class Population(Lineage):
         if uniform(self.rng) < trimming.share:
             tours = duplicate(self.best) if uniform(self.rng) < trimming.best else self._member()
             return self.trimmed(tours, np.zeros(self.data.size[1], np.bool_), trimming)
-        if uniform(self.rng) < how.founders:
-            newcomer = replace(self._founder(), length=how.depth * self.family.founder)
+        if uniform(self.rng) < how.reheated:
+            return self._reheated()
+        if uniform(self.rng) < how.share_of_founders(family.packed.rate):
+            length = how.depth * family.founder
+            newcomer = replace(self._founder(), length=length, successes=family.packed, recent=how.recent)
             return newcomer, how.draw_schedule(from_scratch=True, rng=self.rng)
         if uniform(self.rng) < how.others:
             newcomer = self._renewed()
@@ -209,7 +221,7 @@ class Population(Lineage):
         if uniform(self.rng) >= how.share * min(1.0, self._staleness):
             return None
         schedule = Schedule(fine, self.parameters.schedule.draw_softness(self.rng), self.strategy.fine)
-        return Newcomer(self._constructed(), fine, how.length * family.founder), schedule
+        return Newcomer(self.constructed(), fine, how.length * family.founder), schedule
 
     def _parted(self, others: int) -> tuple[Newcomer, Schedule] | None:
         """Return a newcomer with two tasks of its longest tour parted and its schedule, if that is drawn."""
@@ -233,13 +245,13 @@ class Population(Lineage):
 
     def _drawn(self, others: int) -> tuple[Newcomer, Schedule]:
         """Return the next newcomer and its schedule; `others` are under way in other threads."""
-        staleness, parameters, founder = self._staleness, self.parameters.schedule, None
-        schedule = self.strategy.draw_reheating(staleness, parameters, self.rng)
-        if schedule is not None:
-            newcomer = self._reheated()
+        staleness, founder = self._staleness, None
+        if self.strategy.reheats(staleness, self.rng):
+            newcomer, schedule = self._reheated()
         else:
             founder = self._founder() if self._founding(others) else None
             newcomer = founder or self._renewed()
+            parameters = self.parameters.schedule
             schedule = self.strategy.draw_schedule(newcomer.first, staleness, parameters, self.rng)
         if founder is None and uniform(self.rng) < self.strategy.compact * min(1.0, staleness):
             schedule = replace(schedule, compact=True)
@@ -248,7 +260,7 @@ class Population(Lineage):
     def _hands_over(self, now: float) -> bool:
         """Return whether it is time for an edge assembly or a chained search."""
         how = self.parameters.handover
-        due = self._chains and now >= (how.early if how.is_hot(self.incumbent, self.data) else how.after)
+        due = self.chains and now >= (how.early if how.is_hot(self.incumbent, self.data) else how.after)
         return self._soon or (due and how.fits(self.data, self._step_length, now))
 
     def _hand_over(self, now: float) -> None:
@@ -294,7 +306,7 @@ class Population(Lineage):
         return (self.best, part.whole) if part is not None else (self.best, self._newcomer.tours, self._fittest)
 
     def _founder(self) -> Newcomer:
-        return Newcomer(self._constructed(), self.parameters.schedule.founder, self.family.founder)
+        return Newcomer(self.constructed(), self.parameters.schedule.founder, self.family.founder)
 
     def _renewed(self) -> Newcomer:
         """Return a newcomer made from members."""
@@ -311,18 +323,22 @@ class Population(Lineage):
         family = self.family
         if uniform(self.rng) < family.perturbed.share(family.children, parameters.perturbations):
             length = parameters.perturbed * family.founder
-            return Newcomer(self.perturbed(), schedule.perturbed, length, successes=family.perturbed)
+            return Newcomer(
+                self.perturbed(), schedule.perturbed, length, successes=family.perturbed, recent=parameters.recent
+            )
         length = parameters.child * family.founder
-        return Newcomer(self.child(), schedule.child, length, successes=family.children)
+        return Newcomer(self.child(), schedule.child, length, successes=family.children, recent=parameters.recent)
 
-    def _reheated(self) -> Newcomer:
-        """Return a copy of the fitter of two random members."""
+    def _reheated(self) -> tuple[Newcomer, Schedule]:
+        """Return a copy of the fitter of two random members and the schedule of a reheating."""
         reheating, measure = self.strategy.reheating, self.measure
         assert reheating is not None
+        softness = self.parameters.schedule.draw_softness(self.rng)
         members = self.family.members
         a, b = members[below(self.rng, len(members))], members[below(self.rng, len(members))]
         fitter = a if fitness(a.cost, measure) <= fitness(b.cost, measure) else b
-        return Newcomer(duplicate(fitter), reheating.first, reheating.steps * self._step_length)
+        newcomer = Newcomer(duplicate(fitter), reheating.first, reheating.steps * self._step_length)
+        return newcomer, Schedule(reheating.first, softness, self.strategy.fine)
 
     def decomposed(self) -> Subproblem:
         """Return some tours of a random member, to be searched alone."""
@@ -352,34 +368,8 @@ class Population(Lineage):
         """Return a copy of a random member."""
         return duplicate(self.family.members[below(self.rng, len(self.family.members))])
 
-    def _constructed(self) -> Tours:
+    def constructed(self) -> Tours:
+        """Return tours from scratch."""
         tours = empty_tours(*self.data.size)
         construct(self.data, tours, self.parameters.annealing.recreate, self.rng)
         return tours
-
-
-def share_best(populations: Sequence[Population]) -> None:
-    """Give all populations the best tours of any; where endurances then have another reference price all tours anew."""
-    first = min(populations, key=lambda population: population.incumbent)
-    for population in populations:
-        if population.incumbent > first.incumbent:
-            copy_tours(first.best, population.best)
-    if first.endurance.follow(first.best.cost):
-        for tours in (*first.family.members, *(tours for population in populations for tours in population.priced)):
-            reprice(first.data.costs, tours)
-
-
-def next_stages(populations: Sequence[Population], now: float, run: Callable[..., Iterator[object]] = map) -> None:
-    """End the stages of populations whose end has come, take their newcomers in and begin the next, always in order.
-
-    run: `map`, or that of a pool of threads.
-    """
-    ended = [population for population in populations if now >= population.end]
-    if not ended:
-        return
-    list(run(Population.grow_up, ended))
-    share_best(populations)
-    for population in ended:
-        population.take_in()
-    for i, population in enumerate(ended, len(populations) - len(ended)):
-        population.begin(now, others=i)

@@ -172,11 +172,9 @@ class Strategy:
         """Return the share of the tasks that must have other neighbours, with short tours or without."""
         return self.apart if self.short is None else self.short.apart
 
-    def draw_reheating(self, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule | None:
-        """Return the schedule of a reheating, with probability staleness / 2 but reheating.share at most, else None."""
-        if self.reheating is None or uniform(rng) >= min(self.reheating.share, 0.5 * staleness):
-            return None
-        return Schedule(self.reheating.first, parameters.draw_softness(rng), self.fine)
+    def reheats(self, staleness: float, rng: Rng) -> bool:
+        """Return whether a reheating is drawn, with probability staleness / 2 but reheating.share at most."""
+        return self.reheating is not None and uniform(rng) < min(self.reheating.share, 0.5 * staleness)
 
     def draw_schedule(self, first: float, staleness: float, parameters: ScheduleParameters, rng: Rng) -> Schedule:
         """Return a schedule from `first` mean legs on, fine with probability `staleness` but fine_share at most."""

@@ -15,10 +15,11 @@ from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
 from formulations.routing.search.lineage import Successes
 from formulations.routing.search.parameters import PopulationParameters, SearchParameters
-from formulations.routing.search.population import Population, next_stages
+from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
 from formulations.routing.search.recreate import RecreateParameters
+from formulations.routing.search.stages import next_stages
 from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS
 from instances import Instance, check_routes, tour_costs
 

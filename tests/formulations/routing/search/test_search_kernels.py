@@ -354,15 +354,12 @@ def test_annealings_are_fine_the_more_often_the_longer_nothing_new_was_found_and
         assert (schedule.first, schedule.final) in [(SCHEDULE.child, SCHEDULE.final), (first, strategy.fine)]
 
 
-def test_reheatings_come_the_more_often_the_longer_nothing_new_was_found_and_begin_gently():
+def test_reheatings_come_the_more_often_the_longer_nothing_new_was_found():
     rng = seeded(6)
-    drawn = [[ONE_SITE.draw_reheating(stale, SCHEDULE, rng) for _ in range(400)] for stale in (0.0, 0.4, 9.0)]
-    none, some, most = (sum(schedule is not None for schedule in schedules) for schedules in drawn)
+    none, some, most = (sum(ONE_SITE.reheats(stale, rng) for _ in range(400)) for stale in (0.0, 0.4, 9.0))
     assert none == 0
     assert 50 < some < 110 < 130 < most < 190
-    gentle = [Schedule(ONE_SITE.reheating.first, softness, ONE_SITE.fine) for softness in SCHEDULE.softness]
-    assert all(schedule is None or schedule in gentle for schedule in chain(*drawn))
-    assert SEVERAL_DEPOTS.draw_reheating(9.0, SCHEDULE, rng) is None
+    assert not SEVERAL_DEPOTS.reheats(9.0, rng)
 
 
 def test_tours_that_cost_nothing_have_a_temperature_and_an_objective():

@@ -11,9 +11,10 @@ from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import energy
 from formulations.routing.search.packing import CappedSchedule, Packing
 from formulations.routing.search.parameters import SearchParameters
-from formulations.routing.search.population import Population, next_stages
+from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
+from formulations.routing.search.stages import next_stages
 from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS
 from formulations.routing.search.trimming import TrimmingParameters, trim
 from instances import Instance, check_routes, makespan, tour_costs
@@ -141,12 +142,13 @@ def stages(population, step):
         yield population._newcomer, population._schedule
 
 
-def test_stages_are_capped_or_search_the_tours_beside_a_trimmed_one():
+def test_stages_are_capped_or_reheat_or_search_the_tours_beside_a_trimmed_one():
     instance = at_one_site(24, MANY, 5)
     population = new_population(instance, 5, packed())
-    capped = trimmed = 0
-    for newcomer, schedule in stages(population, 2e-6):
+    capped = trimmed = reheated = 0
+    for newcomer, schedule in stages(population, 5e-7):
         capped += isinstance(schedule, CappedSchedule)
+        reheated += newcomer.first == ONE_SITE.reheating.first and schedule.final == ONE_SITE.fine
         if newcomer.aside is not None:
             trimmed += 1
             part = newcomer.subproblem
@@ -154,14 +156,22 @@ def test_stages_are_capped_or_search_the_tours_beside_a_trimmed_one():
             flown = {v for k in np.flatnonzero(newcomer.aside) for v in rings.to_routes(part.whole)[k]}
             assert flown.isdisjoint(part.nodes.tolist())
             assert (part.whole.cost[newcomer.aside] < population.incumbent).all()
-    assert min(capped, trimmed) > 5
+    assert min(capped, trimmed, reheated) > 5
     assert not check_routes(instance, rings.to_routes(population.best))
     assert makespan(instance, rings.to_routes(population.best)) == pytest.approx(population.incumbent)
 
 
+def test_capped_founders_are_the_fewer_the_seldomer_they_are_new():
+    how = Packing(founders=0.4, seldom=0.05)
+    assert [how.share_of_founders(rate) for rate in (1.0, 0.5, 0.2, 0.0)] == pytest.approx([0.4, 0.4, 0.2, 0.04])
+    population = new_population(at_one_site(24, MANY, 5), 5, packed(reheated=0.0))
+    rates = [population.family.packed.rate for _ in stages(population, 5e-7)]
+    assert min(rates) < 0.3
+
+
 @pytest.mark.parametrize(("over", "follows"), [(0.5 * HOW.near, True), (2.0 * HOW.near, False), (0.0, False)])
 def test_a_second_tour_is_trimmed_where_the_others_nearly_fit(over, follows):
-    parameters = packed(trimming=HOW._replace(share=0.0), founders=0.0, others=0.0)
+    parameters = packed(trimming=HOW._replace(share=0.0), reheated=0.0, founders=0.0, others=0.0)
     instance = at_one_site(24, MANY, 6)
     population = new_population(instance, 6, parameters)
     population.plan(1e-6)

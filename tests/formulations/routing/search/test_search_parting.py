@@ -13,9 +13,10 @@ from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.parting import PartingParameters, part_two, parted_costs
 from formulations.routing.search.place_costs import PlaceCosts
-from formulations.routing.search.population import Population, next_stages
+from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import NeighbourhoodParameters, problem_data
 from formulations.routing.search.randomness import seeded
+from formulations.routing.search.stages import next_stages
 from formulations.routing.search.strategy import ONE_SITE, SEVERAL_DEPOTS
 from instances import Instance, check_routes, makespan, tour_costs
 

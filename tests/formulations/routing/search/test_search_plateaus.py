@@ -101,7 +101,7 @@ def choosing(cost, founders=3, apart=0.3):
     parameters = replace(SearchParameters(), several_depots=strategy, one_site=strategy)
     population = Population(data, Endurance(FLAT, data.costs), parameters, seeded(1), None)
     population.family.founders, population.family.members = founders, []
-    return population, lambda *routes: population._select(rings.from_routes(data.costs, routes))
+    return population, lambda *routes: population.select(rings.from_routes(data.costs, routes))
 
 
 def members(population):

@@ -16,9 +16,10 @@ from formulations.routing.search.costs import search_costs
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.lineage import Family
 from formulations.routing.search.parameters import SearchParameters
-from formulations.routing.search.population import Population, next_stages, share_best
+from formulations.routing.search.population import Population
 from formulations.routing.search.problem_data import problem_data
 from formulations.routing.search.randomness import seeded
+from formulations.routing.search.stages import next_stages, share_best
 from formulations.routing.search.strategy import SEVERAL_DEPOTS
 from formulations.routing.solver import ignore
 from instances import Instance, check_routes, tour_costs

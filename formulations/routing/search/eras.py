@@ -1,10 +1,10 @@
 """Eras: where many UAVs are packed, a family begins anew from scratch, and late in the search the best of all meet.
 
 Ways of packing are deep traps, and one that is led into early is seldom left: caps lie below its longest tour, its
-children are like it, and a restart (lineage.py) keeps its best. So where no shorter tours were found for long, in the
-time of the limit and in that which it took to find them, an era ends: its best are set aside and all else is forgotten.
-Restarting a search whose times vary widely is well founded (Luby, Sinclair, Zuckerman, IPL 47, 1993); when to do so is
-here a matter of what the era has shown. What all eras brought forth is crossed in the end.
+children are like it, and a restart (lineage.py) keeps its best. So an era ends where no shorter tours were found for
+long, beside the limit and beside what it took to find the last: its best are set aside, all else is forgotten. To begin
+anew pays where the times of runs vary widely (Luby, Sinclair, Zuckerman, IPL 47, 1993). What all eras brought forth is
+crossed in the end.
 """
 
 from __future__ import annotations
@@ -18,15 +18,16 @@ from formulations.routing.search.tours import Tours
 class EraParameters(NamedTuple):
     """When an era ends; times are shares of the limit.
 
-    a280_10, 30 s: 0.12 % (17 seeds), with one era 0.17 to 0.2 %, of which runs end in traps of 0.44 and 0.67 %
-    (measured.md).
+    a280_10, 30 s, six seeds: 0.03 %, in one era 0.07 %; which traps runs end in otherwise: measured.md.
 
-    stale: for so long nothing shorter was found, at least; factor: and for so long in what the era had taken till then.
+    stale: how long nothing shorter was found, at least; founders: the same, in founders' lengths; factor: the same, as
+    a multiple of what the last took to find.
     less: share by which the longest tour must be shorter to count as found.
-    meeting: when the best of all eras become members; no era begins that would not last `stale` until then.
+    meeting: when the best of all eras become members; none begins with less than it may be stale left.
     """
 
     stale: float = 0.1
+    founders: float = 30.0
     factor: float = 2.0
     less: float = 4e-5
     meeting: float = 0.85
@@ -49,10 +50,14 @@ class Eras:
         if longest < (1.0 - how.less) * self.shortest:
             self.shortest, self.shortened = longest, now
 
-    def is_over(self, now: float, how: EraParameters) -> bool:
-        """Return whether nothing shorter was found for long, and another era has time."""
-        patience = max(how.stale, how.factor * (self.shortened - self.began))
-        return now - self.shortened >= patience and now + how.stale <= how.meeting
+    def is_over(self, now: float, founder: float, how: EraParameters) -> bool:
+        """Return whether nothing shorter was found for long, and another era has time; `founder` is its stage's length.
+
+        Both as fractions of the limit.
+        """
+        stale = max(how.stale, how.founders * founder)
+        patience = max(stale, how.factor * (self.shortened - self.began))
+        return now - self.shortened >= patience and now + stale <= how.meeting
 
     def begin(self, champion: Tours, now: float) -> None:
         """Begin the next one; `champion`, the best tours of the last, is kept."""

@@ -52,7 +52,7 @@ def _next_era(populations: Sequence[Population], now: float) -> bool:
     if eras.champions and now >= how.eras.meeting:
         _meet(populations)
     untold = any(population.improved for population in populations)
-    if untold or first.packing is None or not eras.is_over(now, how.eras):
+    if untold or first.packing is None or not eras.is_over(now, family.founder, how.eras):
         return False
     eras.begin(duplicate(first.best), now)
     family.begin_anew()

@@ -21,7 +21,7 @@ from formulations.routing.search.stages import next_stages, share_best
 from formulations.routing.search.strategy import ONE_SITE
 from instances import Instance, check_routes, makespan, tour_costs
 
-HOW = EraParameters(stale=0.1, factor=2.0, less=1e-3, meeting=0.8)
+HOW = EraParameters(stale=0.1, founders=2.0, factor=2.0, less=1e-3, meeting=0.8)
 N, M = 24, Packing().uavs
 STEP = 2e-6
 
@@ -53,7 +53,7 @@ def family(instance, eras=HOW, threads=1):
 @pytest.mark.parametrize(("now", "over"), [(0.29, False), (0.31, True), (0.69, True), (0.71, False)])
 def test_an_era_ends_after_a_share_of_the_limit_without_a_shorter_tour_while_another_has_time(now, over):
     eras = Eras(began=0.2, shortened=0.2)
-    assert eras.is_over(now, HOW) == over
+    assert eras.is_over(now, 0.0, HOW) == over
 
 
 @pytest.mark.parametrize(("now", "over"), [(0.59, False), (0.61, True)])
@@ -63,7 +63,12 @@ def test_what_took_long_to_find_is_given_as_long_again(now, over):
     eras.note(9.0, 0.2, HOW)
     eras.note(9.0 * (1.0 - 0.5 * HOW.less), 0.4, HOW)
     assert eras.shortest == 9.0
-    assert eras.is_over(now, HOW) == over
+    assert eras.is_over(now, 0.0, HOW) == over
+
+
+@pytest.mark.parametrize(("now", "over"), [(0.39, False), (0.41, True), (0.59, True), (0.61, False)])
+def test_an_era_has_time_for_some_founders(now, over):
+    assert Eras(began=0.2, shortened=0.2).is_over(now, 0.1, HOW) == over
 
 
 def test_a_new_era_knows_nothing_of_those_before():
@@ -71,7 +76,7 @@ def test_a_new_era_knows_nothing_of_those_before():
     eras.note(10.0, 0.1, HOW)
     eras.begin("champion", 0.4)
     assert eras.champions == ["champion"]
-    assert not eras.is_over(0.49, HOW)
+    assert not eras.is_over(0.49, 0.0, HOW)
     eras.note(30.0, 0.45, HOW)
     assert (eras.shortest, eras.shortened) == (30.0, 0.45)
 
@@ -110,7 +115,7 @@ def test_the_stages_of_all_end_with_an_era_and_late_the_best_of_all_eras_is_a_me
 
 def test_no_era_ends_before_its_best_tours_are_told_of(monkeypatch):
     monkeypatch.setattr(Population, "grow_up", lambda population: None)
-    population = family(crowds(4), EraParameters(stale=0.0, factor=0.0))[0]
+    population = family(crowds(4), EraParameters(stale=0.0, founders=0.0, factor=0.0))[0]
     for improved in (True, False):
         population.improved = improved
         champions = len(population.family.eras.champions)
@@ -120,7 +125,7 @@ def test_no_era_ends_before_its_best_tours_are_told_of(monkeypatch):
 
 def test_no_era_ends_where_a_chained_search_will_take_over_or_nothing_is_packed():
     for changed in ("chains", "packing"):
-        population = family(crowds(5), EraParameters(stale=0.0, factor=0.0))[0]
+        population = family(crowds(5), EraParameters(stale=0.0, founders=0.0, factor=0.0))[0]
         if changed == "chains":
             population.chains = True
         else:

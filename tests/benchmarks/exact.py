@@ -1,7 +1,7 @@
 """Bars of the exact methods: measured figure beside bar.
 
     python tests/benchmarks/exact.py [--quick] [--tasks 40] [--uavs 3] [--first 10] [--seconds 120] [--solver exact]
-        [--benchmarks DIR] [SECTION...]
+        [--benchmarks DIR] [--instances a,b] [SECTION...]
 
 Sections: subset (subset-dp, n = 20 and 22), proofs (by branch-and-price or --solver, n = 40 to 100), long (exact,
 m = 2), gaps (certified where no proof is in reach), bounds (of 200 tasks, without a tree), public (eil51, berlin52,
@@ -184,9 +184,10 @@ def gaps(asked: argparse.Namespace) -> None:
     solver = BranchAndPrice()
     solver.prepare(wind_instance(10, 2, 0))
     for n, m, bar in ((100, 5, "2 % in 300 s"), (100, 3, "as small as possible"), (200, 10, "as small as possible")):
-        if asked.tasks not in (None, n):
+        if asked.tasks not in (None, n) or asked.uavs not in (None, m):
             continue
-        result, _, lasted = run(solver, wind_instance(n, m, 0), asked.seconds or (60.0 if asked.quick else 600.0))
+        instance = wind_instance(n, m, asked.first)
+        result, _, lasted = run(solver, instance, asked.seconds or (60.0 if asked.quick else 600.0))
         gap = "none" if result.gap is None else f"{result.gap:.2%}"
         print(f"{n:4d} {m:3d} | {gap} (bar {bar}) | {result.bound} | {result.objective:.3f} | {lasted:.1f}", flush=True)
 
@@ -261,7 +262,8 @@ def public(asked: argparse.Namespace) -> None:
         return
     print("public instances by exact on two threads: name | status | routes | bound | gap | wall s")
     solver = make_solver("exact")
-    for instance, _ in public_sets.public(asked.benchmarks, "single_mtsplib", only=CLASSICS):
+    only = tuple(filter(None, asked.instances.split(","))) or CLASSICS
+    for instance, _ in public_sets.public(asked.benchmarks, "single_mtsplib", only=only):
         solver.prepare(instance)
         result, _, lasted = run(solver, instance, asked.seconds or (20.0 if asked.quick else 120.0), 2)
         bound = "none" if result.bound is None else f"{result.bound:.3f}"
@@ -382,10 +384,11 @@ if __name__ == "__main__":
     parser.add_argument("sections", nargs="*", choices=[[], *SECTIONS], metavar="SECTION")
     parser.add_argument("--quick", action="store_true", help="fewer seeds, shorter limits")
     parser.add_argument("--tasks", type=int, help="only this many tasks, in proofs, long, gaps, bounds and ratio")
-    parser.add_argument("--uavs", type=int, help="only this many UAVs, in proofs")
+    parser.add_argument("--uavs", type=int, help="only this many UAVs, in proofs and gaps")
     parser.add_argument("--solver", default="branch-and-price", help="whose proofs, in proofs")
-    parser.add_argument("--first", type=int, default=0, metavar="SEED", help="first seed, in proofs and threads")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED", help="first seed, in proofs, gaps and threads")
     parser.add_argument("--seconds", type=float, help="limit of a run by the clock, in proofs, gaps, bounds and public")
+    parser.add_argument("--instances", default="", help="only these, separated by commas, in public")
     public_sets.add_option(parser)
     asked = parser.parse_args()
     for section in asked.sections or SECTIONS:

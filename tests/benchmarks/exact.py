@@ -212,8 +212,7 @@ def bounds(asked: argparse.Namespace) -> None:
         values, spent = [found.bound], [cpu() - began]
         values.append(capped_total(instance, upper, end - time.perf_counter()).bound)
         spent.append(cpu() - began)
-        over = partial(_past, end)
-        for value in destructive_bounds(instance, 0.0, upper, over, price=found.price):
+        for value in destructive_bounds(instance, 0.0, upper, partial(_left, end), price=found.price):
             values.append(value)
             spent.append(cpu() - began)
         gaps_, times = " ".join(f"{1 - v / upper:.2%}" for v in values), " ".join(f"{t:.1f}" for t in spent)
@@ -222,8 +221,8 @@ def bounds(asked: argparse.Namespace) -> None:
               + (f" | {late:.1f} s over the limit" if late > 0.5 else ""), flush=True)  # fmt: skip
 
 
-def _past(end: float) -> bool:
-    return time.perf_counter() > end
+def _left(end: float) -> float:
+    return end - time.perf_counter()
 
 
 def fleets(asked: argparse.Namespace) -> None:

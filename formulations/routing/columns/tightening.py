@@ -2,8 +2,8 @@
 
 The relaxation is solved by column generation; legs or tours are fixed away by reduced cost, and the tours listed when
 they fit; then it is cut and solved again. While they do not fit, exact pricing takes most of the time: before the next,
-more cuts are asked for, of relaxations solved by the quickest pricer alone, which give no bounds. What ends this is one
-of the outcomes below; the tree decides what follows.
+more cuts are asked for where tours are short, of relaxations solved by the quickest pricer alone, which give no
+bounds. What ends this is one of the outcomes below; the tree decides what follows.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ _QUICK_ROOM = 2_000_000  # labels of a UAV to list its tours with while cuts rai
 _MORE_ROOM = 4  # times the labels, after an attempt to list the tours that failed where cuts did no more
 _CUTS_A_ROUND = 50
 _ROUGH_ROUNDS = 2  # of cuts before each exact pricing where some tours are not listed
+_ROUGH = 12  # tasks a UAV up to which there are such rounds: labels of longer tours do not pay for so many cuts
 _STALLED = 0.05  # of the gap: cuts that close less of it
 _ROUNDS_STALLED = 2
 _DEAR = 0.1  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
@@ -203,7 +204,7 @@ def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
 def _cut(node: Node, master: Master, cuts: Sequence[Cut], cap: float, work: Workspace) -> None:
     """Add the cuts, and those that the relaxation solved roughly asks for then: all of them are priced exactly once."""
     _add(master, cuts, work)
-    for _ in range(0 if node.pool.complete else _ROUGH_ROUNDS):
+    for _ in range(0 if node.pool.complete or master.n > _ROUGH * master.m else _ROUGH_ROUNDS):
         quick = PoolPricer(node.pool, work.pricer(node.legs, cap, work.cutting.pricing[0]))
         rough = generate(master, [quick], cap, work.time_left, reserve=_reserve(node), roughly=True)
         work.counts["rounds"] += rough.rounds

@@ -55,7 +55,7 @@ LINES: dict[str, tuple[Change, ...]] = {
     "half-way": ((generation, "adapted", half_way),),
     # of fewer cuts a round less is asked before it is the last
     "no rough rounds": ((tightening, "_ROUGH_ROUNDS", 0), (tightening, "_DEAR", 0.08)),
-    "rough rounds anywhere": ((tightening, "_ROUGH", 300),),
+    "rough rounds anywhere": ((tightening, "_ROUGH_UP_TO", 300),),
     "no trials": ((tightening, "_HASTY", -1.0),),
     "no parts": ((search_beside, "improve_in_parts", no_steps),),
 }

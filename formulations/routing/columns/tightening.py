@@ -31,7 +31,7 @@ _QUICK_ROOM = 2_000_000  # labels of a UAV to list its tours with while cuts rai
 _MORE_ROOM = 4  # times the labels, after an attempt to list the tours that failed where cuts did no more
 _CUTS_A_ROUND = 50
 _ROUGH_ROUNDS = 2  # of cuts before each exact pricing where some tours are not listed
-_ROUGH = 12  # tasks a UAV up to which there are such rounds: labels of longer tours do not pay for so many cuts
+_ROUGH_UP_TO = 12  # tasks a UAV: with so many cuts at once pricing of longer tours loses labels
 _STALLED = 0.05  # of the gap: cuts that close less of it
 _ROUNDS_STALLED = 2
 _DEAR = 0.1  # the same where some tours are not listed, so that pricing is dear: then one such round is enough
@@ -204,7 +204,8 @@ def _branch(node: Node, cap: float, work: Workspace) -> Branch | Stuck:
 def _cut(node: Node, master: Master, cuts: Sequence[Cut], cap: float, work: Workspace) -> None:
     """Add the cuts, and those that the relaxation solved roughly asks for then: all of them are priced exactly once."""
     _add(master, cuts, work)
-    for _ in range(0 if node.pool.complete or master.n > _ROUGH * master.m else _ROUGH_ROUNDS):
+    roughly = not node.pool.complete and master.n <= _ROUGH_UP_TO * master.m
+    for _ in range(_ROUGH_ROUNDS if roughly else 0):
         quick = PoolPricer(node.pool, work.pricer(node.legs, cap, work.cutting.pricing[0]))
         rough = generate(master, [quick], cap, work.time_left, reserve=_reserve(node), roughly=True)
         work.counts["rounds"] += rough.rounds

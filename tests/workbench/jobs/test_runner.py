@@ -303,7 +303,7 @@ def test_a_run_that_stops_its_keeper_is_killed(finish, all_with_first):
 
 def test_the_clock_is_ours(finish):
     found = finish("TurnsClocksBack")
-    assert 0.3 <= found.elapsed < 5
+    assert 0 < found.elapsed < 5  # by the run's clocks -5000 or no time at all; ours may hear late that it began
     assert all(0 <= elapsed < 5 for elapsed, _, _ in found.trace)
 
 

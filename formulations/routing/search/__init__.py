@@ -19,5 +19,5 @@ annealing under a schedule is `ruin_recreate`; decomposition, perturbation, cros
 packing make a population of a strategy, whose stages and eras are `memetic`; parameters has all that was tuned. Where
 tours from one site are long, handover says when edge_assembly (of rings from nearest_in_turn, each a giant_tour, by
 ab_cycles and ring_children) or chained_search (by chain_moves of candidate_legs on tour_blocks, judged by ring_energy,
-and by bridges) takes over; part_search may follow.
+and by bridges) takes over; growth may come before it, part_search may follow.
 """

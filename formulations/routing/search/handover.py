@@ -3,9 +3,9 @@
 For UAVs that are alike and fly long tours from one site, at costs that are symmetric. Few of them are edge assembly's
 from the beginning. Of more of them a chained search that begins hot finds better which UAV flies where, the hotter the
 more there are: what a leg counts for in the energy of m tours falls as 1/m, and beside the way across as 1/√n. Not so
-where the farthest task decides or tours are short: there the population goes on for longer, the search that follows
-leaves its tours as they are but for details, and takes turns with searches of the longest of them and some near it
-(part_search.py).
+where the farthest task decides: there tours grow anew from the farthest tasks on (growth.py). Nor where tours are
+short, there the population goes on for longer. In both cases the search that follows leaves the tours as they are but
+for details, and takes turns with searches of the longest of them and some near it (part_search.py).
 Where the limit allows for no population the search begins soon.
 """
 
@@ -39,10 +39,12 @@ class HandoverParameters:
     a chained search (of fewer it makes less: lin318_3, 10 s, two seeds, 0.75 %, without 0.24 %; att532_5 0.01 and
     0.01 %).
     early, heat, last: when it begins hot, its first temperature for each UAV and √n, and its last; room: so long is the
-    longest tour then, at least, in the longest trip to one task and back; each: mean number of tasks on a tour then, at
-    least.
-    after, reheated: when it begins elsewhere, and its first temperature there; turns: until when that search, then
-    searches of parts, then it again and so on go on; where there are no parts, it does to the end.
+    longest tour then, at least, in the longest trip to one task and back, which else decides; each: mean number of
+    tasks on a tour then, at least.
+    grown: where the farthest task decides, how long tours grow anew after the first founder, as a share of what is left
+    of the limit; 0: they do not.
+    after, reheated: when it begins elsewhere, and its first temperature there and on grown tours; turns: until when
+    that search, then searches of parts, then it again and so on go on; where there are no parts, it does to the end.
     pair, most: steps that finding candidate legs takes for each pair of tasks, about, and the share of the time left
     that it may take: 5,914 tasks take half a second, in two threads one, and it is not interrupted.
     """
@@ -59,6 +61,7 @@ class HandoverParameters:
     last: float = 0.1
     room: float = 1.1
     each: int = 100
+    grown: float = 0.17
     after: float = 0.4
     reheated: float = 0.2
     turns: tuple[float, ...] = (0.53, 0.6, 0.73, 0.8, 0.93, 1.0)
@@ -93,8 +96,22 @@ class HandoverParameters:
         return n >= self.each * m
 
     def is_hot(self, longest: float, data: ProblemData) -> bool:
-        """Return whether that is so and no task decides: `longest` [s], the incumbent's, is well above all trips."""
-        return self.suits_hot(data) and longest > self.room * farthest_trip(data.costs, data.size[0])
+        """Return whether that is so and no task decides; `longest` [s] is the incumbent's longest tour."""
+        return self.suits_hot(data) and not self._farthest_decides(longest, data)
+
+    def grows(self, longest: float, data: ProblemData) -> bool:
+        """Return whether tours grow anew, as the farthest task decides; `longest` [s] is the incumbent's."""
+        return self.grown > 0.0 and self._farthest_decides(longest, data)
+
+    def _farthest_decides(self, longest: float, data: ProblemData) -> bool:
+        """Return whether `longest` [s] is not well above the trip to the farthest task and back."""
+        return longest <= self.room * farthest_trip(data.costs, data.size[0])
+
+    def begins(self, longest: float, data: ProblemData) -> float:
+        """Return when the population gives way, if there is to be a chained search."""
+        if self.grows(longest, data):
+            return 0.0
+        return self.early if self.is_hot(longest, data) else self.after
 
 
 def _on_one_ring(costs: Costs, n_tasks: int) -> int:

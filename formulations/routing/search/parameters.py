@@ -16,6 +16,7 @@ from formulations.routing.search.budget import BudgetParameters
 from formulations.routing.search.chain_moves import ChainParameters
 from formulations.routing.search.decomposition import DecompositionParameters
 from formulations.routing.search.edge_assembly import AssemblyParameters
+from formulations.routing.search.growth import GrowthParameters
 from formulations.routing.search.handover import HandoverParameters
 from formulations.routing.search.local_search import LocalSearchParameters
 from formulations.routing.search.part_search import PartParameters
@@ -77,6 +78,7 @@ class SearchParameters:
     handover: HandoverParameters = field(default_factory=HandoverParameters)
     chain: ChainParameters = field(default_factory=ChainParameters)
     assembly: AssemblyParameters = field(default_factory=AssemblyParameters)
+    growth: GrowthParameters = field(default_factory=GrowthParameters)
     parts: PartParameters = field(default_factory=PartParameters)
     budget: BudgetParameters = field(default_factory=BudgetParameters)
     several_depots: Strategy = SEVERAL_DEPOTS

@@ -11,7 +11,8 @@ site the more solutions from scratch are quenched (strategy.py).
 Each thread has its own newcomer, and all have the same members (lineage.py) and best tours (stages.py).
 Where tours from one site are long handover.py says when the population ends: few UAVs have one founder, and then edge
 assembly (edge_assembly.py), which a chained local search ends (chained_search.py); that alone follows where more fly,
-in turn with searches of parts where it does not begin hot (part_search.py).
+in turn with searches of parts where it does not begin hot (part_search.py), and after tours have grown anew where the
+farthest task decides (growth.py).
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from formulations.routing.search.decomposition import Subproblem, around, merge,
 from formulations.routing.search.edge_assembly import EdgeAssembly
 from formulations.routing.search.endurance import Endurance
 from formulations.routing.search.energy import fitness
+from formulations.routing.search.growth import Growth
 from formulations.routing.search.lineage import Family, Lineage, Successes
 from formulations.routing.search.local_search import intensify
 from formulations.routing.search.packing import CappedSchedule, Packing
@@ -87,7 +89,7 @@ class Population(Lineage):
         self.improved = True
         self._long = parameters.handover.assembles(data.costs, data.size[0])
         self._soon, self.chains = self._long, False
-        self._chained: ChainedSearch | EdgeAssembly | PartSearch | None = None
+        self._chained: ChainedSearch | EdgeAssembly | Growth | PartSearch | None = None
 
     def plan(self, step: float) -> None:
         """Say which part of the limit a step takes, and when chained search begins; the only founder is then short."""
@@ -260,7 +262,7 @@ class Population(Lineage):
     def _hands_over(self, now: float) -> bool:
         """Return whether it is time for an edge assembly or a chained search."""
         how = self.parameters.handover
-        due = self.chains and now >= (how.early if how.is_hot(self.incumbent, self.data) else how.after)
+        due = self.chains and now >= how.begins(self.incumbent, self.data)
         return self._soon or (due and how.fits(self.data, self._step_length, now))
 
     def _hand_over(self, now: float) -> None:
@@ -275,11 +277,15 @@ class Population(Lineage):
         elif self._chained is None and (self._soon or how.is_hot(self.incumbent, self.data)):
             chain = chain._replace(first=max(chain.first, how.heat * m * n**0.5), last=how.last)
             self._chained = ChainedSearch(self.data, self.best, chain, self.rng)
+        elif self._chained is None and how.grows(self.incumbent, self.data):
+            self.end = now + how.grown * (1.0 - now)
+            self._chained = Growth(self.data, parameters.growth, self.annealing, parameters.neighbourhood, self.rng)
         else:
+            tours = self._chained.grown() if isinstance(self._chained, Growth) else self.best
             # neighbours of a part take as long as candidate legs, at most
             if parameters.parts.suit(self.data) and how.fits(self.data, self._step_length, how.turns[-2]):
                 self.end = how.until(now, parts=False)
-            self._chained = ChainedSearch(self.data, self.best, chain._replace(first=how.reheated), self.rng)
+            self._chained = ChainedSearch(self.data, tours, chain._replace(first=how.reheated), self.rng)
 
     def _grown(self) -> Tours:
         """Return the newcomer as its stage left it; a subproblem's tours are merged where they are fitter."""

@@ -135,6 +135,15 @@ before = compiled()
 result = solver.solve(instance, limits=Limits(time=3600, iterations=20_000))
 assert result.statistics["stages"] == 1, result.statistics  # edge assembly from then on
 assert compiled() == before, (before, compiled())
+
+place = np.random.default_rng(8).uniform(0.0, 100.0, (1020, 2))
+place[1000:], place[999] = 50.0, 900.0
+instance = Instance("far", np.hypot(*(place[:, None] - place).transpose(2, 0, 1)), 1000, 20)
+solver.prepare(instance)
+before = compiled()
+result = solver.solve(instance, limits=Limits(time=3600, iterations=400_000))
+assert result.statistics["stages"] == 7, result.statistics  # a founder, growth, chained search and parts in turn
+assert compiled() == before, (before, compiled())
 """
 
 

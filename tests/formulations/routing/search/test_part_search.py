@@ -8,6 +8,7 @@ import pytest
 from formulations.routing.search.chained_search import ChainedSearch
 from formulations.routing.search.costs import search_costs
 from formulations.routing.search.endurance import Endurance
+from formulations.routing.search.growth import Growth
 from formulations.routing.search.handover import HandoverParameters
 from formulations.routing.search.parameters import SearchParameters
 from formulations.routing.search.part_search import PartParameters, PartSearch
@@ -39,10 +40,21 @@ def population_of(instance, how=HOW, seed=1):
     return population
 
 
+def grown_of(instance, how=HOW, parts=FULL.parts):
+    """A population whose tours, where the farthest task decides, have grown anew."""
+    population = population_of(instance, how)
+    population.parameters = replace(population.parameters, parts=parts)
+    population.begin(0.5)
+    assert isinstance(population._chained, Growth)
+    assert population.end == pytest.approx(0.5 + 0.5 * how.grown)
+    return population
+
+
 @pytest.mark.parametrize(("far", "end"), [(0.0, 1.0), (1000.0, 0.7)])
 def test_they_take_turns_with_a_chained_search_that_did_not_begin_hot(far, end):
     instance = one_site(40, 8, far)
-    population = population_of(instance, replace(HOW, turns=TURNS))
+    how = replace(HOW, turns=TURNS)
+    population = grown_of(instance, how) if far else population_of(instance, how)
     population.begin(0.65)
     assert isinstance(population._chained, ChainedSearch)
     assert population.end == end
@@ -60,7 +72,7 @@ def test_they_take_turns_with_a_chained_search_that_did_not_begin_hot(far, end):
 
 
 def test_the_search_after_parts_is_not_hot_though_the_longest_tour_changed():
-    population = population_of(one_site(40, 8, 1000.0), replace(HOW, turns=TURNS))
+    population = grown_of(one_site(40, 8, 1000.0), replace(HOW, turns=TURNS))
     for now in (0.65, 0.7):
         population.begin(now)
     population.parameters = replace(population.parameters, handover=replace(HOW, turns=TURNS, room=0.0))
@@ -70,7 +82,7 @@ def test_the_search_after_parts_is_not_hot_though_the_longest_tour_changed():
 
 def test_where_there_is_no_time_to_prepare_them_the_chained_search_goes_on():
     how = replace(HOW, turns=(0.7, 0.8, 0.99, 1.0))  # 40² pairs, 1e-5 of the limit each
-    population = population_of(one_site(40, 8, 1000.0), how)
+    population = grown_of(one_site(40, 8, 1000.0), how)
     population.parameters = replace(population.parameters, handover=replace(how, pair=0.6))
     population.begin(0.65)
     assert isinstance(population._chained, ChainedSearch)
@@ -79,15 +91,14 @@ def test_where_there_is_no_time_to_prepare_them_the_chained_search_goes_on():
 
 @pytest.mark.parametrize(("tasks", "end"), [(29, 1.0), (30, 0.7)])  # six tours of 40 / 8 tasks
 def test_of_long_tours_there_are_no_parts(tasks, end):
-    population = population_of(one_site(40, 8, 1000.0), replace(HOW, turns=TURNS))
-    population.parameters = replace(population.parameters, parts=PartParameters(tasks=tasks))
+    population = grown_of(one_site(40, 8, 1000.0), replace(HOW, turns=TURNS), PartParameters(tasks=tasks))
     population.begin(0.65)
     assert population.end == end
 
 
 @pytest.mark.parametrize(("now", "end"), [(0.7, 0.9), (0.85, 0.9), (0.95, 1.0)])
 def test_a_chained_search_that_begins_late_has_the_next_turn_there_is(now, end):
-    population = population_of(one_site(40, 8, 1000.0), replace(HOW, turns=TURNS))
+    population = grown_of(one_site(40, 8, 1000.0), replace(HOW, turns=TURNS))
     population.begin(now)
     assert population.end == end
 

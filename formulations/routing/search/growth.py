@@ -100,8 +100,9 @@ class Growth:
         joined, tours = self._nodes[:-m], self._tours
         self._level += 1
         count = self._counts[self._level]
+        self._data = whole  # before costs are copied: those of the last level are let go
         if count == n:
-            self._data, self._nodes = whole, np.arange(n + m, dtype=np.int32)
+            self._nodes = np.arange(n + m, dtype=np.int32)
         else:
             self._nodes = np.concatenate([self._order[:count], np.arange(n, n + m, dtype=np.int32)])
             self._data = _between(whole, self._nodes, self._neighbourhood)

@@ -37,10 +37,11 @@ class HandoverParameters:
     whatever m is and for each of the m UAVs; begin: when it takes over from the only founder.
     many, few, founder: tasks, mean number of them on a tour, and share of the limit that a founder takes, at least, for
     a chained search (of fewer it makes less: lin318_3, 10 s, two seeds, 0.75 %, without 0.24 %; att532_5 0.01 and
-    0.01 %).
+    0.01 %). Founders of less than 0.015 ended it before: d1655_20, 60 s, two seeds, 0.27 %, now 0.07; u2152_20, 120 s,
+    0.26 and 0.06 %; pcb1173_10, 90 s, two seeds, −0.54 and −0.57 %.
     early, heat, last: when it begins hot, its first temperature for each UAV and √n, and its last; room: so long is the
-    longest tour then, at least, in the longest trip to one task and back, which else decides; each: mean number of
-    tasks on a tour then, at least.
+    longest tour then, at least, in the longest trip to one task and back: of a shorter one the farthest
+    task decides; each: mean number of tasks on a tour then, at least.
     grown: where the farthest task decides, how long tours grow anew after the first founder, as a share of what is left
     of the limit; 0: they do not.
     after, reheated: when it begins elsewhere, and its first temperature there and on grown tours; turns: until when
@@ -55,7 +56,7 @@ class HandoverParameters:
     begin: float = 0.05
     many: int = 1000
     few: int = 50
-    founder: float = 0.015
+    founder: float = 0.002
     early: float = 0.33
     heat: float = 0.02
     last: float = 0.1

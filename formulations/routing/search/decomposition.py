@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from formulations.routing.search.costs import Costs, part_of
+from formulations.routing.search.costs import Costs
 from formulations.routing.search.problem_data import (
     GranularNeighbourhood,
     NeighbourhoodParameters,
     Nodes,
     ProblemData,
-    problem_data,
+    data_between,
 )
 from formulations.routing.search.randomness import Rng, below, uniform
 from formulations.routing.search.tours import Tours, clear, duplicate, empty_tours, fill, link, sum_costs
@@ -113,8 +113,7 @@ def subproblem(data: ProblemData, tours: Tours, uavs: Nodes, parameters: Neighbo
     """Return the tours of some UAVs as an instance of their own."""
     nodes = _nodes_of(tours, uavs)
     n_tasks = nodes.size - uavs.size
-    potentials = np.ascontiguousarray(data.potentials[:, nodes])
-    own = problem_data(part_of(data.costs, nodes, uavs), n_tasks, parameters, potentials)
+    own = data_between(data, nodes, uavs, parameters)
     empty = empty_tours(n_tasks, uavs.size)
     part = Subproblem(own, tours, empty, empty, nodes)
     ends = np.cumsum(tours.size[uavs])

@@ -18,10 +18,10 @@ from typing import NamedTuple
 import numpy as np
 
 from formulations.routing.search.annealing import AnnealingParameters, anneal
-from formulations.routing.search.costs import AlikeCosts, part_of
+from formulations.routing.search.costs import AlikeCosts
 from formulations.routing.search.energy import excess
 from formulations.routing.search.packing import CappedSchedule
-from formulations.routing.search.problem_data import NeighbourhoodParameters, Nodes, ProblemData, problem_data
+from formulations.routing.search.problem_data import NeighbourhoodParameters, ProblemData, data_between
 from formulations.routing.search.randomness import Rng
 from formulations.routing.search.recreate import recreate_in_turn, shuffle
 from formulations.routing.search.schedule import ScheduleParameters
@@ -33,12 +33,13 @@ class GrowthParameters(NamedTuple):
 
     u2152_20, by script, 5 s of growth and 8 s of what follows, eight seeds: with w = 0.01 0.23 %, 0.02 0.34, 0.03 0.44.
 
-    levels: tasks whose trips are longer than such a share of the longest trip have joined; each takes as long.
+    levels: tasks whose trips are longer than such a share of the longest trip have joined, in the end all; each
+    takes as long.
     weight: w; first, later, last: temperatures of the first level, of the others and of the end of each, as shares of
     w mean legs.
     """
 
-    levels: tuple[float, ...] = (0.85, 0.7, 0.5, 0.3, -1.0)
+    levels: tuple[float, ...] = (0.85, 0.7, 0.5, 0.3)
     weight: float = 0.01
     first: float = 0.25
     later: float = 0.15
@@ -62,7 +63,7 @@ class Growth:
         assert isinstance(costs, AlikeCosts)
         trips = costs.out[n, :n] + costs.out[:n, n]
         self._farthest, self._order = float(trips.max()), np.argsort(-trips, kind="stable").astype(np.int32)
-        self._counts = [max(1, int((trips > share * self._farthest).sum())) for share in parameters.levels[:-1]]
+        self._counts = [max(1, int((trips > share * self._farthest).sum())) for share in parameters.levels]
         self._counts.append(n)
         self._level, self._nodes = -1, np.empty(0, np.int32)
         self._tours = self._best = empty_tours(0, m)
@@ -107,7 +108,7 @@ class Growth:
             self._nodes = np.arange(n + m, dtype=np.int32)
         else:
             self._nodes = np.concatenate([self._order[:count], np.arange(n, n + m, dtype=np.int32)])
-            self._data = _between(whole, self._nodes, self._neighbourhood)
+            self._data = data_between(whole, self._nodes, np.arange(m), self._neighbourhood)
         number = np.empty(n, np.int32)
         number[self._nodes[:count]] = np.arange(count)
         self._tours = empty_tours(count, m)
@@ -121,10 +122,3 @@ class Growth:
         recreate_in_turn(self._data, self._tours, queue, 1, cap, self._annealing.recreate, rng)
         sum_costs(self._tours)
         self._best, self._fittest = duplicate(self._tours), duplicate(self._tours)
-
-
-def _between(whole: ProblemData, nodes: Nodes, parameters: NeighbourhoodParameters) -> ProblemData:
-    """Return the data of some tasks, those of `nodes` before all depots."""
-    m = whole.site.size
-    costs = part_of(whole.costs, nodes, np.arange(m))
-    return problem_data(costs, nodes.size - m, parameters, np.ascontiguousarray(whole.potentials[:, nodes]))

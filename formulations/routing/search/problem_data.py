@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from formulations.routing.search.costs import AlikeCosts, Costs, kinds, least
+from formulations.routing.search.costs import AlikeCosts, Costs, kinds, least, part_of
 from formulations.routing.search.leg_potentials import PotentialParameters, left_of, leg_potentials
 from formulations.routing.search.place_costs import PlaceCosts, near_places, place_sites
 from instances.arrays import Floats, Ints
@@ -61,6 +61,14 @@ def problem_data(
         potentials = leg_potentials(anyones, n_tasks, parameters.potentials)
     left = left_of(anyones, potentials, n_tasks) if potentials.any() else anyones
     return ProblemData(costs, granular_neighbourhood(left, n_tasks, parameters), site, potentials)
+
+
+def data_between(
+    data: ProblemData, nodes: Nodes, uavs: NDArray[np.integer], parameters: NeighbourhoodParameters
+) -> ProblemData:
+    """Return the data of some nodes, the tasks first, then the depots of `uavs`, under the potentials of the whole."""
+    potentials = np.ascontiguousarray(data.potentials[:, nodes])
+    return problem_data(part_of(data.costs, nodes, uavs), nodes.size - uavs.size, parameters, potentials)
 
 
 def grain_of(costs: Costs) -> float:

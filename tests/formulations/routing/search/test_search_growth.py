@@ -59,7 +59,7 @@ def trips(instance):
 def test_at_each_level_just_the_tasks_beyond_it_have_joined(seed):
     instance = scattered(60, 4, seed)
     growth, far = growth_of(instance), trips(instance) / trips(instance).max()
-    for i, share in enumerate(FULL.growth.levels):
+    for i, share in enumerate((*FULL.growth.levels, -1.0)):
         assert not growth.advance((i + 0.5) / 5, 50) or share < 0.0
         assert joined(growth) == set(np.flatnonzero(far > share).tolist())
         costs = growth._data.costs
@@ -91,7 +91,7 @@ def test_all_tasks_join_though_there_were_no_steps_for_some_levels(done):
 
 def test_levels_without_tasks_of_their_own_and_tasks_at_the_depot_are_no_matter():
     instance = instance_of(np.array([[100.0, 0.0]] * 3 + [[0.0, 0.0]] * 2), 2)
-    growth = growth_of(instance, GrowthParameters(levels=(1.0, 0.9, 0.5, -1.0)))
+    growth = growth_of(instance, GrowthParameters(levels=(1.0, 0.9, 0.5)))
     for done in (0.1, 0.4, 0.6, 0.9):
         growth.advance(done, 20)
     assert check_routes(instance, to_routes(growth.grown())) == []
